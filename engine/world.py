@@ -209,7 +209,10 @@ class World:
         return self.options.sleeping and self.steps > 0 and int_table(self._ints, at.TALLY)[0, at.AWAKE] == 0
 
     def state(self) -> FloatArray:
-        """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""
+        """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step.
+
+        In joint coordinates it follows from these: what is written there is lost.
+        """
         return float_table(self._floats, self._ints, at.STATE)[:-1]
 
     def asleep(self) -> NDArray[np.bool_]:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from engine.describe.check import not_negative, positive, whole
 
 __all__ = [
-    "ADAPTIVE", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "FREE_INTEGRATORS", "INTEGRATORS", "LEVELS", "SOLVERS",
-    "Options",
+    "ADAPTIVE", "AUTOMATIC", "BOUNDING_VOLUMES", "BROAD_PHASES", "CONTINUOUS", "COORDINATES", "FREE_INTEGRATORS", "INTEGRATORS",
+    "JOINT", "LEVELS", "MAXIMAL", "SOLVERS", "Options",
 ]  # fmt: skip
 
 ADAPTIVE = "dormand_prince"
@@ -24,6 +24,8 @@ BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force
 BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
 SOLVERS = ("tgs_soft", "exact", "sequential_impulses")
 CONTINUOUS = ("off", "speculative", "swept")
+MAXIMAL, JOINT, AUTOMATIC = "maximal", "joint", "automatic"
+COORDINATES = (MAXIMAL, JOINT, AUTOMATIC)
 LEVELS = ("sphere", "box", "hull", "decomposition", "mesh")
 
 
@@ -49,7 +51,9 @@ class Options:
         slower than sleep_speed [m/s] for sleep_time [s] stands still until something outside of it changes, where
         sqrt(2 E / m) of the kinetic energy E is a body's speed; it errs by up to sleep_speed in velocity, and keeps down what
         accelerates by less than sleep_speed / sleep_time. With it a world of spheres alone is solved by manifolds like any
-        other, not by the solver of spheres.
+        other, not by the solver of spheres. coordinates: of bodies held by joints, 'maximal' six of each body's own, with the
+        joints as constraints; 'joint' those that the joints leave, where these make trees and nothing touches; 'automatic'
+        these where they are known, else the former.
     """
 
     dt: float = 1 / 240
@@ -75,6 +79,7 @@ class Options:
     sleeping: bool = False
     sleep_speed: float = 1e-3
     sleep_time: float = 0.5
+    coordinates: str = MAXIMAL
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
@@ -102,6 +107,8 @@ class Options:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
         if self.continuous not in CONTINUOUS:
             raise ValueError(f"options: continuous {self.continuous!r}, expected one of {', '.join(CONTINUOUS)}")
+        if self.coordinates not in COORDINATES:
+            raise ValueError(f"options: coordinates {self.coordinates!r}, expected one of {', '.join(COORDINATES)}")
         positive("options", "tolerance", self.tolerance, "")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")

@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.articulated.assembly import motion_of, with_trees
+from engine.articulated.choice import chosen_forest
 from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
+from engine.build.appearance import looks_of, may_touch
 from engine.build.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
@@ -21,14 +24,13 @@ from engine.describe.check import finite, number, whole
 from engine.describe.errors import Diverged, NotSupported
 from engine.describe.joints import Joint
 from engine.describe.optics import Sun
-from engine.describe.shapes import Placed
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
 from engine.options import Options
 from engine.rays.cast import METHODS, as_rays, cast_on_shapes, unit_directions
 from engine.rays.hits import Hits
-from engine.steps.choice import Kernels, choose_step
+from engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
 
 if TYPE_CHECKING:
     from engine.images.eye import Eye, Picture
@@ -76,7 +78,8 @@ class World:
             bodies = at_level(bodies, self.options.level_of_detail)
         joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
-        self.touching = self.options.contacts and _may_touch(bodies)
+        self.touching = self.options.contacts and may_touch(bodies)
+        forest = chosen_forest(bodies, joints, self.options, self.touching)
         islands = self.touching and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         check_initial_rates(bodies, joints)
@@ -90,9 +93,6 @@ class World:
         self._bodies = tuple(bodies)
         self._drawn = self if all(body.visual is None for body in bodies) else None
         self.jointed = bool(joints)
-        unsmooth = "dry friction" if any(getattr(joint, "friction_loss", 0.0) > 0 for joint in joints) else ""
-        if any(getattr(joint, "speed_limit", math.inf) < math.inf for joint in joints):
-            unsmooth = "a limit of speed"
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
         self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
         volume, threads = self.options.bounding_volume, self.options.threads
@@ -106,7 +106,13 @@ class World:
             from engine.respond.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
+        self._step = self._exact or choose_step(
+            self.touching, self.jointed, self.options, self.spheres, islands, unsmooth_of(joints)
+        )
+        self.in_joint_coordinates = forest is not None
+        if forest is not None:
+            self._floats, self._ints = with_trees(self._floats, self._ints, forest)
+            self._step = joint_coordinates_step(self.options)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:
@@ -203,7 +209,10 @@ class World:
         return self.options.sleeping and self.steps > 0 and int_table(self._ints, at.TALLY)[0, at.AWAKE] == 0
 
     def state(self) -> FloatArray:
-        """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step."""
+        """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step.
+
+        In joint coordinates it follows from these: what is written there is lost.
+        """
         return float_table(self._floats, self._ints, at.STATE)[:-1]
 
     def asleep(self) -> NDArray[np.bool_]:
@@ -276,6 +285,10 @@ class World:
         total = float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
         mean: FloatArray = total / self.options.dt
         return mean
+
+    def joint_motion(self, joint: str) -> tuple[float, float]:
+        """The coordinate [rad or m] of a hinge or slide, turns counted, and its rate; NaN outside of joint coordinates."""
+        return motion_of(self._floats, self._ints, self._joints[joint]) if self.in_joint_coordinates else (math.nan, math.nan)
 
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
@@ -359,7 +372,7 @@ class World:
         """A world of the bodies with their visual shapes, where they are now."""
         if self._drawn is None:
             self._drawn = World(
-                [replace(body, shapes=_looks(body), visual=None, motion="kinematic") for body in self._bodies],
+                [replace(body, shapes=looks_of(body), visual=None, motion="kinematic") for body in self._bodies],
                 options=Options(contacts=False),
             )
         self._drawn.state()[:] = self.state()
@@ -373,8 +386,8 @@ class World:
         """Back to a saved state of this world. Raises: ValueError for that of a world with other bodies, shapes or joints."""
         columns = [at.BODIES, at.SHAPES, at.JOINTS]
         got, own = (int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
-        if got != own:
-            raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own}")
+        if got != own or (self.in_joint_coordinates and len(saved[1]) != len(self._ints)):
+            raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own} in the same coordinates")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
     def adopt(self, floats: FloatArray, ints: IntArray) -> None:
@@ -385,14 +398,3 @@ class World:
     def kernels(self) -> Kernels:
         """The compiled functions that advance this world in its memory."""
         return Kernels(self._step, self._find_pairs, self._drop_apart)
-
-
-def _looks(body: Body) -> Sequence[Placed]:
-    """What a body is drawn with."""
-    return body.shapes if body.visual is None else body.visual
-
-
-def _may_touch(bodies: Sequence[Body]) -> bool:
-    """Whether two bodies have shapes and one of them is dynamic."""
-    solid = [body for body in bodies if body.shapes]
-    return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)

@@ -22,6 +22,10 @@ Deviations:
     * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
       With the option 'level_of_detail' it collides, and meets rays, as its sphere, box, hull or convex pieces; an open mesh has
       none, and decomposition needs CoACD: both are `Unsupported`.
+    * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic'. In joint
+      coordinates semi-implicit Euler takes the forces of turning bodies as at the start of a sub-step: it neither keeps angular
+      momentum to round-off nor carries a fast top, which Runge-Kutta does. Contacts, loops and distances have none: 'joint' is
+      `Unsupported` there, and 'automatic' keeps the bodies' own.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart
@@ -128,11 +132,13 @@ ADAPTER = ReferenceAdapter(
             "splitting_8", "dormand_prince",
         ),
         "options.continuous": ("speculative", "swept"),
+        "options.coordinates": ("automatic",),
         "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
     },
     acts_on={
         **dict.fromkeys(("solver", "iterations", "options.contact_hertz"), Effect.CONTACT),
         "options.continuous": Effect.CONTINUOUS_COLLISION,
+        "options.coordinates": Effect.JOINTS,
     },
     trade_offs={
         "joint_long_run/ladder": (

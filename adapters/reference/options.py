@@ -34,6 +34,7 @@ OPTIONS: Mapping[str, type] = {
     "sleeping": bool,
     "sleep_speed": float,
     "sleep_time": float,
+    "coordinates": str,
 }
 
 CONTINUOUS = ("speculative", "swept")
@@ -97,6 +98,7 @@ def resolved_settings(settings: Settings, used: "engine.Options", world: "engine
     filled["step_tolerance"] = used.used_step_tolerance
     if soft and not used.sleeping:
         del filled["sleep_speed"], filled["sleep_time"]
+    filled["coordinates"] = "joint" if world.in_joint_coordinates else None
     if used.continuous == "off":
         del filled["continuous"]
     return replace(

@@ -63,11 +63,12 @@ class ReferenceSimulation:
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:]
 
     def joint_states(self) -> JointStates:
-        """Reactions of the last step; the engine has no coordinates of joints, which follow from the poses."""
+        """Reactions of the last step; coordinates where the engine has them, which follow from the poses elsewhere."""
         states = JointStates.unknown(self._scene)
         if Effect.JOINTS in self._scene.effects:
             for k, joint in enumerate(self._scene.joints):
                 states.reaction[k] = self._world.reaction(joint.name)
+                states.coordinate[k], states.rate[k] = self._world.joint_motion(joint.name)
         return states
 
     def contacts(self) -> Contacts:

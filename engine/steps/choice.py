@@ -1,6 +1,7 @@
 """Which compiled step advances a world: the one that runs exactly the stages which its contents call for."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import cast
@@ -10,9 +11,10 @@ from numpy.typing import NDArray
 
 from engine.broad.choice import DropApart, FindPairs
 from engine.describe.errors import NotSupported
+from engine.describe.joints import Joint
 from engine.options import FREE_INTEGRATORS, Options
 
-__all__ = ["Kernels", "Step", "choose_step"]
+__all__ = ["Kernels", "Step", "choose_step", "joint_coordinates_step", "unsmooth_of"]
 
 Step = Callable[[NDArray[np.float64], NDArray[np.int64], int], tuple[int, int]]
 
@@ -67,3 +69,17 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
             f"integrator 'rk4' with {unsmooth} in a joint", "its stages are smooth; semi_implicit_euler knows it"
         )
     return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler
+
+
+def joint_coordinates_step(options: Options) -> Step:
+    """The compiled step of trees in joint coordinates."""
+    from engine.steps import joint_coordinates as steps
+
+    return steps.step_joint_coordinates_runge_kutta if options.integrator == "rk4" else steps.step_joint_coordinates_euler
+
+
+def unsmooth_of(joints: Sequence[Joint]) -> str:
+    """What of the joints' laws has no place in smooth stages; empty where nothing."""
+    if any(getattr(joint, "speed_limit", math.inf) < math.inf for joint in joints):
+        return "a limit of speed"
+    return "dry friction" if any(getattr(joint, "friction_loss", 0.0) > 0 for joint in joints) else ""

@@ -1,0 +1,173 @@
+"""The articulated-body algorithm: accelerations of trees from their forces, at a cost in proportion to the number of links.
+
+    inwards:   U = I S,  D = S . U + added,  u = push - S . p
+               I <- I - U U^T / D,  p <- p + U u / D       column by column, the outermost first
+               I_parent <- I_parent + I,  p_parent <- p_parent + p + I c
+    outwards:  a <- a_parent + c
+               q'' = (u - U . a) / D,  a <- a + S q''      column by column, the innermost first
+
+A joint with several columns is a chain of joints with one each between links without mass, for which this is the same. Where
+q'' is prescribed (hybrid dynamics), I stays as it is and p takes in I S q''.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 (table 7.1) and 9.2 (hybrid dynamics).
+"""
+
+import math
+
+from engine.articulated.tables import (
+    ACCELERATION,
+    ADDED,
+    AXIS_W,
+    BIAS,
+    CHANGE,
+    COLUMNS,
+    COUPLING,
+    FIRST,
+    FORCE,
+    INVERSE,
+    LEFT,
+    PARENT,
+    PULL,
+    PUSH,
+    ROTATION,
+    TRANSLATION,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Mat,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    dot,
+    load3,
+    load6,
+    load9,
+    mat_vec,
+    store3,
+    store6,
+    store9,
+    sym_vec,
+    tmat_vec,
+)  # fmt: skip
+
+__all__ = ["accelerations", "transmitted"]
+
+
+@kernel
+def sym_less(s: Sym, v: Vec, f: float) -> Sym:
+    """S - f v v^T."""
+    x, y, z = f * v[0], f * v[1], f * v[2]
+    return (
+        s[0] - x * v[0], s[1] - y * v[1], s[2] - z * v[2], s[3] - x * v[1], s[4] - x * v[2], s[5] - y * v[2]
+    )  # fmt: skip
+
+
+@kernel
+def mat_less(m: Mat, v: Vec, w: Vec, f: float) -> Mat:
+    """M - f v w^T."""
+    x, y, z = f * v[0], f * v[1], f * v[2]
+    return (
+        m[0] - x * w[0], m[1] - x * w[1], m[2] - x * w[2],
+        m[3] - y * w[0], m[4] - y * w[1], m[5] - y * w[2],
+        m[6] - z * w[0], m[7] - z * w[1], m[8] - z * w[2],
+    )  # fmt: skip
+
+
+@kernel
+def add_row(body: Floats, parent: int, i: int) -> None:
+    """Add inertia and force of link i to those of its parent."""
+    for c in range(FORCE + 6):
+        body[parent, c] += body[i, c]
+
+
+@kernel
+def inwards(tables: Tables) -> None:
+    """Write the articulated inertia and force of every link, and pull, inverse and what is left of every column."""
+    body, column, kind = tables.body, tables.column, tables.kind
+    for i in range(kind.shape[0] - 1, -1, -1):
+        first, parent = kind[i, FIRST], kind[i, PARENT]
+        rotation, translation = load6(body, i, ROTATION), load6(body, i, TRANSLATION)
+        coupling = load9(body, i, COUPLING)
+        torque, force = load3(body, i, FORCE), load3(body, i, FORCE + 3)
+        for k in range(first + kind[i, COLUMNS] - 1, first - 1, -1):
+            turning, sliding = load3(column, k, AXIS_W), load3(column, k, AXIS_W + 3)
+            pull_w = add(sym_vec(rotation, turning), mat_vec(coupling, sliding))
+            pull_v = add(tmat_vec(coupling, turning), sym_vec(translation, sliding))
+            store3(column, k, PULL, pull_w)
+            store3(column, k, PULL + 3, pull_v)
+            left = column[k, PUSH] - dot(turning, torque) - dot(sliding, force)
+            if column[k, ADDED] == math.inf:
+                share = column[k, CHANGE]
+            else:
+                inverse = 1.0 / (dot(turning, pull_w) + dot(sliding, pull_v) + column[k, ADDED])
+                rotation = sym_less(rotation, pull_w, inverse)
+                translation = sym_less(translation, pull_v, inverse)
+                coupling = mat_less(coupling, pull_w, pull_v, inverse)
+                share = inverse * left
+                column[k, INVERSE], column[k, LEFT] = inverse, left
+            torque, force = axpy(share, pull_w, torque), axpy(share, pull_v, force)
+        store6(body, i, ROTATION, rotation)
+        store6(body, i, TRANSLATION, translation)
+        store9(body, i, COUPLING, coupling)
+        store3(body, i, FORCE, torque)
+        store3(body, i, FORCE + 3, force)
+        if parent >= 0:
+            bias_w, bias_v = load3(tables.motion, i, BIAS), load3(tables.motion, i, BIAS + 3)
+            more_w = add(sym_vec(rotation, bias_w), mat_vec(coupling, bias_v))
+            more_v = add(tmat_vec(coupling, bias_w), sym_vec(translation, bias_v))
+            add_row(body, parent, i)
+            store3(body, parent, FORCE, add(load3(body, parent, FORCE), more_w))
+            store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), more_v))
+
+
+@kernel
+def before_joint(tables: Tables, i: int) -> tuple[Vec, Vec]:
+    """The spatial acceleration of link i but for that along its own columns."""
+    motion, parent = tables.motion, tables.kind[i, PARENT]
+    a_w, a_v = load3(motion, i, BIAS), load3(motion, i, BIAS + 3)
+    if parent >= 0:
+        a_w = add(a_w, load3(motion, parent, ACCELERATION))
+        a_v = add(a_v, load3(motion, parent, ACCELERATION + 3))
+    return a_w, a_v
+
+
+@kernel
+def outwards(tables: Tables) -> None:
+    """Write the acceleration of every link and the change of every column's rate."""
+    column, kind = tables.column, tables.kind
+    for i in range(kind.shape[0]):
+        first = kind[i, FIRST]
+        a_w, a_v = before_joint(tables, i)
+        for k in range(first, first + kind[i, COLUMNS]):
+            if column[k, ADDED] != math.inf:
+                taken = dot(load3(column, k, PULL), a_w) + dot(load3(column, k, PULL + 3), a_v)
+                column[k, CHANGE] = column[k, INVERSE] * (column[k, LEFT] - taken)
+            change = column[k, CHANGE]
+            a_w = axpy(change, load3(column, k, AXIS_W), a_w)
+            a_v = axpy(change, load3(column, k, AXIS_W + 3), a_v)
+        store3(tables.motion, i, ACCELERATION, a_w)
+        store3(tables.motion, i, ACCELERATION + 3, a_v)
+
+
+@kernel
+def accelerations(tables: Tables) -> None:
+    """Write the change of every column's rate, from inertia and force of every link, which are used up."""
+    inwards(tables)
+    outwards(tables)
+
+
+@kernel
+def transmitted(tables: Tables, i: int) -> tuple[Vec, Vec]:
+    """Torque [N m] about the tree's origin and force [N] that link i takes from its parent, once accelerations are known.
+
+    The links without mass between the columns hand it on as it is: so it is I a + p of the innermost, as `inwards` left them.
+    """
+    body = tables.body
+    a_w, a_v = before_joint(tables, i)
+    rotation, coupling = load6(body, i, ROTATION), load9(body, i, COUPLING)
+    torque = add(sym_vec(rotation, a_w), mat_vec(coupling, a_v))
+    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, TRANSLATION), a_v))
+    return add(torque, load3(body, i, FORCE)), add(force, load3(body, i, FORCE + 3))

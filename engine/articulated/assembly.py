@@ -1,0 +1,111 @@
+"""Write the trees of a world behind the tables of its arena, and read its joints there."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.articulated import tables as to
+from engine.articulated.forest import Forest, Link
+from engine.build.solids import quat_mat, quat_mul
+from engine.memory import arena as at
+from engine.memory.arena import float_table, int_table
+
+__all__ = ["motion_of", "with_trees"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+DEGREES = {at.FIXED: 0, at.BALL: 3, at.REVOLUTE: 1, at.PRISMATIC: 1, to.FREE: 6}
+"""The columns of each type of joint."""
+
+
+def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[FloatArray, IntArray]:
+    """The memory of a world with that of its trees, at the start.
+
+    Args: floats, ints: of a world that is assembled; forest: of its bodies and joints, in their order.
+    """
+    joint_kind = int_table(ints, at.JOINT_KIND)
+    types = [to.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
+    n, m = len(forest.links), sum(DEGREES[kind] for kind in types)
+    rows = [n, n, n, n, m, m, n, m], [n, len(forest.others)]
+    starts: list[int] = []
+    place = len(floats)
+    for count, columns in zip(rows[0], to.FLOAT_COLUMNS.tolist(), strict=True):
+        starts += [place, count]
+        place += count * columns
+    more = np.zeros(place - len(floats))
+    place = len(ints) + 2 * (len(rows[0]) + len(rows[1]))
+    for count, columns in zip(rows[1], to.INT_COLUMNS.tolist(), strict=True):
+        starts += [place, count]
+        place += count * columns
+    tail = np.zeros(place - len(ints) + 1, np.int64)
+    tail[: len(starts)], tail[-1] = starts, len(ints)
+    floats, ints = np.concatenate((floats, more)), np.concatenate((ints, tail))
+    first = 0
+    for k, (link, kind) in enumerate(zip(forest.links, types, strict=True)):
+        to.int_view(ints, to.KIND)[k] = link.parent, link.body, link.joint, kind, first, DEGREES[kind], link.base, link.root
+        _write_link(floats, ints, k, link, kind)
+        _write_coordinates(floats, ints, k, link, kind)
+        first += DEGREES[kind]
+    to.int_view(ints, to.OTHER)[:, 0] = forest.others
+    return floats, ints
+
+
+def _write_link(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: int) -> None:
+    """Fill what stays of link k: the joint seen from the inner body on, and the mass of the outer one."""
+    row, body = to.float_view(floats, ints, to.LINK)[k], float_table(floats, ints, at.BODY)[link.body]
+    row[to.MASS], row[to.INERTIA : to.INERTIA + 6] = body[at.MASS], body[at.INERTIA : at.INERTIA + 6]
+    row[to.LINEAR_DAMPING], row[to.ANGULAR_DAMPING] = body[at.LINEAR_DAMPING], body[at.ANGULAR_DAMPING]
+    row[to.TURN] = 1.0
+    if kind == to.FREE:
+        return
+    joint = float_table(floats, ints, at.JOINT)[link.joint]
+    turn, axis = joint[at.TURN_AB : at.TURN_AB + 4], joint[at.AXIS_A : at.AXIS_A + 3]
+    anchors = joint[at.ANCHOR_A : at.ANCHOR_A + 3], joint[at.ANCHOR_B : at.ANCHOR_B + 3]
+    if link.against:
+        turn, axis, anchors = turn * (1, -1, -1, -1), -joint[at.AXIS_B : at.AXIS_B + 3], anchors[::-1]
+    row[to.TURN : to.TURN + 4] = turn
+    row[to.TURNED_AXIS : to.TURNED_AXIS + 4] = quat_mul(np.array([0.0, *axis]), turn)
+    row[to.ANCHOR_A : to.ANCHOR_A + 3], row[to.ANCHOR_B : to.ANCHOR_B + 3] = anchors
+    row[to.AXIS : to.AXIS + 3] = axis
+    row[to.START_X] = joint[at.POSITION]
+
+
+def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: int) -> None:
+    """Fill the coordinates and rates of link k from the state of its bodies."""
+    state, row = float_table(floats, ints, at.STATE), to.float_view(floats, ints, to.COORDINATE)[k]
+    constants, columns = to.float_view(floats, ints, to.LINK)[k], to.float_view(floats, ints, to.COLUMN)
+    kinds = to.int_view(ints, to.KIND)
+    first = kinds[k, to.FIRST]
+    outer = state[link.body]
+    inner = state[link.base if link.parent < 0 else kinds[link.parent, to.ROW]]
+    if kind == to.FREE:
+        row[:4], row[to.POSITION : to.POSITION + 3] = outer[at.Q : at.Q + 4], outer[:3]
+        columns[first : first + 3, to.RATE], columns[first + 3 : first + 6, to.RATE] = outer[at.W :], outer[at.V : at.W]
+        return
+    if link.parent < 0:
+        seen = to.float_view(floats, ints, to.MOTION)[k, to.BASE_VELOCITY : to.BASE_VELOCITY + 6]
+        seen[:3], seen[3:] = inner[at.W :], inner[at.V : at.W]
+    R = quat_mat(inner[at.Q : at.Q + 4])
+    axis = R @ constants[to.AXIS : to.AXIS + 3]
+    w = outer[at.W :] - inner[at.W :]
+    if kind == at.BALL:
+        row[:4] = constants[to.TURN : to.TURN + 4]
+        columns[first : first + 3, to.RATE] = R.T @ w
+    elif kind == at.REVOLUTE:
+        row[0], columns[first, to.RATE] = constants[to.START_X], axis @ w
+    elif kind == at.PRISMATIC:
+        anchor = inner[:3] + R @ constants[to.ANCHOR_A : to.ANCHOR_A + 3]
+        v_outer, v_inner = (
+            body[at.V : at.W] + np.cross(body[at.W :], anchor - body[:3]) for body in (outer, inner)
+        )  # fmt: skip
+        row[0], columns[first, to.RATE] = constants[to.START_X], axis @ (v_outer - v_inner)
+
+
+def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
+    """The coordinate [rad or m] of a joint and its rate; NaN where it has not one coordinate."""
+    kinds = to.int_view(ints, to.KIND)
+    link = int(np.flatnonzero(kinds[:, to.JOINT] == joint)[0])
+    if kinds[link, to.COLUMNS] != 1:
+        return np.nan, np.nan
+    rate = to.float_view(floats, ints, to.COLUMN)[kinds[link, to.FIRST], to.RATE]
+    return float(to.float_view(floats, ints, to.COORDINATE)[link, 0]), float(rate)

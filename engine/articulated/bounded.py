@@ -1,0 +1,102 @@
+"""Accelerations under the laws of all columns: solve with each on a segment, until every one is on the right one.
+
+All columns on the wrong segment go on to the next at once, which takes one or two rounds; where that makes no progress, the
+first of them alone, which comes to an end since the mobility of columns is positive definite.
+
+Source: Judice, Pires, A block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems,
+Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Problem, section 4.2 (least index).
+"""
+
+from typing import Final
+
+from engine.articulated.articulated_body import accelerations
+from engine.articulated.forces import load_links, weigh_links
+from engine.articulated.laws import ALL, next_segment, take_segment, write_laws
+from engine.articulated.tables import (
+    ACCELERATION,
+    AXIS_W,
+    BREAKS,
+    CHANGE,
+    COUPLING,
+    FIRST,
+    FORCE,
+    JOINT,
+    ROTATION,
+    SEGMENT,
+    TRANSLATION,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, add, dot, load3, load6, load9, mat_vec, sym_vec, tmat_vec
+from engine.memory.arena import ARMATURE, HAS
+from engine.memory.tables import Bodies, Joints
+
+__all__ = ["solve_laws"]
+
+PATIENCE = 3
+"""Rounds, after the best one, in which no fewer columns were on the wrong segment."""
+
+ROUNDS: Final = 50
+"""A column, after which there is no answer."""
+
+
+@kernel
+def needed_force(tables: Tables, i: int, armature: float) -> float:
+    """The force along the one column of link i that gives the change which is prescribed there."""
+    body, k = tables.body, tables.kind[i, FIRST]
+    a_w, a_v = load3(tables.motion, i, ACCELERATION), load3(tables.motion, i, ACCELERATION + 3)
+    change = tables.column[k, CHANGE]
+    turning, sliding = load3(tables.column, k, AXIS_W), load3(tables.column, k, AXIS_W + 3)
+    # The force has taken in what the change needs, so that the acceleration counts without it.
+    a_w = add(a_w, (-change * turning[0], -change * turning[1], -change * turning[2]))
+    a_v = add(a_v, (-change * sliding[0], -change * sliding[1], -change * sliding[2]))
+    coupling = load9(body, i, COUPLING)
+    torque = add(sym_vec(load6(body, i, ROTATION), a_w), mat_vec(coupling, a_v))
+    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, TRANSLATION), a_v))
+    torque, force = add(torque, load3(body, i, FORCE)), add(force, load3(body, i, FORCE + 3))
+    return float(dot(turning, torque) + dot(sliding, force) + armature * change)
+
+
+@kernel
+def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> int:
+    """Let columns on the wrong segment go on to the next, all of them or the first alone. Returns: how many there were."""
+    law, kind, wrong = tables.law, tables.kind, 0
+    for i in range(kind.shape[0]):
+        j, k = kind[i, JOINT], kind[i, FIRST]
+        if j < 0 or joints.kind[j, HAS] == 0 or law[k, BREAKS] == 0.0:
+            continue
+        needed = 0.0
+        if int(law[k, SEGMENT]) % 2 == 1:
+            needed = needed_force(tables, i, joints.joint[j, ARMATURE])
+        segment = next_segment(tables, k, joints, j, h, needed)
+        if segment != int(law[k, SEGMENT]):
+            wrong += 1
+            if wrong == 1 or not alone:
+                law[k, SEGMENT] = segment
+                take_segment(tables, k, joints, j, h)
+    return wrong
+
+
+@kernel
+def solve_laws(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int) -> bool:
+    """Write the change of every column's rate under all forces and laws over h, or under STIFF_ALONE of them and no force.
+
+    Returns: whether there is an answer.
+    """
+    breaks = write_laws(tables, joints, h, which)
+    fewest, patience = tables.column.shape[0] + 1, PATIENCE
+    for _ in range(ROUNDS * (tables.column.shape[0] + 1)):
+        if which == ALL:
+            load_links(tables, bodies, setting, gyroscopic)
+        else:
+            weigh_links(tables)
+        accelerations(tables)
+        if breaks == 0:
+            return True
+        wrong = change_segments(tables, joints, h, patience == 0)
+        if wrong == 0:
+            return True
+        if patience > 0:
+            patience = PATIENCE if wrong < fewest else patience - 1
+            fewest = min(fewest, wrong)
+    return False

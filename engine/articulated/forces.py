@@ -1,0 +1,129 @@
+"""The inertia of every link about its tree's origin, and the force that it needs to keep its velocity.
+
+Of a body with its centre at r that moves by w and v_C there, under force f and torque tau,
+
+    f = m (a_C - g) + m d v_C,    tau = I w' + w x I w + I e w
+
+with a_C = a + w' x r + w x v_C of the spatial acceleration (w', a). Damping at the rates d and e over a sub-step h is as in
+free bodies, v <- exp(-d h) (v + h f / m): that is m exp(d h) for m beside the force m (exp(d h) - 1) / h v_C.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inertia about a point) and 2.14 (equation of motion).
+"""
+
+import math
+
+from engine.articulated.tables import (
+    ANGULAR_DAMPING,
+    BIAS,
+    COUPLING,
+    DRAG,
+    FORCE,
+    HEAVIER,
+    INERTIA,
+    LINEAR_DAMPING,
+    MASS,
+    MATRIX,
+    PLACE,
+    ROTATION,
+    ROW,
+    SPIN_DRAG,
+    STIFFER,
+    TRANSLATION,
+    VELOCITY,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    cross,
+    load3,
+    load6,
+    load9,
+    neg,
+    store3,
+    store6,
+    store9,
+    sym_rotate,
+    sym_vec,
+)  # fmt: skip
+from engine.memory.arena import GRAVITY
+from engine.memory.tables import Bodies
+
+__all__ = ["damp_explicitly", "damp_over", "load_links", "weigh_links"]
+
+
+@kernel
+def damp_over(tables: Tables, h: float) -> None:
+    """Write what damping over a sub-step h [s] makes of every link."""
+    link = tables.link
+    for i in range(link.shape[0]):
+        d, e = link[i, LINEAR_DAMPING], link[i, ANGULAR_DAMPING]
+        link[i, HEAVIER], link[i, STIFFER] = math.exp(d * h), math.exp(e * h)
+        link[i, DRAG], link[i, SPIN_DRAG] = math.expm1(d * h) / h, math.expm1(e * h) / h
+
+
+@kernel
+def damp_explicitly(tables: Tables) -> None:
+    """Let damping be the force that it is."""
+    link = tables.link
+    for i in range(link.shape[0]):
+        link[i, HEAVIER] = link[i, STIFFER] = 1.0
+        link[i, DRAG], link[i, SPIN_DRAG] = link[i, LINEAR_DAMPING], link[i, ANGULAR_DAMPING]
+
+
+@kernel
+def put_inertia(body: Floats, i: int, inertia: Sym, m: float, r: Vec) -> None:
+    """Write the spatial inertia of link i: of mass m at r, and `inertia` about it."""
+    x, y, z = r
+    xx, yy, zz = m * x * x, m * y * y, m * z * z
+    store6(
+        body, i, ROTATION,
+        (
+            inertia[0] + yy + zz, inertia[1] + xx + zz, inertia[2] + xx + yy,
+            inertia[3] - m * x * y, inertia[4] - m * x * z, inertia[5] - m * y * z,
+        ),
+    )  # fmt: skip
+    store6(body, i, TRANSLATION, (m, m, m, 0.0, 0.0, 0.0))
+    store9(body, i, COUPLING, (0.0, -m * z, m * y, m * z, 0.0, -m * x, -m * y, m * x, 0.0))
+
+
+@kernel
+def load_links(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int) -> None:
+    """Write inertia and force of every link under gravity, loads and damping."""
+    link, motion, body = tables.link, tables.motion, tables.body
+    g = load3(setting, 0, GRAVITY)
+    for i in range(link.shape[0]):
+        m, r = link[i, MASS], load3(motion, i, PLACE)
+        w = load3(motion, i, VELOCITY)
+        v = add(load3(motion, i, VELOCITY + 3), cross(w, r))
+        inertia = sym_rotate(load9(motion, i, MATRIX), load6(link, i, INERTIA))
+        spin = sym_vec(inertia, w)
+        b = tables.kind[i, ROW]
+        torque = axpy(link[i, SPIN_DRAG], spin, neg(load3(bodies.load, b, 3)))
+        if gyroscopic == 1:
+            torque = add(torque, cross(w, spin))
+        heavier, stiffer = link[i, HEAVIER], link[i, STIFFER]
+        f = axpy(m * heavier, cross(w, v), axpy(m * link[i, DRAG], v, axpy(-m, g, neg(load3(bodies.load, b, 0)))))
+        store3(body, i, FORCE, add(torque, cross(r, f)))
+        store3(body, i, FORCE + 3, f)
+        scaled = (
+            stiffer * inertia[0], stiffer * inertia[1], stiffer * inertia[2],
+            stiffer * inertia[3], stiffer * inertia[4], stiffer * inertia[5],
+        )  # fmt: skip
+        put_inertia(body, i, scaled, heavier * m, r)
+
+
+@kernel
+def weigh_links(tables: Tables) -> None:
+    """Write inertia of every link, without damping, at rest and without forces: what an impulse meets."""
+    link, motion, body = tables.link, tables.motion, tables.body
+    for i in range(link.shape[0]):
+        inertia = sym_rotate(load9(motion, i, MATRIX), load6(link, i, INERTIA))
+        put_inertia(body, i, inertia, link[i, MASS], load3(motion, i, PLACE))
+        for c in range(6):
+            body[i, FORCE + c] = 0.0
+            motion[i, BIAS + c] = 0.0

@@ -1,0 +1,97 @@
+"""Which trees the joints of a world make: who hangs on whom, from the roots on; or why they make none."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from engine.describe.bodies import Body
+from engine.describe.joints import Distance, Joint
+
+__all__ = ["Forest", "Link", "NoForest", "forest_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A body of a tree, by its number, and what it hangs on.
+
+    Terms: parent, root: links, parent -1 for a root. joint: its number, -1 for a root that nothing holds. base: the body that a
+    root is held to, the number of bodies standing for the world. against: whether the joint's own parent is this link.
+    """
+
+    body: int
+    parent: int
+    root: int
+    joint: int
+    base: int
+    against: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Forest:
+    """The links of all trees, parents before children and tree by tree, and the bodies that forces or nobody moves alone."""
+
+    links: tuple[Link, ...]
+    others: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NoForest:
+    """Why joints make no trees: which part of the world, and what of it."""
+
+    what: str
+    why: str
+
+
+def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoForest:
+    """The trees of the joints, whose ends are bodies or the world, checked before.
+
+    A tree hangs on what no force moves where a joint holds it there, else its root is free: the first body that is no joint's
+    child, if there is one.
+    """
+    movable = {body.name: i for i, body in enumerate(bodies) if body.motion == "dynamic"}
+    number = {body.name: i for i, body in enumerate(bodies)}
+    on: dict[int, list[int]] = {i: [] for i in movable.values()}
+    held: list[int] = []
+    for j, joint in enumerate(joints):
+        if isinstance(joint, Distance):
+            return NoForest(f"joint '{joint.name}'", "the distance of two anchors is no coordinate of a tree")
+        ends = [movable[name] for name in (joint.parent, joint.child) if name in movable]
+        for i in ends:
+            on[i].append(j)
+        if len(ends) == 1:
+            held.append(j)
+    children = {movable[joint.child] for joint in joints if joint.child in movable and joint.parent in movable}
+    links: list[Link] = []
+    where: dict[int, int] = {}
+    used: set[int] = set()
+
+    def plant(body: int, joint: int, base: int) -> None:
+        """Add a tree: its root, held to a base by a joint or free, and all that hangs on it."""
+        waiting = [(body, -1, joint)]
+        while waiting:
+            outer, parent, j = waiting.pop()
+            if outer in where:
+                continue
+            used.add(j)
+            k = where[outer] = len(links)
+            against = j >= 0 and number.get(joints[j].parent) == outer
+            links.append(Link(outer, parent, links[parent].root if parent >= 0 else k, j, base if parent < 0 else -1, against))
+            for j in reversed(on[outer]):
+                ends = [movable.get(name, -1) for name in (joints[j].parent, joints[j].child)]
+                other = ends[0] if ends[1] == outer else ends[1]
+                if j not in used and other >= 0:
+                    waiting.append((other, k, j))
+
+    for j in held:
+        inner, outer = joints[j].parent, joints[j].child
+        if inner in movable:
+            inner, outer = outer, inner
+        if movable[outer] not in where:
+            plant(movable[outer], j, number.get(inner, len(bodies)))
+    for i in sorted((i for i in on if on[i]), key=lambda i: i in children):
+        if i not in where:
+            plant(i, -1, -1)
+    for j, joint in enumerate(joints):
+        if j not in used:
+            return NoForest(f"joint '{joint.name}'", "it closes a loop, which is no tree")
+    others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
+    return Forest(tuple(links), others)

@@ -1,0 +1,235 @@
+"""What acts along the coordinate of a joint over a sub-step: one force that falls with the rate at the end of it.
+
+Springs, dampers, drives, dry friction and limits of coordinate and rate all push less, or back, the faster a joint moves. So
+their sum f(v) falls with the rate v at the end of the sub-step h, straight between breaks, where it bends (a drive at its
+limit) or jumps (friction at 0, a stop at the rate that reaches it):
+
+    spring    -k (x + h v - rest) - c v             drive     k (target - x - h v) + c (target' - v), within its limit
+    friction  -loss sign(v)                         stops     (lower - x) / h <= v <= (upper - x) / h,  |v| <= speed limit
+
+A joint is on a piece, f = push - slope v, which adds h slope to its inertia, or at a jump, which fixes v.
+
+Source: as `engine.constrain.coordinate`, whose rows say the same; Rockafellar, Convex Analysis, 1970, section 24 (monotone
+graphs).
+"""
+
+import math
+from typing import Final
+
+from engine.articulated.tables import (
+    ADDED,
+    BREAK,
+    BREAKS,
+    CHANGE,
+    FIRST,
+    HIGHEST,
+    JOINT,
+    JUMPS,
+    LOWEST,
+    PUSH,
+    RATE,
+    SEGMENT,
+    WHICH,
+    Tables,
+    X,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats
+from engine.memory.arena import (
+    ARMATURE,
+    DRIVE,
+    FRICTION_LOSS,
+    HAS,
+    HAS_DRIVE,
+    HAS_FRICTION,
+    HAS_LIMITS,
+    HAS_SPEED_LIMIT,
+    HAS_SPRING,
+    IMPLICIT,
+    LOWER,
+    SPEED_LIMIT,
+    SPRING,
+    UPPER,
+)
+from engine.memory.tables import Joints
+
+__all__ = ["ALL", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
+
+# Which laws act.
+ALL: Final = 0
+STIFF_ALONE: Final = 1
+"""Limits, and springs and drives that are marked as too stiff for explicit stages."""
+
+NEAR = 1e-9
+"""A rate this near [m/s or rad/s] to a jump is tried there first."""
+
+ROUND_OFF = 1e-12
+"""What may be left of a rate or a force, as a share of what it is made of."""
+
+
+@kernel
+def put_break(law: Floats, k: int, at: float, jumps: float) -> None:
+    """Add a break between the ends of the law of column k, in its order."""
+    n = int(law[k, BREAKS])
+    place = 0
+    while place < n and law[k, BREAK + place] < at:
+        place += 1
+    if place < n and law[k, BREAK + place] == at:
+        law[k, JUMPS + place] = max(law[k, JUMPS + place], jumps)
+        return
+    for m in range(n, place, -1):
+        law[k, BREAK + m], law[k, JUMPS + m] = law[k, BREAK + m - 1], law[k, JUMPS + m - 1]
+    law[k, BREAK + place], law[k, JUMPS + place] = at, jumps
+    law[k, BREAKS] = n + 1
+
+
+@kernel
+def write_breaks(law: Floats, k: int, joint: Floats, j: int, h: float) -> None:
+    """Write the ends and breaks of the law of column k, of joint j."""
+    has, x = int(law[k, WHICH]), law[k, X]
+    low, high = -math.inf, math.inf
+    if has & HAS_LIMITS:
+        low, high = (joint[j, LOWER] - x) / h, (joint[j, UPPER] - x) / h
+    if has & HAS_SPEED_LIMIT:
+        fastest = joint[j, SPEED_LIMIT]
+        low, high = min(max(low, -fastest), fastest), max(min(high, fastest), -fastest)
+    law[k, LOWEST], law[k, HIGHEST], law[k, BREAKS] = low, high, 0.0
+    if low > -math.inf:
+        put_break(law, k, low, 1.0)
+    if high < math.inf:
+        put_break(law, k, high, 1.0)
+    if has & HAS_FRICTION and low < 0.0 < high:
+        put_break(law, k, 0.0, 1.0)
+    if has & HAS_DRIVE and joint[j, DRIVE + 4] < math.inf:
+        push, slope = drive_line(joint, j, x, h)
+        if slope > 0.0:
+            for side in (-1.0, 1.0):
+                at = (push + side * joint[j, DRIVE + 4]) / slope
+                if low < at < high:
+                    put_break(law, k, at, 0.0)
+
+
+@kernel
+def drive_line(joint: Floats, j: int, x: float, h: float) -> tuple[float, float]:
+    """Force at rate 0, and by how much it falls with the rate, of a drive within its limit."""
+    stiffness, damping = joint[j, DRIVE], joint[j, DRIVE + 1]
+    return stiffness * (joint[j, DRIVE + 2] - x) + damping * joint[j, DRIVE + 3], damping + h * stiffness
+
+
+@kernel
+def piece(law: Floats, k: int, joint: Floats, j: int, h: float, rate: float) -> tuple[float, float]:
+    """Push and slope of the piece that a rate, between breaks, lies on."""
+    has, x = int(law[k, WHICH]), law[k, X]
+    push, slope = 0.0, 0.0
+    if has & HAS_SPRING:
+        push -= joint[j, SPRING] * (x - joint[j, SPRING + 2])
+        slope += joint[j, SPRING + 1] + h * joint[j, SPRING]
+    if has & HAS_DRIVE:
+        line, fall = drive_line(joint, j, x, h)
+        if fall > 0.0:
+            force, limit = line - fall * rate, joint[j, DRIVE + 4]
+            if abs(force) <= limit:
+                push += line
+                slope += fall
+            else:
+                push += math.copysign(limit, force)
+    if has & HAS_FRICTION:
+        push -= math.copysign(joint[j, FRICTION_LOSS], rate)
+    return push, slope
+
+
+@kernel
+def middle(law: Floats, k: int, i: int, rate: float) -> float:
+    """A rate on the piece below break i, or above the last one; the rate itself where there are no breaks."""
+    n = int(law[k, BREAKS])
+    if n == 0:
+        return rate
+    if i == 0:
+        return float(law[k, BREAK] - 1.0)
+    if i == n:
+        return float(law[k, BREAK + n - 1] + 1.0)
+    return float(0.5 * (law[k, BREAK + i - 1] + law[k, BREAK + i]))
+
+
+@kernel
+def first_segment(law: Floats, k: int, rate: float) -> int:
+    """Where the rate at the start of a sub-step lies."""
+    n = int(law[k, BREAKS])
+    for i in range(n):
+        at = law[k, BREAK + i]
+        if law[k, JUMPS + i] == 1.0 and (abs(rate - at) <= NEAR or (rate <= at and at == law[k, LOWEST])):
+            return 2 * i + 1
+        if rate <= at:
+            return 2 * i
+    return 2 * n - 1 if n > 0 and law[k, BREAK + n - 1] == law[k, HIGHEST] else 2 * n
+
+
+@kernel
+def take_segment(tables: Tables, k: int, joints: Joints, j: int, h: float) -> None:
+    """Write what the segment of column k adds to its inertia and pushes it by, or the change that a jump prescribes."""
+    law, column, joint = tables.law, tables.column, joints.joint
+    segment = int(law[k, SEGMENT])
+    if segment % 2 == 1:
+        column[k, ADDED] = math.inf
+        column[k, CHANGE] = (law[k, BREAK + segment // 2] - column[k, RATE]) / h
+        return
+    push, slope = piece(law, k, joint, j, h, middle(law, k, segment // 2, column[k, RATE]))
+    column[k, ADDED] = joint[j, ARMATURE] + h * slope
+    column[k, PUSH] = push - slope * column[k, RATE]
+
+
+@kernel
+def force_beside(law: Floats, k: int, joint: Floats, j: int, h: float, side: int) -> float:
+    """The force just below (side 0) or above (1) the jump that column k is at; infinite beyond the ends of its law."""
+    i = int(law[k, SEGMENT]) // 2
+    at = law[k, BREAK + i]
+    if side == 0 and at == law[k, LOWEST]:
+        return math.inf
+    if side == 1 and at == law[k, HIGHEST]:
+        return -math.inf
+    push, slope = piece(law, k, joint, j, h, middle(law, k, i + side, at))
+    return float(push - slope * at)
+
+
+@kernel
+def next_segment(tables: Tables, k: int, joints: Joints, j: int, h: float, needed: float) -> int:
+    """The segment that column k goes on to, one at a time; the present one where it is right.
+
+    Args: needed: the force that keeps its rate at the jump that it is at.
+    """
+    law, column = tables.law, tables.column
+    segment = int(law[k, SEGMENT])
+    i = segment // 2
+    if segment % 2 == 1:
+        least = ROUND_OFF * (1.0 + abs(needed))
+        if needed > force_beside(law, k, joints.joint, j, h, 0) + least:
+            return segment - 1
+        if needed < force_beside(law, k, joints.joint, j, h, 1) - least:
+            return segment + 1
+        return segment
+    rate = column[k, RATE] + h * column[k, CHANGE]
+    least = ROUND_OFF * (1.0 + abs(rate))
+    if i > 0 and rate < law[k, BREAK + i - 1] - least:
+        return segment - (1 if law[k, JUMPS + i - 1] == 1.0 else 2)
+    if i < int(law[k, BREAKS]) and rate > law[k, BREAK + i] + least:
+        return segment + (1 if law[k, JUMPS + i] == 1.0 else 2)
+    return segment
+
+
+@kernel
+def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
+    """Write the laws of all columns for a sub-step h, each on its first segment. Returns: how many breaks they have."""
+    law, kind, breaks = tables.law, tables.kind, 0
+    for i in range(kind.shape[0]):
+        j = kind[i, JOINT]
+        if j < 0 or joints.kind[j, HAS] == 0:
+            continue
+        k = kind[i, FIRST]
+        acting = -1 if which == ALL else joints.kind[j, IMPLICIT] | HAS_LIMITS
+        law[k, WHICH] = joints.kind[j, HAS] & acting
+        law[k, X] = tables.coordinate[i, 0]
+        write_breaks(law, k, joints.joint, j, h)
+        law[k, SEGMENT] = first_segment(law, k, tables.column[k, RATE])
+        take_segment(tables, k, joints, j, h)
+        breaks += int(law[k, BREAKS])
+    return breaks

@@ -1,0 +1,170 @@
+"""Forward kinematics of trees: poses, axes, velocities and bias accelerations of links, from coordinates and rates.
+
+    X_i = X_parent X_joint(q),  v_i = v_parent + sum S_k q'_k,  c_i = v_parent x sum S_k q'_k
+
+All spatial vectors are in W about the tree's origin, a point at rest in W that lies at the root's anchor now, so that nothing
+is transformed from link to link and a tree a thousand kilometres away loses no digits. A ball's rates are those of its turning
+in the axes of its parent; a free root's are w_WB and v_WB.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.2 (spatial vectors), 3.5 (acceleration) and 4.4 (joints).
+"""
+
+import math
+
+from engine.articulated.tables import (
+    ANCHOR_A,
+    ANCHOR_B,
+    AXIS,
+    AXIS_W,
+    BASE,
+    BIAS,
+    FIRST,
+    FREE,
+    MATRIX,
+    ORIENTATION,
+    ORIGIN,
+    PARENT,
+    PLACE,
+    POSITION,
+    RATE,
+    START_X,
+    TURN,
+    TURNED_AXIS,
+    TYPE,
+    VELOCITY,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Mat,
+    Quat,
+    Vec,
+    add,
+    axpy,
+    cross,
+    load3,
+    load4,
+    load9,
+    mat_vec,
+    neg,
+    quat_mul,
+    store3,
+    store4,
+    store9,
+    sub,
+)  # fmt: skip
+from engine.memory.arena import BALL, FIXED, PRISMATIC, REVOLUTE, P, Q, V, W
+
+__all__ = ["move_links"]
+
+STILL: Vec = (0.0, 0.0, 0.0)
+UPRIGHT: Quat = (1.0, 0.0, 0.0, 0.0)
+EYE: Mat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+@kernel
+def turn_of(q: Quat) -> Mat:
+    """The rotation matrix of a unit quaternion."""
+    w, x, y, z = q
+    return (
+        1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
+    )  # fmt: skip
+
+
+@kernel
+def put_axis(column: Floats, k: int, angular: Vec, linear: Vec) -> None:
+    """Write the motion along column k."""
+    store3(column, k, AXIS_W, angular)
+    store3(column, k, AXIS_W + 3, linear)
+
+
+@kernel
+def base_of(tables: Tables, state: Floats, i: int) -> tuple[Quat, Vec, Vec, Vec]:
+    """Of the base of root i: orientation, angular velocity, velocity at the tree's origin, and acceleration there.
+
+    The base keeps its velocities. What is at a point at rest changes as the base goes by: by -w x v of its centre.
+    """
+    b = tables.kind[i, BASE]
+    q, w, v = load4(state, b, Q), load3(state, b, W), load3(state, b, V)
+    arm = mat_vec(turn_of(q), load3(tables.link, i, ANCHOR_A))
+    store3(tables.motion, i, ORIGIN, add(load3(state, b, P), arm))
+    return q, w, add(v, cross(w, arm)), neg(cross(w, v))
+
+
+@kernel
+def move_links(tables: Tables, state: Floats) -> None:
+    """Write pose, velocity and bias of every link and the axes of its columns, from coordinates, rates and the bases."""
+    link, motion, column, coordinate = tables.link, tables.motion, tables.column, tables.coordinate
+    for i in range(tables.kind.shape[0]):
+        kind, parent, first = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
+        bias = STILL
+        if kind == FREE:
+            q = load4(coordinate, i, 0)
+            w = (column[first, RATE], column[first + 1, RATE], column[first + 2, RATE])
+            v = (column[first + 3, RATE], column[first + 4, RATE], column[first + 5, RATE])
+            for k in range(3):
+                e = (EYE[3 * k], EYE[3 * k + 1], EYE[3 * k + 2])
+                put_axis(column, first + k, e, STILL)
+                put_axis(column, first + 3 + k, STILL, e)
+            store3(motion, i, ORIGIN, load3(coordinate, i, POSITION))
+            store4(motion, i, ORIENTATION, q)
+            store9(motion, i, MATRIX, turn_of(q))
+            store3(motion, i, PLACE, STILL)
+            store3(motion, i, VELOCITY, w)
+            store3(motion, i, VELOCITY + 3, v)
+            store3(motion, i, BIAS, STILL)
+            store3(motion, i, BIAS + 3, neg(cross(w, v)))
+            continue
+        if parent >= 0:
+            q_a, anchor = load4(motion, parent, ORIENTATION), load3(motion, parent, PLACE)
+            w_a, v_a = load3(motion, parent, VELOCITY), load3(motion, parent, VELOCITY + 3)
+            turn_a = load9(motion, parent, MATRIX)
+            anchor = add(anchor, mat_vec(turn_a, load3(link, i, ANCHOR_A)))
+        else:
+            q_a, w_a, v_a, bias = base_of(tables, state, i)
+            turn_a, anchor = turn_of(q_a), STILL
+        turn_ab = load4(link, i, TURN)
+        w, v = w_a, v_a
+        if kind == REVOLUTE:
+            half = 0.5 * (coordinate[i, 0] - link[i, START_X])
+            c, s = math.cos(half), math.sin(half)
+            about = load4(link, i, TURNED_AXIS)
+            turn_ab = (
+                c * turn_ab[0] + s * about[0],
+                c * turn_ab[1] + s * about[1],
+                c * turn_ab[2] + s * about[2],
+                c * turn_ab[3] + s * about[3],
+            )
+            n = mat_vec(turn_a, load3(link, i, AXIS))
+            lever, rate = cross(anchor, n), column[first, RATE]
+            put_axis(column, first, n, lever)
+            w, v = axpy(rate, n, w), axpy(rate, lever, v)
+        elif kind == PRISMATIC:
+            n = mat_vec(turn_a, load3(link, i, AXIS))
+            put_axis(column, first, STILL, n)
+            v = axpy(column[first, RATE], n, v)
+            anchor = axpy(coordinate[i, 0] - link[i, START_X], n, anchor)
+        elif kind == BALL:
+            turn_ab = load4(coordinate, i, 0)
+            for k in range(3):
+                n = (turn_a[k], turn_a[3 + k], turn_a[6 + k])
+                lever, rate = cross(anchor, n), column[first + k, RATE]
+                put_axis(column, first + k, n, lever)
+                w, v = axpy(rate, n, w), axpy(rate, lever, v)
+        q_b = quat_mul(q_a, turn_ab)
+        turn_b = turn_of(q_b)
+        store9(motion, i, MATRIX, turn_b)
+        store4(motion, i, ORIENTATION, q_b)
+        store3(motion, i, PLACE, sub(anchor, mat_vec(turn_b, load3(link, i, ANCHOR_B))))
+        store3(motion, i, VELOCITY, w)
+        store3(motion, i, VELOCITY + 3, v)
+        if kind == FIXED:
+            store3(motion, i, BIAS, STILL)
+            store3(motion, i, BIAS + 3, bias)
+        else:
+            turning, sliding = sub(w, w_a), sub(v, v_a)
+            store3(motion, i, BIAS, cross(w_a, turning))
+            store3(motion, i, BIAS + 3, add(bias, add(cross(w_a, sliding), cross(v_a, turning))))

@@ -1,0 +1,171 @@
+"""The tables of a world's trees, which lie behind those of its arena, with a directory of their own.
+
+The last integer of a world's memory says where that directory begins; so a copy of both arrays is the full state still, and a
+world without trees has none of it. A tree is the links that hang on each other by joints, parents before children; of each
+link's joint there are as many degrees of freedom, "columns", as it leaves.
+"""
+
+from typing import Any, Final, NamedTuple
+
+import numba
+import numpy as np
+
+from engine.compile.compilers import jit_is_off, pointer_maker
+from engine.compile.jit import inlined
+from engine.maths.vec import Floats, Ints
+
+__all__ = ["FLOAT_COLUMNS", "INT_COLUMNS", "Tables", "float_view", "int_view", "tables_of"]
+
+# Links: what stays.
+LINK: Final = 0
+TURN: Final = 0  # 4: orientation of B in A at the start
+TURNED_AXIS: Final = 4  # 4: (0, axis) times that: orientation(x) = cos(x/2) TURN + sin(x/2) TURNED_AXIS
+ANCHOR_A: Final = 8  # 3, in A
+ANCHOR_B: Final = 11  # 3, in B
+AXIS: Final = 14  # 3, in A
+START_X: Final = 17  # coordinate at the start
+MASS: Final = 18
+INERTIA: Final = 19  # 6, in B
+LINEAR_DAMPING: Final = 25
+ANGULAR_DAMPING: Final = 26
+HEAVIER: Final = 27  # what damping over a sub-step makes of the mass
+STIFFER: Final = 28  # and of the inertia
+DRAG: Final = 29  # [1/s] that acts on the velocity at the start of a sub-step
+SPIN_DRAG: Final = 30
+
+# Links: how they move now. Spatial vectors are angular before linear, in W, about the tree's origin.
+MOTION: Final = 1
+ORIENTATION: Final = 0  # 4: q_WB
+PLACE: Final = 4  # 3: of the centre of mass from the tree's origin
+VELOCITY: Final = 7  # 6
+BIAS: Final = 13  # 6: acceleration that velocities alone give against the parent
+ACCELERATION: Final = 19  # 6
+ORIGIN: Final = 25  # 3: of the tree in W, at its root alone
+MATRIX: Final = 28  # 9: R_WB
+BASE_VELOCITY: Final = 37  # 6: w_WB and v_WB of the base that a root was last seen on
+
+# Links: articulated-body inertia, [[rotation, coupling], [coupling^T, translation]], and bias force.
+BODY: Final = 2
+ROTATION: Final = 0  # 6
+TRANSLATION: Final = 6  # 6
+COUPLING: Final = 12  # 9
+FORCE: Final = 21  # 6
+
+# Links: coordinates. A hinge or slide has its own first; ball and free joint an orientation; the free joint p_WB behind it.
+COORDINATE: Final = 3
+POSITION: Final = 4
+
+# Columns.
+COLUMN: Final = 4
+AXIS_W: Final = 0  # 6: motion along it at unit rate
+PULL: Final = 6  # 6: articulated inertia times that
+INVERSE: Final = 12  # of the inertia along it
+LEFT: Final = 13  # force along it that is not taken up
+RATE: Final = 14
+CHANGE: Final = 15  # acceleration
+ADDED: Final = 16  # to the inertia along it: rotor, implicit springs and dampers; inf where CHANGE is prescribed
+PUSH: Final = 17  # force along it
+
+# Columns: the law of what acts along one.
+LAW: Final = 5
+BREAK: Final = 0  # 6: rates at which its force jumps or bends, ascending
+JUMPS: Final = 6  # 6: 1 where it jumps
+BREAKS: Final = 12  # how many there are
+LOWEST: Final = 13  # rate; -inf where nothing bounds it
+HIGHEST: Final = 14
+SEGMENT: Final = 15  # 2 i below break i, 2 i + 1 at it
+X: Final = 16  # the coordinate
+WHICH: Final = 17  # bits of HAS that act
+
+# Stages of Runge-Kutta: at the start, and the weighted sum of slopes; seven numbers each a link, one a column.
+STAGE: Final = 6
+STAGE_RATE: Final = 7
+
+# Integers.
+KIND: Final = 0
+PARENT: Final = 0  # link, or -1 for the root of a tree
+ROW: Final = 1  # body
+JOINT: Final = 2  # -1 for a free root
+TYPE: Final = 3  # of the joint, as JOINT_TYPE, or FREE
+FIRST: Final = 4  # column
+COLUMNS: Final = 5
+BASE: Final = 6  # body that a root hangs on, the world's row included
+ROOT: Final = 7  # link
+
+OTHER: Final = 1  # bodies that no tree has and that are not static
+
+FREE: Final = 9
+
+FLOAT_COLUMNS: Final = np.array([32, 43, 28, 8, 18, 18, 14, 2])
+INT_COLUMNS: Final = np.array([8, 1])
+FLOAT_TABLES: Final = 8
+BYTES: Final = 8
+
+compiler: Any = numba
+carray = compiler.carray
+double_at: Any = None if jit_is_off() else pointer_maker(compiler.float64)
+integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
+
+
+class Tables(NamedTuple):
+    """What is known of trees: constants, motion, inertia and coordinates of links, columns, laws, stages, who hangs where."""
+
+    link: Floats
+    motion: Floats
+    body: Floats
+    coordinate: Floats
+    column: Floats
+    law: Floats
+    stage: Floats
+    stage_rate: Floats
+    kind: Ints
+    other: Ints
+
+
+def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
+    """Table k of floats, (rows, columns), without a copy."""
+    d = ints[len(ints) - 1] + 2 * k
+    at, rows, columns = ints[d], ints[d + 1], FLOAT_COLUMNS[k]
+    return floats[at : at + rows * columns].reshape((rows, columns))
+
+
+def int_view(ints: Ints, k: int) -> Ints:
+    """Table k of integers, (rows, columns), without a copy."""
+    d = ints[len(ints) - 1] + 2 * (FLOAT_TABLES + k)
+    at, rows, columns = ints[d], ints[d + 1], INT_COLUMNS[k]
+    return ints[at : at + rows * columns].reshape((rows, columns))
+
+
+def _floats_at(floats: Floats, ints: Ints, k: int) -> Floats:
+    """As `float_view`, by address (see `memory.carve`)."""
+    d = ints[len(ints) - 1] + 2 * k
+    table: Floats = carray(double_at(np.intp(floats.ctypes.data) + BYTES * ints[d]), (ints[d + 1], FLOAT_COLUMNS[k]))
+    return table
+
+
+def _ints_at(ints: Ints, k: int) -> Ints:
+    """As `int_view`, by address."""
+    d = ints[len(ints) - 1] + 2 * (FLOAT_TABLES + k)
+    table: Ints = carray(integer_at(np.intp(ints.ctypes.data) + BYTES * ints[d]), (ints[d + 1], INT_COLUMNS[k]))
+    return table
+
+
+floats_at = inlined(float_view if jit_is_off() else _floats_at)
+ints_at = inlined(int_view if jit_is_off() else _ints_at)
+
+
+@inlined
+def tables_of(floats: Floats, ints: Ints) -> Tables:
+    """The tables of the trees of a world."""
+    return Tables(
+        floats_at(floats, ints, LINK),
+        floats_at(floats, ints, MOTION),
+        floats_at(floats, ints, BODY),
+        floats_at(floats, ints, COORDINATE),
+        floats_at(floats, ints, COLUMN),
+        floats_at(floats, ints, LAW),
+        floats_at(floats, ints, STAGE),
+        floats_at(floats, ints, STAGE_RATE),
+        ints_at(ints, KIND),
+        ints_at(ints, OTHER),
+    )

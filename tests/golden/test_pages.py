@@ -91,6 +91,7 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
     cases = ("joint_chain", "stack_tower")
     assert set(texts) == {
         "index.html",
+        "concepts.html",
         "findings.html",
         "select.html",
         "evidence.csv",

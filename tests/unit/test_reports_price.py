@@ -116,7 +116,8 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     first: Line = lines[1]
     assert first.entries["ours"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
     assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x10", "")
-    assert first.entries["ours"].text == "≥ 100\N{MULTIPLICATION SIGN}"  # and so is the other's: of two bounds there is no ratio
+    # The other's is a bound too: of two bounds there is no ratio.
+    assert first.entries["ours"].text == "≥ 100\N{MULTIPLICATION SIGN}"
     assert lines[5].entries["dart"].text.startswith("not by 10 ms, best 5")
     assert heat(lines[5].entries["dart"].price) == "out"
     prices = priced(Priced(told())).prices

@@ -44,7 +44,7 @@ def opened(browser: Any, plain: Path) -> Iterator[dict[Path, Visit]]:
 
 
 def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(opened: dict[Path, Visit]) -> None:
-    assert len(opened) == 13
+    assert len(opened) == 14
     for path, seen in opened.items():
         assert seen.said == [], path.name
         assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name

@@ -96,6 +96,8 @@ JOBS = (
     _step("steps.islands.step_islands_parallel"),
     Job(("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.strike.strike"), _swept),
     _step("steps.smooth.step_jointed_runge_kutta"),
+    _step("steps.joint_coordinates.step_joint_coordinates_euler"),
+    _step("steps.joint_coordinates.step_joint_coordinates_runge_kutta"),
     _step("steps.spheres.step_spheres"),
     Job(
         tuple(

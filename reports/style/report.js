@@ -123,7 +123,6 @@
   const refuse = { load: () => Promise.reject(new Error("no network")), sanitize: () => Promise.reject(new Error("no links")) };
 
   // What the legend of a chart can switch: engines by their colour and shape, tracks by the filling of their marks.
-  const SVG = "http://www.w3.org/2000/svg";
   const sides = (spec) => {
     const encodings = (spec.layer ?? [spec]).map((layer) => layer.encoding ?? {});
     const scale = (channel) => encodings.map((encoding) => encoding[channel]?.scale).find((one) => one?.domain?.length);
@@ -134,14 +133,12 @@
     return [...engines, ...(tracks.length === 2 ? tracks : [])];
   };
   const swatch = (side) => {
-    const picture = document.createElementNS(SVG, "svg"), path = document.createElementNS(SVG, "path");
-    picture.setAttribute("viewBox", "-1.6 -1.6 3.2 3.2");
-    picture.setAttribute("aria-hidden", "true");
+    const holder = document.createElement("template");
+    holder.innerHTML = '<svg viewBox="-1.6 -1.6 3.2 3.2" aria-hidden="true"><path stroke-width=".32"/></svg>';
+    const picture = holder.content.firstChild, path = picture.firstChild;
     path.setAttribute("d", side.path ?? "M1,0A1,1,0,1,1,-1,0A1,1,0,1,1,1,0Z");
     path.setAttribute("fill", side.filled ? side.colour ?? "currentColor" : "none");
     path.setAttribute("stroke", side.colour ?? "currentColor");
-    path.setAttribute("stroke-width", ".32");
-    picture.append(path);
     return picture;
   };
 

@@ -122,7 +122,7 @@ def test_the_page_is_as_good_as_the_others(thrown: Done) -> None:
     assert "none was kept" not in text
     (link,) = re.findall(r'href="(\.\./recordings/[^"]+)"', text)
     assert (report / link).is_file()
-    for title in ("Error against time step", "What an error costs", "Horizon"):
+    for title in ("Error against time step", "Speed against error", "Horizon"):
         assert title in text
     assert "distance from the limit [of its size]" in text
     index = (report / "index.html").read_text()

@@ -86,8 +86,8 @@ def test_a_front_is_clocked_again_without_being_searched_again(tmp_path: Path, m
     assert BESIDE <= account["clocked"] <= all_clocked["clocked"]
     with planted(Fault(engine="mujoco")) as again:
         third, _, changed = night(root, what)
-    # The four of the study, the front, two beside it; no knob is turned anew.
-    assert 4 < len(again) < len(searched)
+    # The four of the study, the front and two beside it, which may be among the four: prices decide. No knob is turned anew.
+    assert 4 <= len(again) < len(searched)
     assert len(again) == len(third.store().trials)
     assert changed["clocked"] > 0
     front = third.store().trials

@@ -45,8 +45,10 @@ def taken(browser: Any, path: Path, element: str, size: tuple[int, int], scheme:
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.goto(path.resolve().as_uri())
     page.evaluate("for (const image of document.images) image.loading = 'eager'")
-    page.wait_for_function("[...document.images].every((image) => image.complete)")
-    page.wait_for_function("[...document.querySelectorAll('figure.chart')].every((figure) => figure.dataset.drawn)")
+    page.wait_for_function("() => [...document.images].every((image) => image.complete)")
+    # A chart in a closed fold is drawn when somebody opens it.
+    charts = "[...document.querySelectorAll('figure.chart')].filter((figure) => figure.clientWidth > 0)"
+    page.wait_for_function(f"() => {charts}.every((figure) => figure.dataset.drawn)")
     page.locator(element).first.scroll_into_view_if_needed()
     content = page.screenshot()
     context.close()

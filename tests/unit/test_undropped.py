@@ -26,6 +26,7 @@ from harness.study.study import Study
 from reports import build
 from tests.robot_files import imported, mjcf, row
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 MASS, LEVER, INERTIA, GRAVITY = 2.0, 0.5, 0.03, 9.81
 ROTOR, DRY = 0.4, 1.5
 """kg m2 and N m: beside 0.53 kg m2 and 9.81 N m of the arm itself."""

@@ -27,6 +27,8 @@ from tests.own_limits import pile
 
 ENGINES = ("spinner", "laggard")
 """A third party's, which err by a law that is known: `tests.known_prices`."""
+DURATION = 2.0
+"""s: what is thrown comes down within one, and a pile that falls for half of one lies still for another."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ def carried_out(folder: Path, scene: Scene, engines: tuple[str, ...], name: str,
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / name
     path.write_text(dump_toml(scene))
+    path.with_suffix(".plumb.toml").write_text(f"duration = {DURATION}\n")
     case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
     study = study_of(case)
     ladder = replace(study.experiments[0], **{"samples": 3, "sample_seconds": 0.001} | changes)

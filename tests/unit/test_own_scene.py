@@ -22,6 +22,7 @@ from harness.study.own_scene import study_of
 from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports import build, write_recordings
+from reports.pages.scene import PAGE
 from tests.known_prices import LAWS, PLUGINS
 from tests.own_limits import pile
 
@@ -177,7 +178,7 @@ def test_perturbed_starts_are_kept_apart_from_the_scene_itself(fallen: Done) -> 
     store = fallen.store
     assert len(store.trials) == 6 + 6
     assert len(store.asked) == 6
-    text = next(build(store.folder).parent.glob("case-*.html")).read_text()
+    (text,) = (str(text) for name, text in PAGE.render(store).items() if name.endswith(".html"))
     assert "<td>start 2</td>" in text
     assert "<td>as it is</td>" in text
     assert "Perturbed starts" in text

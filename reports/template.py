@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
+from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
 from reports.page import navigation
 from reports.palette import looks
@@ -56,7 +57,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {
+    filters = {
         "amount": amount,
         "called": called,
         "case_file": case_file,
@@ -70,6 +71,8 @@ def environment() -> Environment:
         "step": step,
         "address": lambda text: quote(text, safe=""),
     }
+    made.filters |= filters
+    made.bytecode_cache = CompiledTemplates(filters.values())
     return made
 
 

@@ -69,13 +69,15 @@ def printed() -> Command:
     return call
 
 
-@pytest.fixture
-def mjcf_here(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(scope="module")
+def mjcf_here() -> Iterator[None]:
     """MJCF is compiled in this process: a test of `compile_apart` shows that a process of its own leaves the same."""
     from harness.scene.importers import mjcf  # late, as above
     from tests.mjcf_here import compiled_here
 
-    monkeypatch.setattr(mjcf, "compile_apart", compiled_here)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mjcf, "compile_apart", compiled_here)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -25,7 +25,7 @@ def _junit(trials: pd.DataFrame) -> bytes:
     suite.set("failures", str(int(counts.get("failed", 0))))
     suite.set("errors", str(int(counts.reindex(_ERRORS, fill_value=0).sum())))
     suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
-    for row in trials.itertuples():
+    for row in trials[["study", "case", "engine", "track", "dt", "status", "reason"]].itertuples():
         name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}]"
         test = ElementTree.SubElement(suite, "testcase", classname=visible(str(row.study)), name=visible(name))
         kind = {"failed": "failure"} | dict.fromkeys(_ERRORS, "error") | dict.fromkeys(_SKIPPED, "skipped")

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
+@cache
 def _version(package: str) -> str:
     try:
         return version(package)
@@ -35,8 +37,12 @@ def _version(package: str) -> str:
         return "none"
 
 
+@cache
 def _commit() -> str:
-    """Of the working copy that this is run from, with '+' where files differ from it; '' where it is none."""
+    """Of the working copy that this is run from, with '+' where files differ from it; '' where it is none.
+
+    Once in a process, which runs what it has loaded, whatever becomes of the files.
+    """
     root = Path(__file__).parents[2]
     if not (root / ".git").exists():
         return ""

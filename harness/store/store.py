@@ -55,14 +55,26 @@ def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
         row["warnings"] = [str(notice) for notice in record.warnings]
         row |= {name: json.dumps(row[name], sort_keys=True) for name in _JSON_COLUMNS}
         trials.append(row)
-        measurements += [{"trial": record.trial, **dataclasses.asdict(m)} for m in record.measurements]
-        samples += [{"trial": record.trial, **dataclasses.asdict(s)} for s in record.samples]
+        measurements += [{"trial": record.trial, **_plain(m, _MEASUREMENT_COLUMNS)} for m in record.measurements]
+        samples += [{"trial": record.trial, **_plain(s, _SAMPLE_COLUMNS)} for s in record.samples]
     frame = pd.DataFrame(trials, columns=list(TRIAL_COLUMNS))
     numbers = dict.fromkeys((*_NUMBERS, *_PRICES), "float64")
-    frame = frame.astype(numbers | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
+    _set_types(frame, numbers | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
     table = pd.DataFrame(measurements, columns=list(_MEASUREMENT_COLUMNS))
-    table = table.astype({"value": "float64", "at_most": "float64", "passed": "boolean"})
+    _set_types(table, {"value": "float64", "at_most": "float64", "passed": "boolean"})
     return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}
+
+
+def _plain(row: Measurement | Sample, columns: Sequence[str]) -> dict[str, Any]:
+    """The fields of a row, all of which are numbers and texts; the first column is not its own."""
+    return {name: getattr(row, name) for name in columns[1:]}
+
+
+def _set_types(frame: pd.DataFrame, types: Mapping[str, str]) -> None:
+    """Give columns these types: most have them, and what has is left alone, since each change costs as much as the table."""
+    for name, kind in types.items():
+        if frame[name].dtype != kind:
+            frame[name] = frame[name].astype(kind)
 
 
 def parquet(frame: pd.DataFrame) -> bytes:

@@ -6,6 +6,8 @@ import json
 import subprocess
 import sys
 import tomllib
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,35 @@ from harness.study import plugins
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("harness", "adapters", "cases", "reports", "engine")
 VENDORS = {"mujoco", "pybullet", "dartpy", "numba", "rerun", "altair", "vl_convert", "pyarrow"}
+
+
+@dataclass(frozen=True)
+class Read:
+    """What two tests ask of a file. Terms: tops: packages that it imports at its top. moves: calls that name or move files."""
+
+    tops: frozenset[str]
+    moves: tuple[str, ...]
+
+
+@cache
+def files_of(package: str) -> dict[Path, Read]:
+    """What stands in each file of a package; no tree of it is kept, which each search for garbage would walk."""
+    return {path: read(ast.parse(path.read_text(encoding="utf-8"))) for path in sorted((ROOT / package).rglob("*.py"))}
+
+
+def read(tree: ast.Module) -> Read:
+    names = [alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module or "" for node in tree.body if isinstance(node, ast.ImportFrom)]
+    moves = (
+        ast.unparse(node)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr in ("rename", "replace", "link_to", "move")
+        and len(node.args) == (2 if ast.unparse(node.func.value) in ("os", "shutil") else 1)
+        and not node.keywords
+    )
+    return Read(frozenset(name.partition(".")[0] for name in names), tuple(moves))
 
 
 def test_every_import_contract_holds() -> None:
@@ -44,31 +75,39 @@ def test_a_long_module_says_in_its_first_line_why_it_is_long(package: str) -> No
         assert len(lines) <= 400 or "(over 400 lines: " in lines[0], f"{path} has {len(lines)} lines"
 
 
-def imported_by(code: str) -> set[str]:
-    """The top-level packages that are loaded once some code has run in a fresh interpreter."""
-    script = f"import sys, json\n{code}\nprint(json.dumps(sorted({{name.split('.')[0] for name in sys.modules}})))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    return set(json.loads(done.stdout.splitlines()[-1]))
+LOADED = """
+import importlib, json, sys
+before = set()
+for name in sys.argv[1:]:
+    importlib.import_module(name)
+    after = {module.split(".")[0] for module in sys.modules}
+    print(json.dumps(sorted(after - before)))
+    before = after
+"""
 
 
-def test_the_command_line_starts_without_engines_and_without_number_crunchers() -> None:
-    assert not imported_by("import harness.cli.main") & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
+@pytest.fixture(scope="module")
+def loaded() -> dict[str, set[str]]:
+    """The top-level packages that a fresh interpreter loads with the command line, and then with each adapter."""
+    modules = ["harness.cli.main", *(f"adapters.{name}" for name in plugins.names("adapters"))]
+    done = subprocess.run([sys.executable, "-c", LOADED, *modules], capture_output=True, text=True, check=True)
+    return dict(zip(modules, map(set, map(json.loads, done.stdout.splitlines())), strict=True))
+
+
+def test_the_command_line_starts_without_engines_and_without_number_crunchers(loaded: dict[str, set[str]]) -> None:
+    assert not loaded["harness.cli.main"] & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
 
 
 @pytest.mark.parametrize("name", plugins.names("adapters"))
-def test_an_adapter_is_imported_without_its_vendor(name: str) -> None:
-    assert not imported_by(f"import adapters.{name}") & {"mujoco", "pybullet", "dartpy", "numba"}
+def test_an_adapter_is_imported_without_its_vendor(name: str, loaded: dict[str, set[str]]) -> None:
+    assert not loaded[f"adapters.{name}"] & {"mujoco", "pybullet", "dartpy", "numba"}
 
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_vendor_packages_are_imported_inside_functions_only(package: str) -> None:
     allowed = {"engine": {"numba"}}.get(package, set())
-    for path in (ROOT / package).rglob("*.py"):
-        for node in ast.parse(path.read_text()).body:
-            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
-            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            tops = {name.split(".")[0] for name in names}
-            assert not tops & (VENDORS - allowed), f"{path.relative_to(ROOT)} imports {tops & VENDORS} at its top"
+    for path, found in files_of(package).items():
+        assert not found.tops & (VENDORS - allowed), f"{path.relative_to(ROOT)} imports {found.tops & VENDORS} at its top"
 
 
 VENDOR_SCRIPTS = sorted((ROOT / "tests" / "vendor").glob("*.py"))
@@ -129,15 +168,10 @@ def test_files_get_their_names_in_one_function() -> None:
     """It synchronises the file before and the folder behind. A report that makes way is thrown away, and convex pieces that
     are kept can be worked out again."""
     found = [
-        f"{path.relative_to(ROOT)}: {ast.unparse(node)}"
+        f"{path.relative_to(ROOT)}: {move}"
         for package in ("harness", "reports")
-        for path in sorted((ROOT / package).rglob("*.py"))
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Call)
-        and isinstance(node.func, ast.Attribute)
-        and node.func.attr in ("rename", "replace", "link_to", "move")
-        and len(node.args) == (2 if ast.unparse(node.func.value) in ("os", "shutil") else 1)
-        and not node.keywords
+        for path, read in files_of(package).items()
+        for move in read.moves
     ]
     assert found == [
         "harness/scene/importers/decomposition.py: Path(part.name).replace(place)",

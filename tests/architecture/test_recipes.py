@@ -5,11 +5,14 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from harness.scene.importers import known
 from harness.store.store import Store
+from tests.conftest import Command
 
 ROOT = Path(__file__).parents[2]
 GROUPS = {
@@ -42,12 +45,18 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def call(installed: Path, *arguments: object) -> str:
-    command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
-    environment = os.environ | {"PYTHONPATH": str(installed)}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=200)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+@pytest.fixture
+def call(installed: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """The command line where the recipes are installed; otherwise a process looks for importers once."""
+    monkeypatch.syspath_prepend(installed)
+    monkeypatch.setattr(known, "_found", known._found.__wrapped__)
+
+    def called(*arguments: object) -> str:
+        done = printed(*arguments)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return called
 
 
 def test_all_five_recipes_are_printed() -> None:
@@ -71,24 +80,24 @@ def test_the_new_engine_the_new_case_and_the_new_metric_are_listed(installed: Pa
     assert found["unit"] == "m"
 
 
-def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(installed: Path, tmp_path: Path) -> None:
+def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(call: Callable[..., str], tmp_path: Path) -> None:
     study = tmp_path / "one.toml"
     study.write_text('name = "one"\nrecordings = false\n[[experiments]]\nname = "e"\ntiming = false\n')
-    call(installed, "run", study, "--engine", "flight", "--case", "flight_straight", "--out", tmp_path / "out")
+    call("run", study, "--engine", "flight", "--case", "flight_straight", "--out", tmp_path / "out")
     trials = Store(tmp_path / "out").trials
     assert list(trials["status"]) == ["passed", "passed"]
     assert "<li>flight</li>" in (tmp_path / "out" / "report" / "roll.html").read_text()
 
 
-def test_the_new_engine_keeps_the_contract(installed: Path) -> None:
-    statuses = {row["status"] for row in json.loads(call(installed, "check", "flight", "--json"))}
+def test_the_new_engine_keeps_the_contract(call: Callable[..., str]) -> None:
+    statuses = {row["status"] for row in json.loads(call("check", "flight", "--json"))}
     assert "passed" in statuses
     assert not statuses & {"failed", "improved"}
 
 
-def test_the_new_importer_reads_its_format_in_every_command(installed: Path, tmp_path: Path) -> None:
+def test_the_new_importer_reads_its_format_in_every_command(call: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "two.chain").write_text("upper 1.0 2.0\nlower 0.5 1.0\n")
-    rows = json.loads(call(installed, "scene", "show", tmp_path / "two.chain", "--root", "fixed", "--json"))
+    rows = json.loads(call("scene", "show", tmp_path / "two.chain", "--root", "fixed", "--json"))
     assert [(row["name"], row["mass"]) for row in rows if row["kind"] == "body"] == [("upper", 2.0), ("lower", 1.0)]
     inertia = '<inertia ixx="{0}" ixy="0" ixz="0" iyy="{0}" iyz="0" izz="{1}"/>'
     links = "".join(
@@ -99,5 +108,5 @@ def test_the_new_importer_reads_its_format_in_every_command(installed: Path, tmp
         for name, length, mass, above, at in (("upper", 1.0, 2.0, "base", 0.0), ("lower", 0.5, 1.0, "upper", -1.0))
     )
     (tmp_path / "two.urdf").write_text(f'<robot name="two"><link name="base"/>{links}</robot>')
-    same = call(installed, "parity", tmp_path / "two.chain", tmp_path / "two.urdf", "--tolerance", "1e-9")
+    same = call("parity", tmp_path / "two.chain", tmp_path / "two.urdf", "--tolerance", "1e-9")
     assert "the same robot: 2 joints" in same

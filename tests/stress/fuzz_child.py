@@ -1,6 +1,6 @@
-"""A process that has many mutants of one file read by the command line, up to the first trial, and prints what became of them.
+"""A process that has many mutants of files read by the command line, up to the first trial, and prints what became of them.
 
-Arguments: the sound file, the first seed, how many, seconds of processor time in all. Prints one JSON object.
+Arguments: the first seed, how many, seconds of processor time for each file, sound files. Prints a JSON object for each file.
 """
 
 import json
@@ -56,5 +56,6 @@ def _all(sound: Path, first: int, count: int, budget: float) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    name, first, count, budget = sys.argv[1:]
-    print(json.dumps(_all(Path(name), int(first), int(count), float(budget))))
+    first, count, budget, *names = sys.argv[1:]
+    for name in names:
+        print(json.dumps(_all(Path(name), int(first), int(count), float(budget))))

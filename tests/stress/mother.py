@@ -8,23 +8,14 @@ import json
 import multiprocessing
 import os
 import sys
-from pathlib import Path
 
 import harness.cli.main
-import harness.cli.run_study
 import harness.run.campaign
 import harness.run.isolated
 import harness.run.timed_processes
-from harness.findings.summary import write_summary
-from harness.store.store import Store
 from harness.study import plugins
 from harness.study.provenance import sources_of
-
-
-def publish(store: Store, _recordings: bool) -> Path:
-    """What stands beside the tables, without the report."""
-    write_summary(store)
-    return store.folder / "summary.md"
+from tests.stress.unreported import end_with_the_summary
 
 
 def run(arguments: list[str], log: str) -> int:
@@ -42,7 +33,7 @@ def run(arguments: list[str], log: str) -> int:
 if __name__ == "__main__":
     for case in plugins.cases():
         sources_of(case, "sound")
-    harness.cli.run_study.publish = publish
+    end_with_the_summary()
     harness.run.isolated.context = harness.run.timed_processes.context = lambda: multiprocessing.get_context("fork")  # type: ignore
     for line in sys.stdin:
         told = json.loads(line)

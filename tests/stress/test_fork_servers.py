@@ -3,7 +3,7 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -15,6 +15,7 @@ import pytest
 from harness.run.fork_servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
 from harness.store.store import Store
 from tests.conftest import Command
+from tests.light_servers import light_servers
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import start
 
@@ -130,13 +131,19 @@ STARTS: dict[str, Callable[[BaseProcess], Server]] = {
 }
 
 
+@pytest.fixture
+def light() -> Iterator[None]:
+    with light_servers():
+        yield
+
+
 def begun(kind: str, work: Callable[..., object], *of: object) -> tuple[BaseProcess, Server]:
     process = context().Process(target=work, args=of, daemon=True)
     return process, STARTS[kind](process)
 
 
 @pytest.mark.parametrize("kind", [kind if kind == "plain" else pytest.param(kind, marks=SLOW) for kind in STARTS])
-def test_a_fork_server_that_is_killed_has_a_successor(kind: str, ledger: Page) -> None:
+def test_a_fork_server_that_is_killed_has_a_successor(kind: str, light: None, ledger: Page) -> None:
     """Idle, and with a process whose end nobody can tell then; an exit code of the engine's own is no such end."""
     process, server = begun(kind, os._exit, 255)
     process.join(60.0)

@@ -4,40 +4,90 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.stress.input_faults import BALL, FAULTS, KIND, LIMITS, many, names_the_file
+from tests.stress.input_faults import BALL, FAULTS, many, names_the_file
 from tests.stress.ledger import Page
 from tests.stress.reading import Reading
 
 ROOT = Path(__file__).parents[2]
 
 
-def ask(calls: list[tuple[str, list[str], Mapping[str, str]]]) -> dict[str, Reading]:
-    command = [sys.executable, "-m", "tests.stress.reading"]
+Asked = tuple[str, list[str], Mapping[str, str]]
+"""A name, arguments of the command line, variables of the environment."""
+READ = (sys.executable, "-m", "tests.stress.reading")
+LIGHTER = ("a million bodies", "65 MB")
+"""Bombs that are refused for their bytes alone, before any of them is read."""
+BOMBS = ("a million bodies with room", "a million bodies in TOML")
+
+
+def answered(command: Sequence[str], calls: Sequence[Asked]) -> dict[str, Reading]:
     told = json.dumps(calls)
-    done = subprocess.run(command, cwd=ROOT, input=told, capture_output=True, text=True, timeout=280, check=False)
+    done = subprocess.run([*command], cwd=ROOT, input=told, capture_output=True, text=True, timeout=280, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     return {name: Reading(**found) for name, found in map(json.loads, done.stdout.splitlines())}
 
 
+def written(folder: Path, family: str, name: str) -> Asked:
+    """A fault as a file, and how it is run."""
+    fault = FAULTS[family, name]
+    path = folder / f"file{[*FAULTS].index((family, name))}.{fault.ending}"
+    if callable(fault.content):
+        fault.content(path)
+    else:
+        path.write_bytes(fault.content if isinstance(fault.content, bytes) else fault.content.encode())
+    return f"{family}: {name}", ["run", str(path), "--out", str(folder / "out"), *fault.options], fault.environment
+
+
+PEAK = """
+import resource, subprocess, sys
+done = subprocess.run(sys.argv[1:], input=sys.stdin.read(), capture_output=True, text=True)
+sys.stdout.write(done.stdout)
+sys.stderr.write(f"{done.stderr}\\n{resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024}")
+sys.exit(done.returncode)
+"""
+"""A command, with the most memory [MB] that it held as the last line on standard error."""
+
+
+@dataclass(frozen=True)
+class Bomb:
+    """What was said of a file, and the most memory [MB] of the process that read it and nothing else."""
+
+    reading: Reading
+    peak: float
+
+
 @pytest.fixture(scope="module")
-def readings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Reading]:
-    """What was said of each fault, all in one process."""
+def bomb(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Bomb]:
+    """What becomes of a bomb, each in a process of its own."""
+    folder = tmp_path_factory.mktemp("bombs")
+
+    @cache
+    def thrown(name: str) -> Bomb:
+        (family,) = (family for family, other in FAULTS if other == name)
+        call = written(folder, family, name)
+        command = [sys.executable, "-c", PEAK, *READ]
+        done = subprocess.run(
+            command, cwd=ROOT, input=json.dumps([call]), capture_output=True, text=True, timeout=280, check=False
+        )
+        assert done.returncode == 0, done.stderr[-2000:]
+        return Bomb(Reading(**json.loads(done.stdout)[1]), float(done.stderr.splitlines()[-1]))
+
+    return thrown
+
+
+@pytest.fixture(scope="module")
+def readings(tmp_path_factory: pytest.TempPathFactory, bomb: Callable[[str], Bomb]) -> dict[str, Reading]:
+    """What was said of each fault: of bombs each in a process of its own, of all others in one."""
     folder = tmp_path_factory.mktemp("input")
-    calls: list[tuple[str, list[str], Mapping[str, str]]] = []
-    for number, ((family, name), fault) in enumerate(FAULTS.items()):
-        path = folder / f"file{number}.{fault.ending}"
-        if callable(fault.content):
-            fault.content(path)
-        else:
-            path.write_bytes(fault.content if isinstance(fault.content, bytes) else fault.content.encode())
-        arguments = ["run", str(path), "--out", str(folder / "out"), *fault.options]
-        calls.append((f"{family}: {name}", arguments, fault.environment))
-    return ask(calls)
+    calls = [written(folder, family, name) for family, name in FAULTS if name not in BOMBS]
+    alone = {f"{family}: {name}": bomb(name).reading for family, name in FAULTS if name in BOMBS}
+    return answered(READ, calls) | alone
 
 
 @pytest.mark.parametrize(("family", "name"), FAULTS)
@@ -71,41 +121,22 @@ def test_what_is_sound_is_read(tmp_path: Path) -> None:
         path.write_text(content)
         options = ["--limit", "bodies=10"] if name == "a limit that is kept" else []
         calls.append((name, ["run", str(path), "--out", str(tmp_path / "out"), *options], {}))
-    answers = ask(calls)
+    answers = answered(READ, calls)
     assert {name: found.ended for name, found in answers.items()} == dict.fromkeys(SOUND, "accepted")
     # All that is said is which engines run it.
     assert not [line for found in answers.values() for line in found.text.splitlines() if not line.endswith(": runs")]
 
 
-LIGHTER = ("a million bodies", "65 MB")
-"""Refused for their bytes alone, before any of them is read: the readings above have them too."""
-PEAK = """
-import resource, subprocess, sys, time
-start = time.monotonic()
-done = subprocess.run([sys.executable, "-m", "harness.cli", "run", *sys.argv[1:]], capture_output=True, text=True)
-print(done.returncode, time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024)
-"""
-
-
 SLOW = pytest.mark.slow
-BOMBS = ["a million bodies with room", "a million bodies in TOML", *(pytest.param(w, marks=SLOW) for w in LIGHTER)]
 
 
-@pytest.mark.parametrize("what", BOMBS)
-def test_a_bomb_costs_no_memory(what: str, tmp_path: Path, ledger: Page) -> None:
+@pytest.mark.parametrize("what", [*BOMBS, *(pytest.param(what, marks=SLOW) for what in LIGHTER)])
+def test_a_bomb_costs_no_memory(what: str, bomb: Callable[[str], Bomb], ledger: Page) -> None:
     """Less than 200 MB, in a process of its own. Its time is told, not asserted."""
-    fault = (KIND | LIMITS)[what]
-    path = tmp_path / f"bomb.{fault.ending}"
-    if callable(fault.content):
-        fault.content(path)
-    else:
-        path.write_text(str(fault.content))
-    command = [sys.executable, "-c", PEAK, str(path), "--out", str(tmp_path / "out"), *fault.options]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=280, check=True)
-    code, seconds, peak = done.stdout.split()
-    assert code == "2"
-    assert float(peak) < 200.0
-    ledger.survived("input: bombs", what, f"exit code 2 after {float(seconds):.2f} s, {float(peak):.0f} MB")
+    found = bomb(what)
+    assert found.reading.ended == "refused"
+    assert found.peak < 200.0
+    ledger.survived("input: bombs", what, f"exit code 2 after {found.reading.seconds:.2f} s, {found.peak:.0f} MB")
 
 
 @pytest.mark.parametrize("told", ["/dev/null", pytest.param(str(Path(__file__) / "y"), marks=SLOW)])
@@ -125,7 +156,7 @@ ABSENT = [("show", "DIR"), ("report", "DIR"), ("view", "DIR", "x"), ("serve", "D
 def absent(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Reading]:
     """What each command says of a folder that is not there, all in one process."""
     nowhere = str(tmp_path_factory.mktemp("absent") / "nowhere")
-    return ask([(words[0], [word.replace("DIR", nowhere) for word in words], {}) for words in ABSENT])
+    return answered(READ, [(words[0], [word.replace("DIR", nowhere) for word in words], {}) for words in ABSENT])
 
 
 @pytest.mark.parametrize("arguments", ABSENT, ids=lambda told: told[0])

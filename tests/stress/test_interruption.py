@@ -28,6 +28,7 @@ samples = 1
 sample_seconds = 0.001
 """
 STEPS = ", ".join(f"{0.5 / n:.17g}" for n in range(30, 60, 3))
+ROOT = Path(__file__).parents[2]
 CELLS = 20
 """Ten steps on two tracks."""
 
@@ -39,10 +40,12 @@ def write_study(folder: Path, timing: str = "false") -> Path:
 
 
 def start(study: Path, out: Path, environment: Mapping[str, str], *more: str, engine: str = "sound") -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", engine, "--out", out, *more]
+    """Carry a study out in a process of its own, as a person does, but for the report at the end."""
+    command = [sys.executable, "-m", "tests.stress.unreported", "run", study, "--engine", engine, "--out", out, *more]
     return subprocess.Popen(
         list(map(str, command)),
         env=dict(environment),
+        cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -1,7 +1,9 @@
 """Faults planted in one engine, each in a cell of its own: every one has the outcome that it should, and costs nobody else."""
 
 import multiprocessing
+import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,7 @@ from harness.run.message import BrokenMessage, Inbox, read_record
 from harness.store.store import Store
 from harness.study.study import load_study
 from harness.trial.accuracy import run_trial
-from tests.conftest import PLUGINS, Command
+from tests.conftest import PLUGINS
 from tests.stress.ledger import Page
 
 sys.path.insert(0, str(PLUGINS))
@@ -25,6 +27,7 @@ from planted_faults import FAULTS
 
 sys.path.remove(str(PLUGINS))
 
+ROOT = Path(__file__).parents[2]
 IN_PROCESSES = ("signals", "exits", "surroundings", "processes", "hangs", "memory")
 HEAVY = tuple(fault for fault in FAULTS if fault.family in IN_PROCESSES)
 LIGHT = tuple(fault for fault in FAULTS if fault.family not in IN_PROCESSES)
@@ -47,18 +50,19 @@ def study(faults: tuple[Fault, ...]) -> str:
     )
 
 
-def carried_out(folder: Path, plumbline: Command, *faults: Fault) -> pd.DataFrame:
+def carried_out(folder: Path, environment: Mapping[str, str], *faults: Fault) -> pd.DataFrame:
     (folder / "planted.toml").write_text(study(faults))
-    chosen = ("--engine", "planted", "--workers", 6, "--out", folder / "out")  # most of them sleep
-    done = plumbline("run", folder / "planted.toml", *chosen, plugins=True)
+    chosen = ("--engine", "planted", "--workers", "6", "--out", folder / "out")  # most of them sleep
+    command = [sys.executable, "-m", "tests.stress.unreported", "run", folder / "planted.toml", *chosen]
+    done = subprocess.run(command, env=dict(environment), cwd=ROOT, capture_output=True, text=True, timeout=280, check=False)
     assert done.returncode == 0, done.stderr
     return Store(folder / "out").trials
 
 
 @pytest.fixture(scope="module")
-def trials(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> pd.DataFrame:
+def trials(tmp_path_factory: pytest.TempPathFactory, with_plugins: Mapping[str, str]) -> pd.DataFrame:
     """What became of the faults that need a process of their own."""
-    return carried_out(tmp_path_factory.mktemp("planted"), plumbline, *HEAVY)
+    return carried_out(tmp_path_factory.mktemp("planted"), with_plugins, *HEAVY)
 
 
 @pytest.fixture
@@ -109,8 +113,10 @@ def test_a_fault_of_an_answer_has_its_outcome_and_its_reason(
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_a_fault_of_an_answer_has_the_same_outcome_in_a_process_of_its_own(tmp_path: Path, plumbline: Command) -> None:
-    found = carried_out(tmp_path, plumbline, *LIGHT).set_index("track")
+def test_a_fault_of_an_answer_has_the_same_outcome_in_a_process_of_its_own(
+    tmp_path: Path, with_plugins: Mapping[str, str]
+) -> None:
+    found = carried_out(tmp_path, with_plugins, *LIGHT).set_index("track")
     assert {fault.variant: found.loc[fault.variant, "status"] for fault in LIGHT} == {f.variant: f.status for f in LIGHT}
 
 
@@ -130,4 +136,4 @@ def test_no_process_that_an_engine_started_is_left(trials: pd.DataFrame) -> None
     """In the folder of these tests: others may run the same ones on this machine."""
     assert len(trials)
     found = [process.info for process in psutil.process_iter(["pid", "cmdline", "cwd"])]
-    assert not [one for one in found if SLEEP in (one["cmdline"] or ()) and one["cwd"] == str(Path.cwd())]
+    assert not [one for one in found if SLEEP in (one["cmdline"] or ()) and one["cwd"] == str(ROOT)]

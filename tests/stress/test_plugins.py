@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -26,16 +27,31 @@ timing = false
 Call = Callable[..., subprocess.CompletedProcess[str]]
 
 
+BOTH = """
+from harness.cli.main import main
+main(["engines", "--json"], standalone_mode=False)
+print("as text:")
+main(["engines"])
+"""
+"""Both listings of engines, in one process: each plug-in is tried once for them."""
+
+
 @pytest.fixture(scope="module")
-def call(tmp_path_factory: pytest.TempPathFactory) -> Call:
-    """The command line with the plug-ins installed, and a cache of its own."""
+def python(tmp_path_factory: pytest.TempPathFactory) -> Call:
+    """An interpreter with the plug-ins installed, and a cache of its own."""
     environment = os.environ | {"PYTHONPATH": str(PLUGINS), "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache"))}
 
     def called(*arguments: object) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "harness.cli", *map(str, arguments)]
+        command = [sys.executable, *map(str, arguments)]
         return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=280, check=False)
 
     return called
+
+
+@pytest.fixture(scope="module")
+def call(python: Call) -> Call:
+    """The command line in such an interpreter."""
+    return partial(python, "-m", "harness.cli")
 
 
 @pytest.fixture(scope="module")
@@ -73,17 +89,19 @@ REASONS = {
 }
 
 
-def test_listings_say_why_an_engine_is_unavailable_and_list_the_others(call: Call, ledger: Page) -> None:
-    done = call("engines", "--json")
+def test_listings_say_why_an_engine_is_unavailable_and_list_the_others(python: Call, ledger: Page) -> None:
+    done = python("-c", BOTH)
     assert done.returncode == 0, done.stderr
-    rows = {row["name"]: row for row in json.loads(done.stdout)}
+    listed, _, text = done.stdout.partition("as text:\n")
+    rows = {row["name"]: row for row in json.loads(listed)}
     for name, reason in REASONS.items():
         assert not rows[name]["available"]
         assert reason in rows[name]["unavailable"]
         ledger.survived("plug-ins: engines", name.replace("_", " "), "unavailable with its reason, others lost 0")
     assert rows["reference"]["available"]
     assert rows["well"]["version"] == "1.0"
-    assert "\x1b" not in call("engines").stdout
+    assert all(name in text for name in (*REASONS, "reference", "well"))
+    assert "\x1b" not in text
 
 
 @pytest.mark.slow

@@ -25,6 +25,7 @@ from harness.trajectory import Floats
 from harness.trial.simulate import simulate
 from tests.robot_files import imported, row, urdf
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 STIFFNESS, DAMPING, MOMENT = 20.0, 2.0, 0.5
 WAVE = Sinusoid(amplitude=0.4, frequency=0.7, phase=0.3)
 

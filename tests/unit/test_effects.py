@@ -32,7 +32,7 @@ from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.accuracy import run_trial
-from reports.html import rendered
+from reports.pages.effects import PAGE
 
 HALF = (0.1, 0.15, 0.2)
 
@@ -332,7 +332,7 @@ def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
     (doubt,) = (one for one in said if "nothing is said of" in one)
     assert "friction" in doubt
     assert "has not converged" in doubt
-    page = rendered(store)["effects.html"]
+    page = str(PAGE.render(store)["effects.html"])
     assert doubt.removeprefix("Audit: ").removesuffix(".") in page
     assert "Not judged, and nothing is proposed" in page
 

@@ -13,6 +13,7 @@ from harness.scene.importers.reading import read
 from harness.study import plugins
 from harness.trajectory import State
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ROBOTS = ("arm.urdf", "quadruped.urdf", "four_bar.xml", "gripper.xml")
 DROPPED: dict[str, frozenset[Drop]] = {"gripper.xml": frozenset(("armature", "equality"))}

@@ -16,6 +16,7 @@ from harness.scene.importers.reading import read
 from harness.study import plugins
 from tests.joint_space import JointSpace
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 EXACT = 1e-9
 """Relative: what the issue asks for. Sums of some tens of terms in double precision err by 1e-14 of the largest."""
 STATES = 10

@@ -11,6 +11,7 @@ from harness.scene.importers.companion import Companion, Massless
 from tests.joint_space import JointSpace
 from tests.robot_files import imported, mjcf, row
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 EXACT = 1e-9
 """As of all joint trees: sums of some tens of terms in double precision."""
 LEG = (

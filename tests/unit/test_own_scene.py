@@ -22,11 +22,14 @@ from harness.study.own_scene import study_of
 from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports import build, write_recordings
+from reports.pages.scene import PAGE
 from tests.known_prices import LAWS, PLUGINS
 from tests.own_limits import pile
 
 ENGINES = ("spinner", "laggard")
 """A third party's, which err by a law that is known: `tests.known_prices`."""
+DURATION = 2.0
+"""s: what is thrown comes down within one, and a pile that falls for half of one lies still for another."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ def carried_out(folder: Path, scene: Scene, engines: tuple[str, ...], name: str,
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / name
     path.write_text(dump_toml(scene))
+    path.with_suffix(".plumb.toml").write_text(f"duration = {DURATION}\n")
     case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
     study = study_of(case)
     ladder = replace(study.experiments[0], **{"samples": 3, "sample_seconds": 0.001} | changes)
@@ -174,7 +178,7 @@ def test_perturbed_starts_are_kept_apart_from_the_scene_itself(fallen: Done) -> 
     store = fallen.store
     assert len(store.trials) == 6 + 6
     assert len(store.asked) == 6
-    text = next(build(store.folder).parent.glob("case-*.html")).read_text()
+    (text,) = (str(text) for name, text in PAGE.render(store).items() if name.endswith(".html"))
     assert "<td>start 2</td>" in text
     assert "<td>as it is</td>" in text
     assert "Perturbed starts" in text

@@ -16,6 +16,7 @@ from harness.study import plugins
 from tests.planted_robots import MJCF, URDF
 from tests.two_formats import MJCF as ARM
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 TOLERANCE = 1e-9
 DOWN = np.array([0.0, 0.0, -9.81])
 

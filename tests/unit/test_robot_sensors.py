@@ -35,6 +35,7 @@ from harness.trajectory import Trajectory
 from harness.trial.accuracy import _stepped
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 ANGLES = (0.4, 0.5, 0.6)
 TOOL = (
     f'<link name="tool">{INERTIAL}</link><joint name="bolt" type="fixed"><parent link="arm"/><child link="tool"/>'

@@ -3,16 +3,24 @@
 import ctypes
 import os
 import sys
+from collections.abc import Iterator
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
 from harness.run.fork_servers import WORTH_A_SERVER, context, start_apart, start_loaded
+from tests.light_servers import light_servers
 
 SELDOM = ("xml.dom.pulldom",)
 """What nobody else here loads."""
 WAIT = 60.0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _servers_of_these_tests() -> Iterator[None]:
+    with light_servers():
+        yield
 
 
 def tell(pipe: Connection, name: str) -> None:
@@ -68,7 +76,7 @@ def test_processes_have_one_thread_each_and_who_starts_them_keeps_its_environmen
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
     monkeypatch.delenv("NUMBA_NUM_THREADS", raising=False)
     before = dict(os.environ)
-    for number in (0, 3):
+    for number in (0, 1):
         plain = context()
         ours, theirs = plain.Pipe(duplex=False)
         process = plain.Process(target=show_threads, args=(theirs,), daemon=True)
@@ -103,4 +111,4 @@ def test_processes_of_one_server_are_laid_out_alike_and_those_of_two_are_not() -
     assert place(0) == place(0)
     if not randomised.is_file() or randomised.read_text().strip() == "0":
         pytest.skip("the system loads programs at the same place each time")
-    assert len({place(number) for number in range(3)}) > 1
+    assert place(0) != place(1)

@@ -23,9 +23,10 @@ from harness.study import plugins
 from harness.study.own_scene import study_of
 from harness.study.refinement import Refinement
 from harness.study.study import Study
-from reports import build
+from reports.pages.scene import PAGE
 from tests.robot_files import imported, mjcf, row
 
+pytestmark = pytest.mark.usefixtures("mjcf_here")
 MASS, LEVER, INERTIA, GRAVITY = 2.0, 0.5, 0.03, 9.81
 ROTOR, DRY = 0.4, 1.5
 """kg m2 and N m: beside 0.53 kg m2 and 9.81 N m of the arm itself."""
@@ -110,10 +111,9 @@ def test_table_end_of_the_run_and_page_say_it(fallen: Done) -> None:
     assert rows["dart"]["omission"] is None
     said = [sentence for sentence in closing_words(fallen.store) if "leaving out armature and friction_loss" in sentence]
     assert len(said) == 3
-    build(fallen.store.folder)
-    pages = html.unescape("".join(path.read_text() for path in (fallen.store.folder / "report").rglob("*.html")))
-    assert said[0] in pages
-    assert UNDROPPED in pages
+    (page,) = (str(text) for name, text in PAGE.render(fallen.store).items() if name.endswith(".html"))
+    assert said[0] in html.unescape(page)
+    assert UNDROPPED in page
 
 
 def test_only_what_is_dropped_of_the_robot_makes_a_second_scene(tmp_path: Path) -> None:

@@ -52,7 +52,9 @@ DEAREST = (
 SHARED = {
     "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",
     "tests/browser/test_parity_page.py": "tests/browser/test_report.py",
+    "tests/browser/test_every_page.py": "tests/browser/test_report.py",
     "tests/browser/test_sensors_page.py": "tests/browser/test_report.py",
+    "tests/browser/test_trends_page.py": "tests/browser/test_report.py",
     "tests/browser/test_what_changed.py": "tests/browser/test_report.py",
 }
 """Files that go where another one goes, since both read what is worked out, or use what is started, once in a process."""

@@ -1,29 +1,53 @@
-"""What the tests of pages share: one browser, and visits to pages that keep all that a page said."""
+"""What the tests of pages share: one browser, one page that all visits take in turn, what each heard, and one report."""
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-__all__ = ["CHROMIUM", "Visit"]
+import reports
+from tests.small_studies import WRITTEN
 
-FLAGS = [
+__all__ = ["CHROMIUM", "QUIET", "Visit"]
+
+NOT_NEEDED = (
+    "AimEnabled",
+    "HttpsFirstBalancedModeAutoEnable",
+    "HttpsUpgrades",
+    "LensOverlay",
+    "MediaRouter",
+    "NetworkTimeServiceQuerying",
+    "OptimizationHints",
+    "PaintHolding",
+    "PreconnectToSearch",
+    "PreloadTopChromeWebUI",
+    "SpareRendererForSitePerProcess",
+    "WebUIOmniboxAimPopup",
+    "WebUIOmniboxFullPopup",
+    "WebUIOmniboxPopup",
+)
+"""Features of a person's browser: what asks the network, and what keeps processes ready or draws windows that nobody sees here.
+
+Of several lists Chromium heeds the last, so that those which playwright turns off are named again.
+"""
+QUIET = (
     "--headless",
     "--no-sandbox",
-    "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-]
+    f"--disable-features={','.join(NOT_NEEDED)}",
+)
 CHROMIUM = next(
     (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))),
     os.environ.get("PLUMBLINE_CHROMIUM"),
 )
+SCREEN = {"width": 1280, "height": 900}
 
 
 @pytest.fixture(scope="package")
@@ -38,43 +62,67 @@ def playwright() -> Iterator[Any]:
 
 @pytest.fixture(scope="package")
 def browser(playwright: Any) -> Iterator[Any]:
-    """A browser for pages from disk; each visit has a context of its own."""
-    chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+    """A browser for pages from disk."""
+    chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=[*QUIET, "--disable-gpu"])
     yield chromium
     chromium.close()
 
 
-class Visit:
-    """A page that is open, and all that it said or asked for."""
+@pytest.fixture(scope="package")
+def tab(browser: Any) -> Any:
+    """The page that visits take in turn: one of its own costs a window, a process, and every script compiled anew."""
+    return browser.new_context(viewport=SCREEN).new_page()
 
-    def __init__(self, browser: Any, path: Path, **context: Any) -> None:
-        self.page = browser.new_context(**{"viewport": {"width": 1280, "height": 900}} | context).new_page()
+
+class Visit:
+    """A page that is open, and all that it said or asked for; it starts with nothing stored, on a screen like any other's."""
+
+    def __init__(self, page: Any, path: Path, *, color_scheme: str = "light", viewport: Mapping[str, int] = SCREEN) -> None:
+        self.page = page
         self.said: list[str] = []
         self.asked: list[str] = []
-        self.page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
-        self.page.on("pageerror", lambda error: self.said.append(f"error: {error}"))
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.on("dialog", lambda dialog: (self.said.append("dialog"), dialog.dismiss()))
-        self.page.goto(path.as_uri())
-        if context.get("java_script_enabled", True):
-            self.page.wait_for_function(
-                "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn || !one.clientWidth)",
-                timeout=60_000,
-            )
+        self._heard: dict[str, Callable[[Any], None]] = {
+            "console": lambda message: self.said.append(f"{message.type}: {message.text}"),
+            "pageerror": lambda error: self.said.append(f"error: {error}"),
+            "request": lambda request: self.asked.append(request.url),
+            "dialog": lambda dialog: (self.said.append("dialog"), dialog.dismiss()),
+        }
+        for event, hear in self._heard.items():
+            page.on(event, hear)
+        page.emulate_media(color_scheme=color_scheme, media="screen")
+        page.set_viewport_size(viewport)
+        page.goto(path.as_uri())
+        page.wait_for_function(
+            "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn || !one.clientWidth)",
+            polling=25,  # a question at each frame would have each frame drawn
+            timeout=60_000,
+        )
 
     def close(self) -> None:
-        self.page.context.close()
+        """Leave the page, and nothing in it for the next."""
+        for event, hear in self._heard.items():
+            self.page.remove_listener(event, hear)
+        self.page.mouse.move(0, 0)
+        self.page.evaluate("() => { localStorage.clear(); sessionStorage.clear(); }")
 
 
 @pytest.fixture
-def visit(browser: Any) -> Iterator[Any]:
-    """Open a page, and close it after the test."""
+def visit(tab: Any) -> Iterator[Any]:
+    """Open a page, in place of the one before."""
     opened: list[Visit] = []
 
-    def go(path: Path, **context: Any) -> Visit:
-        opened.append(Visit(browser, path, **context))
+    def go(path: Path, **screen: Any) -> Visit:
+        if opened:
+            opened.pop().close()
+        opened.append(Visit(tab, path, **screen))
         return opened[-1]
 
     yield go
     for one in opened:
         one.close()
+
+
+@pytest.fixture(scope="session")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of the quick study, which is only read."""
+    return reports.build(WRITTEN["quick"](tmp_path_factory.mktemp("plain") / "run")).parent

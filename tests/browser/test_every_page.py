@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,6 @@ import pytest
 
 from harness.study import study
 from tests.browser.audit import faults
-from tests.browser.conftest import Visit
 from tests.small_studies import STUDIES, report_of
 
 pytestmark = pytest.mark.browser
@@ -36,9 +35,9 @@ def carried_out(path: Path, out: Path, *more: str) -> Path:
 
 
 @pytest.fixture(scope="session")
-def reports_made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def reports_made(tmp_path_factory: pytest.TempPathFactory, plain: Path) -> Callable[[str], Path]:
     """The report of a study, made once in a session."""
-    made: dict[str, Path] = {}
+    made = {"quick": plain}
 
     def report(kind: str) -> Path:
         if kind not in made:
@@ -49,17 +48,14 @@ def reports_made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Pa
 
 
 @pytest.fixture
-def wrong(browser: Any, axe: str) -> Iterator[Callable[[Path, int, str], list[str]]]:
+def wrong(visit: Any, axe: str) -> Callable[[Path, int, str], list[str]]:
     """What is wrong with a page on a screen of a width in a scheme."""
-    opened: list[Visit] = []
 
     def ask(path: Path, width: int, scheme: str) -> list[str]:
-        opened.append(Visit(browser, path, color_scheme=scheme, viewport={"width": width, "height": 900}))
-        return faults(opened[-1], path, axe, phone=width < 640)
+        seen = visit(path, color_scheme=scheme, viewport={"width": width, "height": 900})
+        return faults(seen, path, axe, phone=width < 640)
 
-    yield ask
-    for one in opened:
-        one.close()
+    return ask
 
 
 @pytest.mark.parametrize(("kind", "width", "scheme", "names"), FIRST)

@@ -1,7 +1,7 @@
 """Can a person read the report? A real browser opens every page from disk, without a network."""
 
 import shutil
-from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -17,12 +17,6 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
-def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    cases = ("flight_projectile", "joint_pendulum", "stack_tower")
-    return reports.build(write_run_folder(tmp_path_factory.mktemp("plain") / "run", only=cases)).parent
-
-
-@pytest.fixture(scope="module")
 def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = write_run_folder(tmp_path_factory.mktemp("hostile") / "run", hostile=True, only=("joint_chain", BAD_CASE))
     return reports.build(folder).parent
@@ -34,26 +28,48 @@ def html_files(report: Path) -> list[Path]:
     return found
 
 
+WIDTHS = (1280, 390)
+
+
+@dataclass(frozen=True)
+class Read:
+    """What is read off an open page that is left as it is."""
+
+    said: tuple[str, ...]
+    asked: frozenset[str]
+    """Schemes of the addresses that it asked for."""
+    links: tuple[str, ...]
+    needs: dict[int, int]
+    """How wide it is on a screen of each width, both in px."""
+
+
 @pytest.fixture(scope="module")
-def opened(browser: Any, plain: Path) -> Iterator[dict[Path, Visit]]:
-    """Each page of the report, open: for what is read off it and leaves it as it is."""
-    pages = {path: Visit(browser, path) for path in html_files(plain)}
-    yield pages
-    for one in pages.values():
-        one.close()
+def pages(tab: Any, plain: Path) -> dict[Path, Read]:
+    """Each page of the report, opened once."""
+    every = {}
+    for path in html_files(plain):
+        seen = Visit(tab, path)
+        links = tab.eval_on_selector_all("[href], [src]", "all => all.map(one => one.href || one.src)")
+        needs = {}
+        for width in WIDTHS:
+            tab.set_viewport_size({"width": width, "height": 900})
+            needs[width] = tab.evaluate("document.documentElement.scrollWidth")
+        every[path] = Read(tuple(seen.said), frozenset(urlsplit(url).scheme for url in seen.asked), tuple(links), needs)
+        seen.close()
+    return every
 
 
-def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(opened: dict[Path, Visit]) -> None:
-    assert len(opened) == 14
-    for path, seen in opened.items():
-        assert seen.said == [], path.name
-        assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}, path.name
+def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(pages: dict[Path, Read]) -> None:
+    assert len(pages) == 14
+    for path, page in pages.items():
+        assert page.said == (), path.name
+        assert page.asked <= {"file", "data"}, path.name
 
 
-def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(opened: dict[Path, Visit]) -> None:
+def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(pages: dict[Path, Read]) -> None:
     followed = 0
-    for path, seen in opened.items():
-        for href in seen.page.eval_on_selector_all("[href], [src]", "all => all.map(one => one.href || one.src)"):
+    for path, page in pages.items():
+        for href in page.links:
             address = urlsplit(href)
             if address.scheme in ("http", "https", "data"):
                 continue
@@ -66,13 +82,15 @@ def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(opened: dic
     assert followed > 50
 
 
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_page_is_wider_than_the_screen(pages: dict[Path, Read], width: int) -> None:
+    assert {path.name: page.needs[width] for path, page in pages.items() if page.needs[width] > width} == {}
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(
-    plain: Path, opened: dict[Path, Visit], visit: Any, scheme: str
-) -> None:
+def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(plain: Path, visit: Any, scheme: str) -> None:
     for name in ("index.html", "case-stack_tower.html"):
-        page = (opened[plain / name] if scheme == "light" else visit(plain / name, color_scheme=scheme)).page
-        charts = page.locator("figure.chart .plot svg.marks")
+        charts = visit(plain / name, color_scheme=scheme).page.locator("figure.chart .plot svg.marks")
         assert charts.count() == 2
         for k in range(2):
             box = charts.nth(k).bounding_box()
@@ -82,24 +100,26 @@ def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(
             assert charts.nth(k).locator(".mark-symbol path").count() > 5
 
 
-def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, opened: dict[Path, Visit]) -> None:
-    text = opened[plain / "case-stack_tower.html"].page.locator("#case-stack_tower-step .plot svg").text_content()
+def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, visit: Any) -> None:
+    text = visit(plain / "case-stack_tower.html").page.locator("#case-stack_tower-step .plot svg").text_content()
     for symbol in "∞∅◷‡▣":
         assert symbol in text
 
 
-def test_without_scripts_the_static_pictures_stand_and_the_tables_are_there(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-stack_tower.html", java_script_enabled=False).page
+def test_without_scripts_the_static_pictures_stand_and_the_tables_are_there(plain: Path, browser: Any) -> None:
+    page = browser.new_page(java_script_enabled=False)
+    page.goto((plain / "case-stack_tower.html").as_uri())
     stills = page.locator("figure.chart img.still")
     assert stills.count() == 2
     for k in range(2):
         assert stills.nth(k).is_visible()
         assert (stills.nth(k).bounding_box() or {"height": 0})["height"] > 150
     assert page.locator("table.trials tbody tr").count() == 60
+    page.close()
 
 
-def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, opened: dict[Path, Visit]) -> None:
-    page = opened[plain / "case-stack_tower.html"].page
+def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-stack_tower.html").page
     assert not page.locator("figure.chart img.still").first.is_visible()
     page.emulate_media(media="print")
     assert page.locator("figure.chart img.still").first.is_visible()
@@ -168,8 +188,8 @@ def test_a_permanent_link_to_a_trial_opens_its_row(plain: Path, visit: Any) -> N
     assert "plumbline reproduce" in page.locator(f"#{name}").inner_text()
 
 
-def test_hovering_a_point_tells_its_trial(plain: Path, opened: dict[Path, Visit]) -> None:
-    page = opened[plain / "case-flight_projectile.html"].page
+def test_hovering_a_point_tells_its_trial(plain: Path, visit: Any) -> None:
+    page = visit(plain / "case-flight_projectile.html").page
     page.locator("#case-flight_projectile-step .plot svg .mark-symbol path[aria-label]").first.hover(force=True)
     page.wait_for_selector("#hover", state="visible")
     told = page.locator("#hover").inner_text()
@@ -205,8 +225,8 @@ def test_the_yardstick_is_put_away_on_every_page_and_stays_away_until_it_is_call
     assert seen.said == []
 
 
-def test_a_cell_of_the_matrix_tells_its_reason_on_hovering_and_to_the_keyboard(opened: dict[Path, Visit], plain: Path) -> None:
-    page = opened[plain / "index.html"].page
+def test_a_cell_of_the_matrix_tells_its_reason_on_hovering_and_to_the_keyboard(plain: Path, visit: Any) -> None:
+    page = visit(plain / "index.html").page
     cell = page.locator("table.matrix td.st-failed a").first
     cell.hover()
     assert "bound" in page.locator("#hover").inner_text()
@@ -216,13 +236,6 @@ def test_a_cell_of_the_matrix_tells_its_reason_on_hovering_and_to_the_keyboard(o
     assert "bound" in page.locator("#hover").inner_text()
     assert "bound" in (cell.get_attribute("aria-label") or "")
     cell.blur()
-
-
-@pytest.mark.parametrize("width", [390, 1280])
-def test_no_page_is_wider_than_the_screen(opened: dict[Path, Visit], width: int) -> None:
-    for path, seen in opened.items():
-        seen.page.set_viewport_size({"width": width, "height": 800})
-        assert seen.page.evaluate("document.documentElement.scrollWidth") <= width, path.name
 
 
 def test_names_that_attack_run_no_script_and_open_no_dialog(hostile: Path, visit: Any) -> None:

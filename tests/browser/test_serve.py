@@ -15,17 +15,11 @@ from PIL import Image
 
 import reports
 from reports.palette import ENGINES
-from tests.browser.conftest import CHROMIUM
+from tests.browser.conftest import CHROMIUM, QUIET
 from tests.recorded_folder import Folder, record, rising, zoo
 
 # WebGL in software: the viewer draws with it, and a machine for tests has no graphics card.
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-]
+FLAGS = (*QUIET, "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
 
 @pytest.fixture(scope="module")
@@ -195,7 +189,7 @@ def test_every_answer_says_whose_scripts_run_and_forbids_connections_to_elsewher
 @pytest.fixture(scope="module")
 def browser(playwright: Any) -> Iterator[Any]:
     """One with WebGL."""
-    chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+    chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=[*FLAGS])
     yield chromium
     chromium.close()
 

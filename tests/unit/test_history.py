@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from harness.findings.changes.words import command, sentence
+from harness.findings.vendor.shelf import shelf
 from harness.history import steering
 from harness.history.acknowledged import acknowledge
 from harness.history.address import copy_of
@@ -280,8 +281,11 @@ samples = 3
 
 
 def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_summary_to_who_is_notified(
-    tmp_path: Path, printed: Command
+    tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # Each finding about an engine is a process a night: one of them shows that nights ask.
+    finding = next(each for each in shelf() if each.engine == "mujoco")
+    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: (finding,))
     study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
     study.write_text(FILE)
     words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]
@@ -300,6 +304,7 @@ def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_s
     assert {path.name for path in (night.folder / "changes").iterdir()} == {
         "summary.md", "junit.xml", "changes.json", "asv.json", "bencher.json", "badge.svg", "what-changed.html", "style",
     }  # fmt: skip
+    assert [row["name"] for row in night.plan["findings"]] == [finding.name]
     assert "accuracy" in (night.folder / "night.log").read_text()
     listed = printed("history", root, "--json")
     assert [row["worse"] > 0 for row in json.loads(listed.stdout)] == [False, True]

@@ -86,7 +86,7 @@ def _solid(placed: PlacedShape) -> Solid | None:
 
 
 def _depths(pairs: Sequence[_Near], solids: Sequence[Solid | None], p: Floats, q: Floats) -> list[Floats | None]:
-    """The depth of each pair where it is near, (k,) m, None where it is not known exactly; equal solids are measured at once."""
+    """The depth of each pair where it is near, (k,) m; None where it is not known exactly. Equal solids go together."""
     alike: dict[tuple[int, int], list[int]] = {}
     for number, pair in enumerate(pairs):
         # Equal shapes are one solid.

@@ -1,7 +1,7 @@
 """A scene becomes a world of Bullet: everything in its order."""
 
 from collections.abc import Mapping
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from adapters.bullet.trees import constrained_joints, spanning_trees
 from adapters.bullet.vendor import Port
 from harness.adapter import Notice, Settings, Unsupported
 from harness.adapter.rotations import conjugate
-from harness.scene import WORLD, Distance, Effect, Prismatic, Revolute, Scene
+from harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
 from harness.trajectory import State
 
 __all__ = ["build_world"]
@@ -92,12 +92,14 @@ def _filter(plan: Plan, made: Assembly) -> None:
     still = [b.name for b in plan.scene.bodies if b.motion != "dynamic"]
     prescribed = [b.name for b in plan.scene.bodies if b.motion == "kinematic"]
     apart |= {tuple(sorted((a, b))) for a in prescribed for b in still if a != b}
-    solid = [body for body in plan.scene.bodies if body.collision] if plan.scene.apart else []
-    apart |= {
-        tuple(sorted((a.name, b.name)))
-        for a, b in combinations(solid, 2)
-        if (a.movable or b.movable) and not plan.scene.collides(a, b)
-    }
+    solid: dict[str, list[Body]] = {}
+    for body in plan.scene.bodies:
+        if body.collision:
+            solid.setdefault(body.material, []).append(body)
+    for material, other in plan.scene.apart:
+        mine, others = solid.get(material, []), solid.get(other, [])
+        pairs = combinations(mine, 2) if material == other else product(mine, others)
+        apart |= {(a.name, b.name) if a.name < b.name else (b.name, a.name) for a, b in pairs if a.movable or b.movable}
     for a, b in sorted(apart):
         if a in by_name and b in by_name:
             (first, i), (second, j) = by_name[a], by_name[b]

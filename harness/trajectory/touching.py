@@ -104,14 +104,26 @@ def reach(body: Body, way: Floats) -> float:
 
 def _met(a: _Solid, b: _Solid, close: float) -> Iterator[Floats]:
     """Normals from a to b along which the two touch; none where they are apart or overlap by more than `close` [m]."""
-    ways = [*a.normals, *b.normals, *(np.cross(edge, other) for edge, other in pairs_of(a.edges, b.edges)), b.centre - a.centre]
-    lengths = [float(np.linalg.norm(way)) for way in ways]
-    units = [side * way / length for way, length in zip(ways, lengths, strict=True) if length > CLOSE for side in (1.0, -1.0)]
-    apart = np.array([-a.reach(unit) - b.reach(-unit) for unit in units])
-    if len(apart) and abs(float(apart.max())) <= close:
-        met = np.array([unit for unit, gap in zip(units, apart, strict=True) if gap >= -close])
-        # Faces and edges of bodies that stand square to each other name one way several times.
-        yield from (unit for k, unit in enumerate(met) if not np.any(met[:k] @ unit > 1 - CLOSE))
+    met = list[Floats]()
+    for way in _ways(a, b):
+        length = float(np.linalg.norm(way))
+        for side in (1.0, -1.0) if length > CLOSE else ():
+            unit = side * way / length
+            gap = -a.reach(unit) - b.reach(-unit)
+            if gap > close:
+                return
+            if gap >= -close:
+                met.append(unit)
+    # Faces and edges of bodies that stand square to each other name one way several times.
+    yield from (unit for k, unit in enumerate(met) if not any(other @ unit > 1 - CLOSE for other in met[:k]))
+
+
+def _ways(a: _Solid, b: _Solid) -> Iterator[Floats]:
+    """The axes along which two convex solids that are apart may be parted; the first that parts them ends the search."""
+    yield from a.normals
+    yield from b.normals
+    yield from (np.cross(edge, other) for edge, other in pairs_of(a.edges, b.edges))
+    yield b.centre - a.centre
 
 
 def _radius(shape: Shape) -> float:
@@ -136,20 +148,18 @@ def _radius(shape: Shape) -> float:
 def touches(scene: Scene) -> list[Touch]:
     """All touches of bodies that can collide, at least one of which can move; meshes touch as their convex hulls do."""
     solid = [(place, body) for place, body in enumerate(scene.bodies) if body.collision]
-    solids = {place: _solids(body) for place, body in solid}
-    reaches = {
-        place: max(float(np.linalg.norm(placed.p_BS)) + _radius(placed.shape) for placed in body.collision)
-        for place, body in solid
-    }
-    thin = {place: min(width(placed.shape) for placed in body.collision) for place, body in solid}
+    centres = np.array([body.p_WB for _, body in solid]).reshape(-1, 3)
+    reaches = np.array([max(float(np.linalg.norm(s.p_BS)) + _radius(s.shape) for s in body.collision) for _, body in solid])
+    thin = np.array([min(width(placed.shape) for placed in body.collision) for _, body in solid])
     touching = []
     for i, (first, a) in enumerate(solid):
-        here = np.array(a.p_WB)
-        for second, b in solid[i + 1 :]:
-            thinner = min(thin[first], thin[second])
-            close = CLOSE * thinner
-            near = float(np.linalg.norm(np.array(b.p_WB) - here)) <= reaches[first] + reaches[second] + close
-            if near and (a.movable or b.movable) and scene.collides(a, b):
-                for piece, other in pairs_of(solids[first], solids[second]):
-                    touching += [Touch(first, second, normal, thinner) for normal in _met(piece, other, close)]
+        thinner = np.minimum(thin[i], thin[i + 1 :])
+        apart = np.linalg.norm(centres[i + 1 :] - centres[i], axis=1)
+        for k in np.flatnonzero(apart <= reaches[i] + reaches[i + 1 :] + CLOSE * thinner).tolist():
+            second, b = solid[i + 1 + k]
+            if (a.movable or b.movable) and scene.collides(a, b):
+                thickness = float(thinner[k])
+                for piece, other in pairs_of(_solids(a), _solids(b)):
+                    met = _met(piece, other, CLOSE * thickness)
+                    touching += [Touch(first, second, normal, thickness) for normal in met]
     return touching

@@ -1,5 +1,6 @@
 """What an engine answered: states, contacts and ray hits as plain arrays in the world frame."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self, TypeAlias
@@ -13,6 +14,11 @@ __all__ = ["Contacts", "Floats", "Hits", "Image", "Integers", "State", "Trajecto
 
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
+
+
+def _finite(numbers: Floats) -> bool:
+    """Is each finite? A finite sum of squares says so in one call; that of huge numbers is infinite, and says nothing."""
+    return math.isfinite(np.vdot(numbers, numbers)) or bool(np.isfinite(numbers).all())
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +55,7 @@ class State:
     @property
     def finite(self) -> bool:
         """Is every number finite?"""
-        return all(bool(np.isfinite(a).all()) for a in (self.p_WB, self.q_WB, self.v_WB, self.w_WB))
+        return all(map(_finite, (self.p_WB, self.q_WB, self.v_WB, self.w_WB)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,5 +189,4 @@ class Trajectory:
     @property
     def finite(self) -> bool:
         """Is every number of every state finite?"""
-        arrays = (self.time, self.p_WB, self.q_WB, self.v_WB, self.w_WB)
-        return all(bool(np.isfinite(a).all()) for a in arrays)
+        return all(map(_finite, (self.time, self.p_WB, self.q_WB, self.v_WB, self.w_WB)))

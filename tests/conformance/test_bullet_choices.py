@@ -132,12 +132,12 @@ def test_an_orbit_under_outer_forces_keeps_its_energy_with_sub_steps() -> None:
 
 
 @pytest.mark.parametrize("case", ["stand_quadruped", "stand_humanoid"])
-@pytest.mark.parametrize("rate", [60, 120, 240])
+@pytest.mark.parametrize("rate", [60, pytest.param(120, marks=pytest.mark.slow), 240])
 def test_machines_stand_on_the_scenes_own_drives_in_one_step(case: str, rate: int) -> None:
     assert not answer(case, replace(TUNED.with_dt(1 / rate), substeps=1)).broken
 
 
-@pytest.mark.parametrize("stiffness", [400.0, 8000.0, 80000.0])
+@pytest.mark.parametrize("stiffness", [400.0, pytest.param(8000.0, marks=pytest.mark.slow), 80000.0])
 def test_a_quadruped_stands_on_drives_of_any_stiffness(stiffness: float) -> None:
     assert not answer("stand_quadruped", replace(TUNED, substeps=1), stiffness=stiffness).broken
 

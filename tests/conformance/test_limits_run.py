@@ -17,56 +17,10 @@ from harness.study import plugins
 from harness.study.experiment import Experiment, Limit
 from harness.study.study import Study
 from harness.trial.ensemble import endure
+from tests import study_texts
 from tests.charts import checked
 from tests.conftest import Command
 from tests.in_process import in_this_process
-
-LIMITS = """
-name = "small-limits"
-recordings = false
-[[experiments]]
-name = "walls"
-cases = ["tunnel_sphere_wall"]
-engines = ["mujoco", "bullet"]
-tracks = ["tuned"]
-parameters = { continuous = [false] }
-timing = false
-limit = { members = 2, remedies = ["tuned"], within = 1.1 }
-[[experiments]]
-name = "steps"
-cases = ["tunnel_sphere_wall"]
-engines = ["mujoco"]
-tracks = ["tuned"]
-dt = [0.0041666666666666667, 0.0083333333333333333, 0.016666666666666666]
-parameters = { continuous = [false] }
-timing = false
-limit = { members = 2, within = 2.0, parts = [1] }
-"""
-EFFECTS = """
-name = "small-effects"
-recordings = false
-[[experiments]]
-name = "effects"
-cases = ["flight_projectile", "friction_stop"]
-engines = {engines}
-tracks = ["tuned"]
-effects = true
-samples = 3
-sample_seconds = 0.002
-deadline = 120.0
-"""
-DETERMINISM = """
-name = "small-determinism"
-recordings = false
-[[experiments]]
-name = "determinism"
-cases = ["system_determinism"]
-engines = {engines}
-tracks = ["tuned"]
-timing = false
-determinism = true
-"""
-
 
 SLOW = pytest.mark.slow
 """What the same is asked of a second time, on other engines."""
@@ -88,13 +42,13 @@ def table(folder: Path, name: str, printed: Command) -> list[dict[str, Any]]:
 def limits(printed: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         in_this_process(patch)
-        return carried_out(LIMITS, tmp_path_factory.mktemp("limits"), printed)
+        return carried_out(study_texts.limits(), tmp_path_factory.mktemp("limits"), printed)
 
 
 def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> None:
     """Up to eight speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
-    sought = [row for row in table(limits, "limits", printed) if row["where"] == "continuous False"]
+    sought = [row for row in table(limits, "limits", printed) if row["experiment"] == "walls"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
     for row in sought:
         assert row["verdict"] == "limit"
@@ -112,7 +66,7 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> No
         assert first is not None
         assert row["held"] < first
         assert row["broke"] > before
-        assert row["broke"] <= 1.1 * row["held"] * (1 + 1e-9)
+        assert row["broke"] <= study_texts.WITHIN * row["held"] * (1 + 1e-9)
 
 
 def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> None:
@@ -157,7 +111,7 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
 def test_each_effect_has_a_price_and_a_verdict(
     engines: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
 ) -> None:
-    folder = carried_out(EFFECTS.format(engines=json.dumps(engines)), tmp_path, plumbline)
+    folder = carried_out(study_texts.effects(engines), tmp_path, plumbline)
     rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}
     assert {row["engine"] for row in rows} == set(engines)
@@ -176,7 +130,7 @@ def test_each_effect_has_a_price_and_a_verdict(
 def test_repetitions_are_compared_bit_by_bit(
     engines: tuple[str, ...], restored: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
 ) -> None:
-    folder = carried_out(DETERMINISM.format(engines=json.dumps(engines)), tmp_path, plumbline)
+    folder = carried_out(study_texts.determinism(engines), tmp_path, plumbline)
     rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", printed)}
     for engine in engines:
         assert rows[engine, "again"]["verdict"] == "bit-identical"

@@ -81,10 +81,9 @@ def _highest(value: Callable[[Array], Array], starts: Array) -> Array:
 
     Source: Nelder, Mead, A simplex method for function minimization, Comput. J. 7, 1965.
     """
-    k, m, _ = starts.shape
 
     def at(points: Array) -> Array:
-        return value(points.reshape(k, -1, 3)).reshape(points.shape[:-1])
+        return value(points.reshape(len(points), -1, 3)).reshape(points.shape[:-1])
 
     corners = starts[:, :, None] + 0.05 * np.eye(4, 3, -1)
     height = at(corners)

@@ -49,13 +49,10 @@ def _distance(shape: Shape, p: Floats) -> Floats:
 def _traced(shape: Shape, origins: Floats, directions: Floats, max_range: float) -> tuple[Floats, Floats]:
     """Distance to the surface, and the smallest signed distance met on the way, by marching as far as is free."""
     travelled, closest = np.zeros(len(origins)), np.full(len(origins), np.inf)
-    moving = np.arange(len(origins))
     for _ in range(3000):
-        before = travelled[moving]
-        free = _distance(shape, origins[moving] + before[:, None] * directions[moving])
-        closest[moving] = np.minimum(closest[moving], free)
-        travelled[moving] = np.minimum(before + np.maximum(free, 0.0), max_range)
-        moving = moving[travelled[moving] > before]  # the others would stay where they are
+        free = _distance(shape, origins + travelled[:, None] * directions)
+        closest = np.minimum(closest, free)
+        travelled = np.minimum(travelled + np.maximum(free, 0.0), max_range)
     return travelled, closest
 
 

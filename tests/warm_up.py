@@ -1,16 +1,18 @@
 """The engine's kernels compiled before tests start: `python -m tests.warm_up --workers N`, which is quick where all are kept.
 
 Two processes that run tests meet the same kernels at the same time, and one of them waits while the other compiles: what
-compiles takes twice as long as it must. Here each kernel goes to one process, the dearest first, and a process that has typed
-what two entries share uses it for both.
+compiles takes twice as long as it must. Here each entry goes to one process, and all of a family to the same one as long as
+the other has something else to do: a process that has typed what two entries share uses it for both.
 """
 
 import argparse
 import multiprocessing
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence, Set
 from importlib import import_module
+from itertools import chain
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +21,7 @@ from engine.compile.jit import cache_directory, jit_is_off
 from engine.options import BROAD_PHASES, FREE_INTEGRATORS
 from engine.steps.many_worlds import FLOATS, INTS, types
 
-__all__ = ["JOBS", "Job", "is_kept", "lacking", "warm_up"]
+__all__ = ["FAMILIES", "FAMILY", "JOBS", "Job", "following", "is_kept", "lacking", "warm_up"]
 
 
 class Job(NamedTuple):
@@ -85,58 +87,71 @@ def _pictures() -> None:
         world.render(EYE, method)
 
 
-JOBS = (
-    _step("steps.contact_jointed.step_contact_jointed"),
-    _step("steps.smooth.step_jointed_euler"),
-    _step("steps.islands_jointed.step_islands_jointed"),
-    Job(tuple(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")), _exact),
-    _step("steps.contact.step_contact"),
-    _step("steps.sequential.step_sequential_impulses"),
-    _step("steps.islands.step_islands"),
-    _step("steps.islands.step_islands_parallel"),
-    Job(("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.strike.strike"), _swept),
-    _step("steps.smooth.step_jointed_runge_kutta"),
-    _step("steps.joint_coordinates.step_joint_coordinates_euler"),
-    _step("steps.joint_coordinates.step_joint_coordinates_runge_kutta"),
-    _step("steps.spheres.step_spheres"),
-    Job(
-        tuple(
-            f"rays.{name}"
-            for name in (
-                "tiles.cast_tiles",
-                "tiles_parallel.cast_tiles_parallel",
-                "one_by_one.cast_rays",
-                "polyhedra.cast_on_polyhedra",
-            )
-        ),
-        _rays,
+FAMILIES: tuple[tuple[Job, ...], ...] = (
+    (
+        _step("steps.contact_jointed.step_contact_jointed"),
+        _step("steps.islands_jointed.step_islands_jointed"),
+        _step("steps.islands.step_islands"),
+        _step("steps.islands.step_islands_parallel"),
+        Job(("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.strike.strike"), _swept),
+        _step("steps.contact.step_contact"),
+        _step("steps.sequential.step_sequential_impulses"),
+        _step("steps.spheres.step_spheres"),
+        Job(tuple(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")), _exact),
+        _stage("contact.collide_convex.collide_convex"),
+        _typed("contact.measure_convex.measure_convex", FLOATS, INTS, types.int64, types.int64, TABLE, TABLE, TABLE),
     ),
-    Job(
-        tuple(
-            f"images.{name}"
-            for name in (
-                "rasteriser.rasterise",
-                "shading.shade",
-                "shading.name_bodies",
-                "scatter.scatter",
-                "scatter.add_unshaded",
-                "lens.look",
-            )
-        ),
-        _pictures,
+    (
+        _step("steps.smooth.step_jointed_euler"),
+        _step("steps.smooth.step_jointed_runge_kutta"),
+        _step("steps.joint_coordinates.step_joint_coordinates_euler"),
+        _step("steps.joint_coordinates.step_joint_coordinates_runge_kutta"),
     ),
-    _stage("contact.collide_convex.collide_convex"),
-    _typed("contact.measure_convex.measure_convex", FLOATS, INTS, types.int64, types.int64, TABLE, TABLE, TABLE),
-    *(_stage(f"broad.{name}.find_pairs") for name in BROAD_PHASES),
-    *(_step(f"broad.parallel.{name}.find_candidates") for name in BROAD_PHASES),
-    _step("broad.parallel.pairs.write_pairs"),
-    *(_stage(f"broad.volumes.{name}.drop_apart") for name in ("obb", "sphere")),
-    _step("steps.smooth.step_free"),
-    *(_step(f"{module.removeprefix('engine.')}.step_{name}") for name, module in FREE_INTEGRATORS.items()),
-    _typed("islands.islands.connected_components", NUMBERS, NUMBERS, NUMBERS),
-    Job(("steps.many_worlds.advance_worlds", "steps.many_worlds.advance_worlds_parallel"), _side_by_side),
+    (
+        Job(
+            tuple(
+                f"rays.{name}"
+                for name in (
+                    "tiles.cast_tiles",
+                    "tiles_parallel.cast_tiles_parallel",
+                    "one_by_one.cast_rays",
+                    "polyhedra.cast_on_polyhedra",
+                )
+            ),
+            _rays,
+        ),
+        Job(
+            tuple(
+                f"images.{name}"
+                for name in (
+                    "rasteriser.rasterise",
+                    "shading.shade",
+                    "shading.name_bodies",
+                    "scatter.scatter",
+                    "scatter.add_unshaded",
+                    "lens.look",
+                )
+            ),
+            _pictures,
+        ),
+    ),
+    (
+        *(_stage(f"broad.{name}.find_pairs") for name in BROAD_PHASES),
+        *(_step(f"broad.parallel.{name}.find_candidates") for name in BROAD_PHASES),
+        _step("broad.parallel.pairs.write_pairs"),
+        *(_stage(f"broad.volumes.{name}.drop_apart") for name in ("obb", "sphere")),
+    ),
+    (
+        _step("steps.smooth.step_free"),
+        *(_step(f"{module.removeprefix('engine.')}.step_{name}") for name, module in FREE_INTEGRATORS.items()),
+        _typed("islands.islands.connected_components", NUMBERS, NUMBERS, NUMBERS),
+        Job(("steps.many_worlds.advance_worlds", "steps.many_worlds.advance_worlds_parallel"), _side_by_side),
+    ),
 )
-"""All that the tests of `make test` use, the dearest first."""
+"""All that the tests of `make test` use: what is made of much the same kernels together, the dearest first."""
+JOBS = tuple(chain.from_iterable(FAMILIES))
+FAMILY = tuple(family for family, jobs in enumerate(FAMILIES) for _ in jobs)
+"""That of each job."""
 
 
 def is_kept(entry: str) -> bool:
@@ -151,25 +166,58 @@ def lacking() -> Iterator[int]:
     return (number for number, job in enumerate(JOBS) if not all(map(is_kept, job.entries)))
 
 
-def _do(number: int) -> tuple[int, float]:
-    """Returns: the job, and what it took of the processor [s]."""
-    before = time.process_time()
-    JOBS[number].compile()
-    return number, time.process_time() - before
+def following(waiting: Sequence[int], begun: Sequence[Set[int]], process: int) -> int:
+    """The job that a process takes next: of a family that it has begun, else of one that none has, else the first that waits.
+
+    Args: waiting: numbers of jobs, at least one. begun: by process, the families of the jobs that it has taken.
+    """
+    own = [number for number in waiting if FAMILY[number] in begun[process]]
+    fresh = [number for number in waiting if not any(FAMILY[number] in families for families in begun)]
+    return (own or fresh or waiting)[0]
+
+
+def _serve(asked: Connection) -> None:
+    """Compile the jobs whose numbers come in, each answered by what it took of the processor [s]; none is the end."""
+    while (number := asked.recv()) is not None:
+        before = time.process_time()
+        JOBS[number].compile()
+        asked.send(time.process_time() - before)
 
 
 def warm_up(workers: int) -> None:
-    """Compile what the cache lacks, on several processes, and say what it took."""
+    """Compile what the cache lacks, on several processes, and say what it took. Raises: EOFError: one of them has died."""
     if jit_is_off():
         return
-    numbers = list(lacking())
-    if not numbers:
+    waiting = list(lacking())
+    if not waiting:
         return
     import_module("engine.compile.prepared")
-    print(f"compiling {len(numbers)} of {len(JOBS)} groups of the engine's kernels")
-    with multiprocessing.get_context("fork").Pool(min(workers, len(numbers))) as pool:
-        for number, seconds in pool.imap_unordered(_do, numbers):
-            print(f"{seconds:7.1f} s  {', '.join(JOBS[number].entries)}", flush=True)
+    print(f"compiling {len(waiting)} of {len(JOBS)} groups of the engine's kernels")
+    context = multiprocessing.get_context("fork")
+    servers = list[Connection]()
+    for _ in range(min(workers, len(waiting))):
+        ours, theirs = context.Pipe()
+        context.Process(target=_serve, args=(theirs,), daemon=True).start()
+        theirs.close()
+        servers.append(ours)
+    begun: list[set[int]] = [set() for _ in servers]
+    running: dict[Connection, int] = {}
+
+    def hand_out(process: int) -> None:
+        if waiting:
+            number = following(waiting, begun, process)
+            waiting.remove(number)
+            begun[process].add(FAMILY[number])
+            running[servers[process]] = number
+        servers[process].send(running.get(servers[process]))
+
+    for process in range(len(servers)):
+        hand_out(process)
+    while running:
+        for server in wait(list(running)):
+            seconds = server.recv()
+            print(f"{seconds:7.1f} s  {', '.join(JOBS[running.pop(server)].entries)}", flush=True)
+            hand_out(servers.index(server))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import pytest
 
 import engine
 from engine.compile.jit import cache_directory
+from engine.integrate import explicit_euler
 from engine.steps import many_worlds
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
@@ -223,9 +224,10 @@ engine.Batch([made(), made()]).step() if sys.argv[1] == "batch" else made().step
 @pytest.mark.compiler
 def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path) -> None:
     """Each in a process of its own; asked for under another signature, the same step would be compiled and kept twice."""
-    engine.Batch([_free(0)]).step()
-    kept = cache_directory(Path(many_worlds.__file__))
-    shutil.copytree(kept, tmp_path / kept.name)  # what batches run beside the step
+    engine.Batch([engine.World([engine.Body()], options=engine.Options(integrator="explicit_euler"))]).step()
+    for module in (many_worlds, explicit_euler):
+        kept = cache_directory(Path(module.__file__))
+        shutil.copytree(kept, tmp_path / kept.name)
     told = os.environ | {"PLUMBLINE_KERNEL_CACHE": str(tmp_path)}
     for kind in ("batch", "world"):
         subprocess.run([sys.executable, "-c", ALONE_AND_BESIDE, kind], check=True, env=told)

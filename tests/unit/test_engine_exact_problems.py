@@ -37,11 +37,11 @@ def _random_problem(seed: int, bodies: int = 4, contacts: int = 6, ratio: float 
 def _gauss_seidel(problem: Problem, sweeps: int) -> np.ndarray:
     """Projected block relaxation, one contact after the other: slow, and nothing in common with the solver but the law."""
     r, w = np.zeros((problem.size, 3)), problem.inverse_mass
+    owns = [slice(3 * c, 3 * c + 3) for c in range(problem.size)]
+    steps = [1.0 / np.linalg.eigvalsh(w[own, own])[-1] for own in owns]
     for _ in range(sweeps):
-        for c in range(problem.size):
-            own = slice(3 * c, 3 * c + 3)
-            step = 1.0 / np.linalg.eigvalsh(w[own, own])[-1]
-            for _ in range(20):
+        for c, (own, step) in enumerate(zip(owns, steps, strict=True)):
+            for _ in range(5):
                 u = problem.velocity[c] + w[own] @ r.ravel()
                 u[0] += problem.friction[c] * math.hypot(u[1], u[2])
                 r[c] = project_coulomb((r[c] - step * u)[None], problem.friction[c : c + 1])[0]

@@ -99,9 +99,13 @@ def test_this_version_of_numba_has_what_is_used_of_it(where: str, specimens: dic
     assert not missing, f"{has} has no {', '.join(missing)}: mend engine/compile/compilers.py, or keep numba below this version"
 
 
-def attributes(path: Path) -> set[str]:
+def nodes_of(path: Path) -> list[ast.AST]:
+    """All that a file is made of."""
+    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+
+
+def attributes(nodes: list[ast.AST]) -> set[str]:
     """The names that follow a dot in a file, and the keywords of its calls and keys of its dictionaries."""
-    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
     dots = {node.attr for node in nodes if isinstance(node, ast.Attribute)}
     words = {node.arg for node in nodes if isinstance(node, ast.keyword) and node.arg}
     return dots | words
@@ -109,7 +113,7 @@ def attributes(path: Path) -> set[str]:
 
 def test_the_list_is_whole() -> None:
     listed = {name for names in compilers.INTERNALS.values() for name in names}
-    used = attributes(ONLY) - set(dir(builtins)) - PLAIN - OWN
+    used = attributes(nodes_of(ONLY)) - set(dir(builtins)) - PLAIN - OWN
     assert sorted(used - listed) == [], "used in engine/compile/compilers.py; to be listed in INTERNALS"
     text = ONLY.read_text(encoding="utf-8")
     head, _, rest = text.partition("All that is used here of Numba")
@@ -123,14 +127,14 @@ def test_no_other_file_touches_them(package: str) -> None:
     for path in sorted((ROOT / package).rglob("*.py")):
         if path == ONLY:
             continue
-        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        nodes = nodes_of(path)
         imported = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
         imported |= {node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)}
         named = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
         modules = {name for name in imported | named if re.fullmatch(r"(numba|llvmlite)(\.\w+)*", name)}
         assert not modules - PUBLIC, f"{path.relative_to(ROOT)}: {modules - PUBLIC}"
         if any(name.split(".")[0] in ("numba", "engine") for name in imported):
-            assert not attributes(path) & telling, f"{path.relative_to(ROOT)}: {attributes(path) & telling}"
+            assert not attributes(nodes) & telling, f"{path.relative_to(ROOT)}: {attributes(nodes) & telling}"
 
 
 def test_the_version_that_is_tested_is_the_newest_that_is_let_in() -> None:

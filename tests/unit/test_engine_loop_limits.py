@@ -3,12 +3,12 @@
 import math
 from dataclasses import replace
 
-import numba
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import engine
+from engine.compile.jit import entry
 from engine.constrain.principal_pivoting import Bounded, settle
 from tests.four_bar import MASSES, PINS, START, G, Linkage, Pose, angles_of, coordinates_of, falls, no_torque, widest_gap
 from tests.loops import bennett
@@ -199,7 +199,7 @@ def test_a_spatial_loop_with_constraints_too_many_has_limits_too(integrator: str
     assert np.abs(worlds[2].state()[:, 7:]).max() < 0.05
 
 
-@numba.njit
+@entry
 def _settled(matrix: Floats, asked: Floats, low: Floats, high: Floats) -> Floats:
     """Sides of rows with bounds."""
     side = np.zeros(len(asked))

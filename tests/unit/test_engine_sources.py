@@ -69,13 +69,32 @@ def test_an_edit_is_seen_by_what_imports_it_and_by_nothing_else(
     assert {name for name in names if digest(name) != before[name]} == reached
 
 
-@pytest.mark.parametrize(
-    "module", ["engine.steps.contact", "engine.rays.tiles", "engine.broad.parallel.octree", "engine.swept.strike"]
-)
-def test_what_an_import_really_loads_is_in_the_closure(module: str) -> None:
-    script = "import engine, sys; before = set(sys.modules); __import__(sys.argv[1]); print(*sorted(set(sys.modules) - before))"
-    done = subprocess.run([sys.executable, "-c", script, module], capture_output=True, text=True, check=True, cwd=ROOT.parent)
-    loaded = {name for name in done.stdout.split() if name.startswith("engine.")}
+MODULES = ("engine.steps.contact", "engine.rays.tiles", "engine.broad.parallel.octree", "engine.swept.strike")
+IMPORTS = """
+import sys
+for module in sys.argv[1:]:
+    for name in [name for name in sys.modules if name.partition(".")[0] == "engine"]:
+        del sys.modules[name]
+    import engine
+    before = set(sys.modules)
+    __import__(module)
+    print(*sorted(set(sys.modules) - before))
+"""
+"""Each module imported beside nothing but the face; a line of what that loads."""
+
+
+@pytest.fixture(scope="module")
+def loads() -> dict[str, set[str]]:
+    """The modules of the engine that an import of each of `MODULES` loads."""
+    given = [sys.executable, "-c", IMPORTS, *MODULES]
+    lines = subprocess.run(given, capture_output=True, text=True, check=True, cwd=ROOT.parent).stdout.splitlines()
+    loaded = ({name for name in line.split() if name.startswith("engine.")} for line in lines)
+    return dict(zip(MODULES, loaded, strict=True))
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_what_an_import_really_loads_is_in_the_closure(module: str, loads: dict[str, set[str]]) -> None:
+    loaded = loads[module]
     path = ROOT.joinpath(*module.split(".")[1:]).with_suffix(".py")
     files = {str(Path(name).relative_to(ROOT)) for name in sources.closure(path)}
     inside = {"engine." + name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in files}

@@ -1,6 +1,7 @@
 """Metrics of cameras: what is sound passes in many seeds, and each planted fault is seen by the metric made for it."""
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -63,15 +64,31 @@ def _of(streams: dict[str, Floats]) -> Trajectory:
 
 
 def _truth(law: Any = None, frames: int = 3) -> dict[str, Floats]:
+    """In a dictionary of the caller's own; its arrays are everybody's."""
+    return dict(_true_frames(law, frames))
+
+
+@cache
+def _true_frames(law: Any, frames: int) -> dict[str, Floats]:
     camera: Any = _scene(law).sensors[0]
-    return true_frames(_scene(law), camera, np.arange(frames) / 10)
+    found = true_frames(_scene(law), camera, np.arange(frames) / 10)
+    for array in found.values():
+        array.flags.writeable = False
+    return found
+
+
+@cache
+def _sight(law: Any) -> Any:
+    """What the camera of a law sees at the start."""
+    scene = _scene(law)
+    camera: Any = scene.sensors[0]
+    return true_sight(scene, camera, State.initial(scene))
 
 
 def _answered(law: Any, made_by: Any = None, seed: int = 1, frames: int = 3) -> dict[str, Floats]:
     """Frames of a sound camera of law `made_by` (the same unless told) whose scene says `law`."""
     truth, made_by = _truth(law, frames), made_by or law
-    camera: Any = _scene(made_by).sensors[0]
-    sight = true_sight(_scene(made_by), camera, State.initial(_scene(made_by)))
+    sight = _sight(made_by)
     normal, uniform = generator(seed, "d", "depth"), generator(seed, "d", "missing")
     found = []
     for lost in truth["d/lost"]:

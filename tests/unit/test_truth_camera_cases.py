@@ -1,6 +1,7 @@
 """Truths of the camera cases: against independent routes, and the premises of their bounds."""
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -31,15 +32,28 @@ from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import rotate_back
 
 
-def _truth(case: Case, parameters: dict[str, Any] | None = None) -> Trajectory:
-    found = case.truth_at(np.linspace(0.0, case.duration, 4), dict(case.parameters) | (parameters or {}))
+def _worked_out(case: Case, **parameters: Any) -> Trajectory:
+    found = case.truth_at(np.linspace(0.0, case.duration, 4), dict(case.parameters) | parameters)
     assert isinstance(found, Trajectory)
     return found
 
 
+CASES = {case.name: case for case in (OPTICS, PINHOLE, NOISE, PLANE, SPHERES)}
+
+
+@cache
+def _named(name: str) -> Trajectory:
+    return _worked_out(CASES[name])
+
+
+def _truth(case: Case) -> Trajectory:
+    """Worked out once, for all who only read it."""
+    return _named(case.name)
+
+
 @pytest.mark.parametrize(("tilt", "speed"), [(0.6, 1.5), (-0.4, -2.0), (0.0, 0.0)])
 def test_the_planes_equation_gives_what_rays_from_the_moving_camera_meet(tilt: float, speed: float) -> None:
-    truth = _truth(PLANE, {"tilt": tilt, "speed": speed})
+    truth = _worked_out(PLANE, tilt=tilt, speed=speed)
     scene = PLANE.scene(tilt=tilt, speed=speed)
     camera: Any = scene.sensors[0]
 
@@ -133,6 +147,7 @@ def test_the_blocks_shadow_on_the_wall_is_as_wide_as_its_disparity_says(name: st
     assert shadow.sum() >= 3
 
 
+@cache
 def _sights() -> list[tuple[DepthCamera, Any, Any]]:
     scene = NOISE.scene()
     cameras = [camera for camera in scene.sensors if isinstance(camera, DepthCamera)]
@@ -197,6 +212,7 @@ def test_every_step_of_the_ladder_is_a_divisor_of_the_sensors_interval(case: Cas
         assert all(steps_between_readings(sensor, dt) >= 1 for sensor in scene.sensors)
 
 
+@cache
 def _optics(tilt: float = 0.5) -> tuple[Any, dict[str, Any]]:
     scene = OPTICS.scene(tilt=tilt)
     return scene, {camera.name: (camera, true_sight(scene, camera, State.initial(scene))) for camera in scene.sensors}
@@ -293,7 +309,7 @@ def test_a_wrong_index_and_a_mirror_that_does_not_mirror_are_seen_in_the_colours
     colour = truth.streams["through/colour"]
     with monkeypatch.context() as patch:
         patch.setattr(sensor_camera_optics, "INDEX", INDEX + 0.01)
-        assert COLOUR_ERROR_MAX(scene, _truth(OPTICS), truth) > 1e-3
+        assert COLOUR_ERROR_MAX(scene, _worked_out(OPTICS), truth) > 1e-3
     unmirrored = replace(truth, streams={**truth.streams, "facing/colour": np.ones_like(truth.streams["facing/colour"])})
     assert COLOUR_ERROR_MAX(scene, unmirrored, truth) == 1.0
     assert COLOUR_ERROR_MEDIAN(scene, unmirrored, truth) == 0.0

@@ -12,7 +12,7 @@ import pytest
 import engine
 from engine.options import BROAD_PHASES, FREE_INTEGRATORS
 from tests import warm_up
-from tests.warm_up import JOBS, is_kept
+from tests.warm_up import FAMILIES, FAMILY, JOBS, following, is_kept
 
 ENGINE = Path(engine.__file__).parent
 LONG = {"steps.islands_jointed.step_islands_jointed_parallel"}
@@ -37,6 +37,17 @@ def test_each_entry_is_compiled_by_one_job() -> None:
     assert set(named) == entries() - LONG
     assert set(named.values()) == {1}
     assert len(named) > len(BROAD_PHASES) + len(FREE_INTEGRATORS)
+
+
+def test_a_process_goes_on_with_the_family_that_it_has_begun_then_with_a_fresh_one_and_helps_with_others_last() -> None:
+    every = [*range(len(JOBS))]
+    first, second, third = (FAMILY.index(family) for family in range(3))
+    assert following(every, [set(), set()], 0) == first
+    assert following(every[1:], [{0}, set()], 1) == second
+    assert following(every[1:], [{0}, {1}], 0) == first + 1
+    assert following(every[second + 1 :], [{0}, {1}], 0) == third
+    assert following(every[1:second], [{0}, {1}], 1) == first + 1
+    assert [len(jobs) for jobs in FAMILIES] == [FAMILY.count(family) for family in range(len(FAMILIES))]
 
 
 def signatures(entry: str) -> int:

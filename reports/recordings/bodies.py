@@ -37,20 +37,27 @@ def log_moving(
     steps: Floats,
     paint: Paint,
 ) -> None:
-    """Log the bodies at these places below `root`: shapes once, poses in columns."""
+    """Log the bodies at these places below `root`: shapes once, and where nothing moves or turns that once too; poses in columns.
+
+    Bodies that move share the path of their kind of shape, since a row has a number, two times and two offsets of its own.
+    """
     import rerun as rr
 
     time = arrays["time"]
-    for batch in batches(bodies, places):
+    for batch in batches(bodies, places, most=1):
         path = f"{root}/{batch.path}"
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)
         rec.log(path, *drawn(batch, paint), static=True)
-        pose = rr.InstancePoses3D.columns(
-            translations=p_WS.reshape(-1, 3).astype(np.float32),
-            quaternions=q_WS.reshape(-1, 4)[:, [1, 2, 3, 0]].astype(np.float32),
-        )
-        rec.send_columns(path, columns(time, steps), pose.partition(np.full(len(time), len(batch.bodies))))
+        pose = {"translations": p_WS.astype(np.float32), "quaternions": q_WS[:, :, [1, 2, 3, 0]].astype(np.float32)}
+        still = {name: values for name, values in pose.items() if len(time) > 1 and (values == values[:1]).all()}
+        moving = {name: values.reshape(-1, values.shape[2]) for name, values in pose.items() if name not in still}
+        if still:
+            first: Any = {name: values[0] for name, values in still.items()}
+            rec.log(path, rr.InstancePoses3D.from_fields(**first), static=True)
+        if moving:
+            rows: Any = rr.InstancePoses3D.columns(**moving)
+            rec.send_columns(path, columns(time, steps), rows.partition(np.full(len(time), len(batch.bodies))))
 
 
 def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, extent: float) -> None:

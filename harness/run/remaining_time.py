@@ -5,18 +5,21 @@ are learnt from the answers that there are: of the same case on the same engine,
 answer of an engine is left out as long as there is another, since it pays for what all share: an engine that is loaded, or
 compiles. The timing run of a group of trials starts a process for each engine; each trial takes its samples, and a share of
 what its answer took, for the warm-up and the calibration. How far that is off is learnt from the groups that were clocked.
+
+What a search will still ask for counts as so many pieces like one that it asked for already.
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heapreplace
 from statistics import fmean
 
 from harness.case import Case
 from harness.case.alteration import REFINED
+from harness.search.to_come import ToCome
 from harness.study.trial import Trial
 
-__all__ = ["Piece", "RemainingTime", "pieces_of"]
+__all__ = ["Awaited", "Piece", "RemainingTime", "awaited", "pieces_of"]
 
 WARM_UP = 0.02
 """Of the time of an answer, that each process of a timing run takes before its samples: until a group has shown it."""
@@ -47,25 +50,44 @@ class Piece:
     group: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Awaited:
+    """Pieces like this one that a search will ask for. Terms: answers, clocks: how many, in expectation."""
+
+    like: Piece
+    answers: float
+    clocks: float
+
+
 def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]:
     """These trials as work; which settings of a sweep are clocked is not known before they are tried."""
     pieces = []
     for trial in trials:
-        asked, settings = trial.experiment, trial.settings
+        asked = trial.experiment
         altered = trial.alteration.name in REFINED or trial.alteration.start or trial.alteration.undropped
         clocked = asked.timing and not asked.sweep and asked.limit is None and not altered
-        pieces.append(
-            Piece(
-                name=trial.trial,
-                case=trial.case,
-                engine=trial.engine,
-                steps=cases[trial.case].duration / settings.dt * (settings.substeps or 1) * trial.members,
-                samples=asked.processes * asked.samples * asked.sample_seconds if clocked else 0.0,
-                processes=asked.processes,
-                group=repr((asked.name, trial.case, trial.parameters)),
-            )
-        )
+        piece = _piece(trial, cases[trial.case])
+        pieces.append(piece if clocked else replace(piece, samples=0.0))
     return pieces
+
+
+def _piece(trial: Trial, case: Case) -> Piece:
+    """A trial as work that is clocked."""
+    asked, settings = trial.experiment, trial.settings
+    return Piece(
+        name=trial.trial,
+        case=trial.case,
+        engine=trial.engine,
+        steps=case.duration / settings.dt * (settings.substeps or 1) * trial.members,
+        samples=asked.processes * asked.samples * asked.sample_seconds,
+        processes=asked.processes,
+        group=repr((asked.name, trial.case, trial.parameters)),
+    )
+
+
+def awaited(expected: Iterable[ToCome], cases: Mapping[str, Case]) -> list[Awaited]:
+    """What searches will ask for, as work."""
+    return [Awaited(_piece(each.like, cases[each.like.case]), each.answers, each.clocks) for each in expected]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +118,7 @@ class RemainingTime:
         self._took: dict[str, _Took] = {}
         self._clocked: dict[str, _Group] = {}
         self._last_clock = 0.0
+        self._awaited: Callable[[], Sequence[Awaited]] = tuple
 
     def expect(self, pieces: Iterable[Piece]) -> None:
         """These are to be answered, and clocked where they have samples."""
@@ -104,6 +127,10 @@ class RemainingTime:
                 self._pieces[piece.name] = piece
                 self._waiting.add(piece.name)
                 self._to_clock |= {piece.name} if piece.samples else set()
+
+    def foresee(self, awaited: Callable[[], Sequence[Awaited]] = tuple) -> None:
+        """What searches will ask for beyond what is expected, told anew at each look; nothing more where it is left out."""
+        self._awaited = awaited
 
     def forget(self, names: Collection[str]) -> None:
         """These have an answer already, or will have none that takes time."""
@@ -150,7 +177,10 @@ class RemainingTime:
             return None
         model = _Model(list(known.values()))
         waiting = [name for name in self._pieces if name in self._waiting]
-        return self._shared([model.seconds(self._pieces[name]) for name in waiting]) + self._clock_left(model)
+        searched = self._awaited()
+        due = self._shared([model.seconds(self._pieces[name]) for name in waiting])
+        to_come = sum(each.answers * model.seconds(each.like) for each in searched) / self._workers
+        return due + to_come + self._clock_left(model, searched)
 
     def _shared(self, seconds: Sequence[float]) -> float:
         """Until the last of these is done, each taken by the worker that is free first."""
@@ -159,17 +189,25 @@ class RemainingTime:
             heapreplace(free, free[0] + each)
         return max(free)
 
-    def _clock_left(self, model: "_Model") -> float:
+    def _clock_left(self, model: "_Model", searched: Sequence[Awaited]) -> float:
         def foreseen(names: Collection[str]) -> float:
             pieces = [self._pieces[name] for name in names]
             starts = {(piece.group, piece.engine): piece.processes for piece in pieces}
-            warm_up = sum(piece.samples + WARM_UP * piece.processes * self._seconds(piece, model) for piece in pieces)
-            return sum(starts.values()) * (LOADING + STARTS * model.start) + warm_up
+            warm_up = sum(self._clock_of(piece, model) for piece in pieces)
+            return sum(starts.values()) * start + warm_up
+
+        start = LOADING + STARTS * model.start
+        clocked = [each for each in searched if each.clocks]
+        to_come = sum(each.clocks * self._clock_of(each.like, model) + each.like.processes * start for each in clocked)
 
         recent = list(self._clocked.values())[-RECENT:]
         behind = foreseen([name for group in recent for name in group.names])
         usual = TRUST * behind / len(recent) if recent else 1.0
-        return foreseen(self._to_clock) * (sum(group.seconds for group in recent) + usual) / (behind + usual)
+        return (foreseen(self._to_clock) + to_come) * (sum(group.seconds for group in recent) + usual) / (behind + usual)
+
+    def _clock_of(self, piece: Piece, model: "_Model") -> float:
+        """Seconds of a timing run beyond the start of its processes."""
+        return piece.samples + WARM_UP * piece.processes * self._seconds(piece, model)
 
     def _seconds(self, piece: Piece, model: "_Model") -> float:
         """Of its answer: as it was, or as it is foreseen."""

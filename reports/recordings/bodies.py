@@ -25,7 +25,8 @@ PATH_POINTS = 600
 
 def poses(batch: Batch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
     """Poses of the shapes of a batch, (t, n, 3) m and (t, n, 4), from those of all bodies."""
-    return compose(p_WB[:, batch.bodies], q_WB[:, batch.bodies], batch.p_BS, batch.q_BS)
+    p, q = p_WB[:, batch.bodies], q_WB[:, batch.bodies]
+    return (p, q) if batch.centred else compose(p, q, batch.p_BS, batch.q_BS)
 
 
 def log_moving(

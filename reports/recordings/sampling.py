@@ -26,12 +26,12 @@ def playing_time(length: float) -> float:
 
 
 def stride_of(time: Floats, length: float) -> int:
-    """Each how many-th instant is shown of a run with instants `time` (t,) s, in a case of this length [s]: no fewer than frames."""
+    """Each how many-th instant `time` (t,) s of a run is shown, in a case of this length [s]: no fewer than there are frames."""
     passed = float(time[-1] - time[0]) if len(time) else 0.0
     if not (passed > 0 and length > 0):
         return 1
     instants_a_frame = (len(time) - 1) / passed * length / (FRAMES * playing_time(length))
-    return max(1, int(instants_a_frame))
+    return max(1, int(instants_a_frame * (1 + 1e-9)))
 
 
 def shown(time: Floats, length: float) -> Floats:

@@ -39,6 +39,11 @@ class Batch:
     p_BS: Floats
     q_BS: Floats
 
+    @property
+    def centred(self) -> bool:
+        """Is every shape's frame that of its body?"""
+        return not self.p_BS.any() and bool((self.q_BS == (1.0, 0.0, 0.0, 0.0)).all())
+
 
 @dataclass(frozen=True, slots=True)
 class Paint:

@@ -29,6 +29,9 @@ LOADING, STARTS = 0.7, 1.0
 group has shown it. The starts tell how busy the machine is."""
 TRUST = 3
 """Groups, for as many of which what was foreseen counts beside those that were clocked: one odd group does not turn all."""
+LATELY = 12
+"""Answers that came last, by which the pace of those that wait is foreseen: a machine is as busy as it was lately, and a
+process that stood still once does not stand still again."""
 RECENT = 6
 """Groups that were clocked last, by which those that wait are foreseen: what else the machine does changes within a run."""
 
@@ -216,22 +219,27 @@ class RemainingTime:
 
 
 class _Model:
-    """Seconds of an answer: start + rate x steps, the rate of the same case and engine, else of the same case, else of all."""
+    """Seconds of an answer: start + rate x steps, the rate of the same case and engine, else of the same case, else of all, times
+    the pace of late: what the last answers took over what they would have by these."""
 
     def __init__(self, known: Sequence[_Took]) -> None:
+        self._pace = 1.0
         ordered = sorted(took.seconds for took in known)
         self.start = ordered[len(ordered) // 4]
         self._by_side = _rates(known, self.start, lambda piece: (piece.case, piece.engine))
         self._by_case = _rates(known, self.start, lambda piece: (piece.case,))
         self._mean = fmean(fmean(each) for each in _grouped(known).values())
         self._by_all = _rates(known, self.start, lambda _: ())[()]
+        late = known[-LATELY:]
+        usual = TRUST * fmean(took.seconds for took in known)
+        self._pace = (sum(took.seconds for took in late) + usual) / (sum(self.seconds(took.piece) for took in late) + usual)
 
     def seconds(self, piece: Piece) -> float:
         """Of this piece; of a case that nothing is known of, between the mean of the known ones and the mean rate of all."""
         rate = self._by_side.get((piece.case, piece.engine), self._by_case.get((piece.case,)))
         if rate is not None:
-            return self.start + rate * piece.steps
-        return 0.5 * self._mean + 0.5 * (self.start + self._by_all * piece.steps)
+            return self._pace * (self.start + rate * piece.steps)
+        return self._pace * (0.5 * self._mean + 0.5 * (self.start + self._by_all * piece.steps))
 
 
 def _grouped(known: Sequence[_Took]) -> dict[str, list[float]]:

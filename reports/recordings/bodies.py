@@ -38,7 +38,7 @@ def log_moving(
     steps: Floats,
     paint: Paint,
 ) -> None:
-    """Log the bodies at these places below `root`: shapes once, and where nothing moves or turns that once too; poses in columns.
+    """Log the bodies at these places below `root`: shapes once, as is what neither moves nor turns; poses in columns.
 
     Bodies that move share the path of their kind of shape, since a row has a number, two times and two offsets of its own.
     """

@@ -26,7 +26,7 @@ def playing_time(length: float) -> float:
 
 
 def stride_of(time: Floats, length: float) -> int:
-    """Each how many-th instant `time` (t,) s of a run is shown, in a case of this length [s]: no fewer than there are frames."""
+    """Each how many-th instant `time` (t,) s of a run is shown, in a case of this length [s]: no fewer than frames."""
     passed = float(time[-1] - time[0]) if len(time) else 0.0
     if not (passed > 0 and length > 0):
         return 1

@@ -15,9 +15,9 @@ __all__ = ["Answer", "choose"]
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others. undecided:
-    requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who leads. draws:
-    behind the shares."""
+    """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others.
+    undecided: requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who
+    leads. draws: behind the shares."""
 
     wish: Wish
     evidence: Evidence
@@ -74,7 +74,7 @@ def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
 
 
 def _left_open(evidence: Evidence, wish: Wish, left: Sequence[str]) -> Iterator[Dropped]:
-    """Of each engine the first case in which it may come to the error asked for fast enough, at a step coarser than were run."""
+    """Of each engine the first case in which it may be fast enough at the error asked for, at a coarser step than were run."""
     for engine in left:
         for (case, name), price in evidence.costs.items():
             if name != engine or wish.realtime is None or price.cost is None or price.verdict != BOUND:

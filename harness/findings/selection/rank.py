@@ -101,7 +101,7 @@ def _scores(value: Floats, has: Floats, weights_of_cases: Floats, weights: Float
 
 
 def scores(evidence: Evidence, wish: Wish, end: Literal["low", "high"] | None = None) -> dict[str, float]:
-    """At the weights asked for, by engine. Args: end: of its bounds at which each engine is taken; their middles unless said."""
+    """At the weights asked for, by engine. Args: end: of its bounds at which each is taken; their middles unless said."""
     arrays = _arrays(evidence, wish)
     weights = np.array([wish.weight(name) for name in arrays.criteria])
     ends = {"low": arrays.low, "high": arrays.high}

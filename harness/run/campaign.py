@@ -25,7 +25,7 @@ from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
-from harness.run.remaining_time import Awaited, RemainingTime, awaited, pieces_of
+from harness.run.remaining_time import Awaited, RemainingTime, awaited, clocked_pieces, pieces_of
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder
@@ -143,6 +143,7 @@ def _timing(
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
+    remaining.chosen_for_clock(clocked_pieces(due, cases))
     remaining.clocks_begin([trial.trial for trial in due], time.monotonic())
     with Progress("timing", len(due), remaining.left) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=_together)]

@@ -19,7 +19,7 @@ from harness.case.alteration import REFINED
 from harness.search.to_come import ToCome
 from harness.study.trial import Trial
 
-__all__ = ["Awaited", "Piece", "RemainingTime", "awaited", "pieces_of"]
+__all__ = ["Awaited", "Piece", "RemainingTime", "awaited", "clocked_pieces", "pieces_of"]
 
 WARM_UP = 0.02
 """Of the time of an answer, that each process of a timing run takes before its samples: until a group has shown it."""
@@ -72,6 +72,11 @@ def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]
         piece = _piece(trial, cases[trial.case])
         pieces.append(piece if clocked else replace(piece, samples=0.0))
     return pieces
+
+
+def clocked_pieces(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]:
+    """These trials as work, all of them clocked."""
+    return [_piece(trial, cases[trial.case]) for trial in trials]
 
 
 def _piece(trial: Trial, case: Case) -> Piece:
@@ -159,6 +164,10 @@ class RemainingTime:
         else:
             self._first[piece.engine] = took
 
+    def chosen_for_clock(self, pieces: Iterable[Piece]) -> None:
+        """Points of a sweep that are clocked after all, with their samples: which was not known before they were tried."""
+        self._pieces |= {piece.name: piece for piece in pieces}
+
     def clocks_begin(self, names: Collection[str], now: float) -> None:
         """No other pieces than these wait for the clock now."""
         self._to_clock, self._last_clock = set(names) & set(self._pieces), now
@@ -219,8 +228,8 @@ class RemainingTime:
 
 
 class _Model:
-    """Seconds of an answer: start + rate x steps, the rate of the same case and engine, else of the same case, else of all, times
-    the pace of late: what the last answers took over what they would have by these."""
+    """Seconds of an answer: start + rate x steps, the rate of the same case and engine, else of the same case, else of all;
+    times the pace of late, which is what the last answers took over what they would have by these."""
 
     def __init__(self, known: Sequence[_Took]) -> None:
         self._pace = 1.0

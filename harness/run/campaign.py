@@ -143,7 +143,7 @@ def _timing(
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
-    remaining.chosen_for_clock(clocked_pieces(due, cases))
+    remaining.chosen_for_clock(clocked_pieces(due, records, cases))
     remaining.clocks_begin([trial.trial for trial in due], time.monotonic())
     with Progress("timing", len(due), remaining.left) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=_together)]

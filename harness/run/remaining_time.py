@@ -16,8 +16,10 @@ from statistics import fmean
 
 from harness.case import Case
 from harness.case.alteration import REFINED
-from harness.search.to_come import ToCome
+from harness.search.to_come import ToCome, seconds_of_run
+from harness.store.record import Record
 from harness.study.trial import Trial
+from harness.trial.bench import LONGEST
 
 __all__ = ["Awaited", "Piece", "RemainingTime", "awaited", "clocked_pieces", "pieces_of"]
 
@@ -41,7 +43,7 @@ class Piece:
     """A trial as work.
 
     Terms: steps: that its engine takes. samples [s]: of its timing run, 0 without one; processes: of it; group: those that are
-    clocked together, in one process an engine.
+    clocked together, in one process an engine. warm_up: share of its answer that goes before the samples, 0 where they hold it.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Piece:
     samples: float = 0.0
     processes: int = 1
     group: str = ""
+    warm_up: float = WARM_UP
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,28 +77,34 @@ def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]
     return pieces
 
 
-def clocked_pieces(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]:
-    """These trials as work, all of them clocked."""
-    return [_piece(trial, cases[trial.case]) for trial in trials]
+def clocked_pieces(trials: Iterable[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> list[Piece]:
+    """These trials as work, all of them clocked. Args: records: theirs, by which a whole run is known to take so long."""
+    return [_piece(trial, cases[trial.case], seconds_of_run(records[trial.trial], cases[trial.case])) for trial in trials]
 
 
-def _piece(trial: Trial, case: Case) -> Piece:
-    """A trial as work that is clocked."""
+def _piece(trial: Trial, case: Case, run: float = 0.0) -> Piece:
+    """A trial as work that is clocked. Args: run [s]: what its steps take, where that is known.
+
+    A sample is a whole run, and so is the calibration before; of one that is too long it is a part.
+    """
     asked, settings = trial.experiment, trial.settings
+    sample = max(asked.sample_seconds, min(run, LONGEST * asked.sample_seconds))
+    samples = asked.samples * asked.sample_seconds if run == 0.0 else (asked.samples + 1) * sample
     return Piece(
         name=trial.trial,
         case=trial.case,
         engine=trial.engine,
         steps=case.duration / settings.dt * (settings.substeps or 1) * trial.members,
-        samples=asked.processes * asked.samples * asked.sample_seconds,
+        samples=asked.processes * samples,
         processes=asked.processes,
         group=repr((asked.name, trial.case, trial.parameters)),
+        warm_up=WARM_UP if run == 0.0 else 0.0,
     )
 
 
 def awaited(expected: Iterable[ToCome], cases: Mapping[str, Case]) -> list[Awaited]:
     """What searches will ask for, as work."""
-    return [Awaited(_piece(each.like, cases[each.like.case]), each.answers, each.clocks) for each in expected]
+    return [Awaited(_piece(each.like, cases[each.like.case], each.run), each.answers, each.clocks) for each in expected]
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +228,7 @@ class RemainingTime:
 
     def _clock_of(self, piece: Piece, model: "_Model") -> float:
         """Seconds of a timing run beyond the start of its processes."""
-        return piece.samples + WARM_UP * piece.processes * self._seconds(piece, model)
+        return piece.samples + piece.warm_up * piece.processes * self._seconds(piece, model)
 
     def _seconds(self, piece: Piece, model: "_Model") -> float:
         """Of its answer: as it was, or as it is foreseen."""

@@ -6,6 +6,7 @@ share of those that did so far. Of a sweep, the points that are left are spent a
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
 from harness.adapter import Adapter
 from harness.case import Case
@@ -14,16 +15,25 @@ from harness.search.remedies import remedied
 from harness.store.record import Record
 from harness.study.trial import Trial
 
-__all__ = ["ToCome", "to_come"]
+__all__ = ["ToCome", "seconds_of_run", "to_come"]
 
 
 @dataclass(frozen=True, slots=True)
 class ToCome:
-    """Trials like this one that will be asked for. Terms: answers, clocks: how many, in expectation."""
+    """Trials like this one that will be asked for.
+
+    Terms: answers, clocks: how many, in expectation. run [s]: of its steps, the mean of those known, 0 where none is.
+    """
 
     like: Trial
     answers: float
     clocks: float = 0.0
+    run: float = 0.0
+
+
+def seconds_of_run(record: Record, case: Case) -> float:
+    """What the steps of a run take, of CPU time and roughly; 0 where that is not known or what is clocked is no step."""
+    return (record.rough_cost or 0.0) * case.duration if case.rays is None else 0.0
 
 
 def to_come(
@@ -129,4 +139,6 @@ def _of_sweeps(
         if rounds < front.SCREENING:
             answers += len(adapters[first.engine].knobs_in(first.scene(cases[first.case]))) * (front.SCREENING - rounds) / 2
         clocks = min(front.CLOCKED, len(group) + answers) if first.experiment.timing else 0
-        yield ToCome(min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt)), answers, clocks)
+        runs = [seconds_of_run(records[trial.trial], cases[trial.case]) for trial in group if trial.trial in records]
+        run = fmean(runs) if runs else 0.0
+        yield ToCome(min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt)), answers, clocks, run)

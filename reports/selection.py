@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
-from harness.findings.selection.evidence import Datum
+from harness.findings.selection.evidence import BOUND, Datum
 from harness.findings.selection.words import headline
 from reports.contents import FAMILIES, cases
 from reports.paces import Pace, pace_of
@@ -75,10 +75,14 @@ def live(store: "Store") -> Markup:
                 _short(d.value),
                 _short(d.low),
                 _short(d.high),
+                int(d.bounded),
             ]
             for (criterion, case, engine), d in evidence.table.items()
         ],
-        "costs": [[names.index(case), engines.index(engine), price.cost] for (case, engine), price in evidence.costs.items()],
+        "costs": [
+            [names.index(case), engines.index(engine), price.cost, int(price.verdict == BOUND)]
+            for (case, engine), price in evidence.costs.items()
+        ],
         "presets": [_preset(name, evidence.families) for name in preset_names()],
     }
     return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))

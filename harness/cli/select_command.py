@@ -147,7 +147,7 @@ def _criteria() -> tuple[str, ...]:
 
 
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
-    from harness.findings.selection.words import dropped_sentence, headline, turn_sentences
+    from harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
 
     engines = store.catalogue.get("engines", {})
 
@@ -168,6 +168,8 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         print_table(title, columns, rows)
     for drop in answer.dropped:
         say(dropped_sentence(drop, titled))
+    for drop in answer.undecided:
+        say(undecided_sentence(drop, titled))
     for sentence in turn_sentences(answer.turns, titled):
         say(f"It would be {sentence}")
     _print_gaps(answer)
@@ -178,6 +180,11 @@ def _print_gaps(answer: "Answer") -> None:
     without = [name for name in _criteria() if answer.rank is not None and name not in answer.rank.counted]
     if without:
         say(f"Nothing in this run says anything of {', '.join(without)}.")
+    bounds = {case for (_, case, _), datum in answer.evidence.table.items() if datum.bounded}
+    if bounds:
+        say(
+            f"Known by a bound alone, and so level with what it may cost: prices in {len(bounds)} cases; --evidence lists them."
+        )
     if answer.evidence.incomplete:
         pairs = answer.evidence.incomplete
         cases = ", ".join(dict.fromkeys(case for _, case in pairs))

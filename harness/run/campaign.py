@@ -25,11 +25,12 @@ from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
-from harness.run.remaining_time import RemainingTime, pieces_of
+from harness.run.remaining_time import Awaited, RemainingTime, awaited, clocked_pieces, pieces_of
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder
 from harness.search.front import due_for_clock
+from harness.search.to_come import to_come
 from harness.store import disk
 from harness.store.journal import FolderTaken, Journal, StoreError
 from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
@@ -142,6 +143,7 @@ def _timing(
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
+    remaining.chosen_for_clock(clocked_pieces(due, records, cases))
     remaining.clocks_begin([trial.trial for trial in due], time.monotonic())
     with Progress("timing", len(due), remaining.left) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=_together)]
@@ -191,6 +193,12 @@ def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     return sorted(mine, key=lambda trial: bool(trial.experiment.sweep))
 
 
+def _awaited(
+    trials: Sequence[Trial], journal: Journal, cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> list[Awaited]:
+    return awaited(to_come(trials, journal.records, cases, adapters), cases)
+
+
 def _searched(
     trials: list[Trial],
     reasons: Mapping[str, str | None],
@@ -227,6 +235,7 @@ def _searched(
             break
         number += 1
         remaining.expect(pieces_of(more, cases))
+        remaining.foresee(partial(_awaited, [*extended, *more], journal, cases, adapters))
         _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster, guide, remaining)
         extended += more
     return extended
@@ -306,8 +315,10 @@ def carry_out(
         with suppress(TimeIsUp):
             for batch in guide.batches(trials):
                 remaining.expect(pieces_of(batch, cases))
+                remaining.foresee(partial(_awaited, batch, journal, cases, adapters))
                 _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cluster, guide, remaining)
                 batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide, remaining)
+                remaining.foresee()
                 _timing(batch, journal, folder, cases, machine, cluster, guide, remaining)
         journal.begin(begun | {"trials": sorted(guide.asked(begun["trials"], journal.records))})
         complete = True

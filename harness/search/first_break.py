@@ -22,7 +22,8 @@ from harness.study.axes import axis_of
 from harness.study.experiment import Limit
 from harness.study.trial import Trial
 
-__all__ = ["BROKE", "Bracket", "Ruler", "bracket", "next_trials", "ruler", "value_of"]
+__all__ = ["BROKE", "REMEDY_VALUES", "Bracket", "Ruler", "beyond", "bracket", "next_trials", "next_value", "ruler",
+           "searches_of", "value_of"]  # fmt: skip
 
 REMEDY_VALUES = 3
 """Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
@@ -128,14 +129,19 @@ def next_trials(
     trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
 ) -> list[Trial]:
     """The next round over all searches; empty when every bracket is close enough."""
+    probes: list[Trial] = []
+    for group in searches_of(trials, cases):
+        probes += _next_of(group, records, cases[group[0].case], adapters[group[0].engine], trials)
+    return probes
+
+
+def searches_of(trials: Sequence[Trial], cases: Mapping[str, Case]) -> list[list[Trial]]:
+    """The trials of each search of experiments that have a limit."""
     groups: dict[str, list[Trial]] = {}
     for trial in trials:
         if trial.experiment.limit is not None:
             groups.setdefault(_search(trial, cases[trial.case]), []).append(trial)
-    probes: list[Trial] = []
-    for group in groups.values():
-        probes += _next_of(group, records, cases[group[0].case], adapters[group[0].engine], trials)
-    return probes
+    return list(groups.values())
 
 
 def _search(trial: Trial, case: Case) -> str:
@@ -157,7 +163,7 @@ def _next_of(
     known = {value_of(trial, by.axis): records[trial.trial].status for trial in group if trial.trial in records}
     number = max(trial.round for trial in group) + 1
     scan = limit.scan if limit is not None else 2
-    value = _beyond(known, by) if first.remedied else next_value(known, by, scan)
+    value = beyond(known, by) if first.remedied else next_value(known, by, scan)
     if value is not None:
         return [_at(first, value, by.axis, case, number)]
     broke = bracket(known, by).broke
@@ -176,7 +182,7 @@ def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Tria
     return trial.probing(case, parameters={**trial.parameters, axis.parameter: given}, round=number)
 
 
-def _beyond(known: Mapping[float, str], by: Ruler) -> float | None:
+def beyond(known: Mapping[float, str], by: Ruler) -> float | None:
     """Where to try next a remedy that holds where the case broke without it."""
     interval = bracket(known, by)
     if interval.stopped or interval.held is None or len(known) > REMEDY_VALUES:

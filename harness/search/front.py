@@ -32,7 +32,8 @@ from harness.store.record import Record
 from harness.study.track_label import label_of
 from harness.study.trial import Trial
 
-__all__ = ["RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "next_trials", "spread", "turned"]
+__all__ = ["CLOCKED", "RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "groups", "next_trials", "room_in", "spread",
+           "turned"]  # fmt: skip
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
@@ -156,7 +157,7 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
         return []
     last = max(trial.round for trial in group)
     base = _base(here, case)
-    room = group[0].experiment.sweep - _others(group, records)
+    room = room_in(group, records)
     if room <= 0 or sum(trial.round > SCREENING for trial in group) >= RUNS * group[0].experiment.sweep:
         return []
     knobs = adapter.knobs_in(group[0].scene(case))
@@ -308,6 +309,11 @@ def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, S
         dt = 2 * point.trial.settings.dt
         if point.error <= SMALLEST and dt <= BEYOND * max(case.ladder) * (1 + 1e-9):
             yield point.trial, point.trial.settings.with_dt(dt)
+
+
+def room_in(group: Group, records: Mapping[str, Record]) -> int:
+    """How many points the experiment still leaves to a group."""
+    return group[0].experiment.sweep - _others(group, records)
 
 
 def _others(group: Group, records: Mapping[str, Record]) -> int:

@@ -1,6 +1,7 @@
 """The journal of a run folder: one checksummed, fsynced line for each finished accuracy or timing run.
 
 Lines are numbered and each holds the checksum of the one before it, so that one that is missing, doubled or moved is noticed.
+Each says when it was written: how long a run took, piece by piece, is read off it, and nothing else.
 Beside runs they say under which circumstances a session began, and which trials were withdrawn since they no longer hold. Lines
 of schema 1 have neither number nor chain, and are read as well.
 """
@@ -8,6 +9,7 @@ of schema 1 have neither number nor chain, and are read as well.
 import fcntl
 import hashlib
 import json
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -128,7 +130,8 @@ def _checksum(text: bytes) -> str:
 
 def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> tuple[str, bytes]:
     """A line and its checksum."""
-    entry = {"schema": SCHEMA_VERSION, "number": number, "before": before, "kind": kind, "content": content}
+    at = round(time.time(), 2)
+    entry = {"schema": SCHEMA_VERSION, "number": number, "at": at, "before": before, "kind": kind, "content": content}
     text = json.dumps(entry, sort_keys=True, allow_nan=False).encode()
     checksum = _checksum(text)
     return checksum, b"%b %b\n" % (checksum.encode(), text)

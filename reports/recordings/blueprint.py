@@ -9,15 +9,13 @@ from reports.recordings.inertial import CHANNELS
 from reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
 from reports.recordings.metrics import TITLES
 from reports.recordings.runs import Run, Stage
+from reports.recordings.sampling import playing_time
 from reports.recordings.sensors import Sensed, View
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
 __all__ = ["layout"]
-
-WATCH = 6.0, 20.0
-"""Seconds that a case takes to play, at least and at most: a bullet is slowed down, a long wait made short."""
 
 NO_SENSORS = Sensed()
 
@@ -35,7 +33,7 @@ def layout(stage: Stage, frame: Framing, metrics: Sequence[str], sensors: Sensed
     text = rrb.TextDocumentView(origin=f"/{LOG}", name="Outcomes")
     if not stage.runs:
         return rrb.Blueprint(text, collapse_panels=True)
-    end = last_instant(stage)
+    end = max(float(run.time[-1]) for run in stage.runs)
     titles = {f"{METRICS}/{metric}": TITLES[metric] for metric in metrics}
     signals = {
         where: f"{where.removeprefix(SENSORS + '/')} [{CHANNELS[where.rsplit('/', 1)[1]]}]" for where in sensors.channels
@@ -57,14 +55,9 @@ def time_panel(stage: Stage) -> "rrb.TimePanel":
     """Plays in a loop, in real time where that can be watched."""
     import rerun.blueprint as rrb
 
-    length = last_instant(stage) - min(float(run.time[0]) for run in stage.runs)
-    speed = length / min(max(length, WATCH[0]), WATCH[1]) if length > 0 else 1.0
+    length = stage.length
+    speed = length / playing_time(length) if length > 0 else 1.0
     return rrb.TimePanel(state="collapsed", timeline=SIM_TIME, playback_speed=speed, play_state="playing", loop_mode="all")
-
-
-def last_instant(stage: Stage) -> float:
-    """The end [s] of the longest run."""
-    return max(float(run.time[-1]) for run in stage.runs)
 
 
 def pictures(view: View) -> "rrb.Grid":

@@ -25,7 +25,8 @@ PATH_POINTS = 600
 
 def poses(batch: Batch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
     """Poses of the shapes of a batch, (t, n, 3) m and (t, n, 4), from those of all bodies."""
-    return compose(p_WB[:, batch.bodies], q_WB[:, batch.bodies], batch.p_BS, batch.q_BS)
+    p, q = p_WB[:, batch.bodies], q_WB[:, batch.bodies]
+    return (p, q) if batch.centred else compose(p, q, batch.p_BS, batch.q_BS)
 
 
 def log_moving(
@@ -37,20 +38,27 @@ def log_moving(
     steps: Floats,
     paint: Paint,
 ) -> None:
-    """Log the bodies at these places below `root`: shapes once, poses in columns."""
+    """Log the bodies at these places below `root`: shapes once, as is what neither moves nor turns; poses in columns.
+
+    Bodies that move share the path of their kind of shape, since a row has a number, two times and two offsets of its own.
+    """
     import rerun as rr
 
     time = arrays["time"]
-    for batch in batches(bodies, places):
+    for batch in batches(bodies, places, most=1):
         path = f"{root}/{batch.path}"
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)
         rec.log(path, *drawn(batch, paint), static=True)
-        pose = rr.InstancePoses3D.columns(
-            translations=p_WS.reshape(-1, 3).astype(np.float32),
-            quaternions=q_WS.reshape(-1, 4)[:, [1, 2, 3, 0]].astype(np.float32),
-        )
-        rec.send_columns(path, columns(time, steps), pose.partition(np.full(len(time), len(batch.bodies))))
+        pose = {"translations": p_WS.astype(np.float32), "quaternions": q_WS[:, :, [1, 2, 3, 0]].astype(np.float32)}
+        still = {name: values for name, values in pose.items() if len(time) > 1 and (values == values[:1]).all()}
+        moving = {name: values.reshape(-1, values.shape[2]) for name, values in pose.items() if name not in still}
+        if still:
+            first: Any = {name: values[0] for name, values in still.items()}
+            rec.log(path, rr.InstancePoses3D.from_fields(**first), static=True)
+        if moving:
+            rows: Any = rr.InstancePoses3D.columns(**moving)
+            rec.send_columns(path, columns(time, steps), rows.partition(np.full(len(time), len(batch.bodies))))
 
 
 def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, extent: float) -> None:

@@ -10,6 +10,7 @@ from reports.recordings.colour import Rgba, rgba
 from reports.recordings.layout import METRICS, TRUTH
 from reports.recordings.rotation import Floats, angle, rotate
 from reports.recordings.runs import Run, Stage
+from reports.recordings.sampling import extremes, stride_of
 from reports.recordings.timeline import checked, columns
 from reports.recordings.truth import truth_at
 
@@ -82,21 +83,27 @@ def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
 
 
 def curves(stage: Stage) -> tuple[Curve, ...]:
-    """All curves of a stage, without what is not finite."""
+    """All curves of a stage, without what is not finite, as densely as the viewer has frames."""
     collected: list[Curve] = []
     for run in stage.runs:
         drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()} | errors(stage, run)
         for metric, (time, values) in drawn.items():
-            kept = np.isfinite(values)
+            kept = _drawn(time, values, stage.length)
             look = rgba(run.colour), 2.5 if run.track == "tuned" else 1.2
             steps = run.steps_at(time[kept])
             collected.append(Curve(metric, run.path, f"{run.engine} {run.track}", *look, time[kept], steps, values[kept]))
     if "v_WB" in stage.truth:
         for metric, values in motion(stage, stage.truth).items():
-            kept = np.isfinite(values)
+            kept = _drawn(stage.truth["time"], values, stage.length)
             time = stage.truth["time"][kept]
             collected.append(Curve(metric, TRUTH, "truth", TRUTH_LINE, 3.5, time, stage.steps_at(time), values[kept]))
     return tuple(curve for curve in collected if len(curve.time))
+
+
+def _drawn(time: Floats, values: Floats, length: float) -> Floats:
+    """Places of what is finite of a curve; of what lies between two frames its peaks and dips."""
+    finite = np.flatnonzero(np.isfinite(values))
+    return np.asarray(finite[extremes(values[finite], stride_of(time[finite], length))])
 
 
 def ranked(drawn: Iterable[Curve]) -> list[str]:

@@ -11,7 +11,8 @@ import numpy as np
 from harness.store.store import Store
 from reports.recordings.layout import file_name
 from reports.recordings.rotation import Floats
-from reports.recordings.runs import STATES, Stage, stage_of
+from reports.recordings.runs import Stage, stage_of
+from reports.recordings.sampling import at_instants
 from reports.recordings.write import write_stage
 
 __all__ = ["about", "moment_recording"]
@@ -43,15 +44,7 @@ def about(stage: Stage, at: float) -> Stage:
 def _between(arrays: Mapping[str, Floats], low: float, high: float) -> dict[str, Floats]:
     """States, contacts and signals of the instants from `low` to `high` [s]; all else as it is."""
     time = arrays["time"]
-    kept = (time >= low) & (time <= high)
-    chosen = dict(arrays) | {name: arrays[name][kept] for name in ("time", *STATES) if name in arrays}
-    if "contacts_count" in arrays:
-        counts = np.asarray(arrays["contacts_count"], dtype=np.int64)
-        rows = np.repeat(kept, counts)
-        chosen |= {
-            name: array[rows] for name, array in arrays.items() if name.startswith("contacts_") and len(array) == len(rows)
-        }
-        chosen["contacts_count"] = counts[kept]
+    chosen = at_instants(arrays, np.flatnonzero((time >= low) & (time <= high)))
     for name in [name for name in arrays if name.startswith("stream:")]:
         stamps = arrays[name.rsplit("/", 1)[0] + "/time"]
         if len(arrays[name]) == len(stamps):

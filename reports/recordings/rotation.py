@@ -27,9 +27,11 @@ def product(a: Floats, b: Floats) -> Floats:
 
 def rotate(q: Floats, v: Floats) -> Floats:
     """Vectors (..., 3) turned by unit quaternions (..., 4)."""
-    axis = q[..., 1:]
-    twist = 2.0 * np.cross(axis, v)
-    return np.asarray(v + q[..., :1] * twist + np.cross(axis, twist))
+    # Component by component: np.cross takes three times as long for as many small vectors.
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    a, b, c = np.moveaxis(v, -1, 0)
+    i, j, k = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return np.stack([a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i], axis=-1)
 
 
 def compose(p_WB: Floats, q_WB: Floats, p_BS: Floats, q_BS: Floats) -> tuple[Floats, Floats]:

@@ -75,6 +75,13 @@ class Stage:
         return np.rint(time / self.dt).astype(np.int64) if self.dt > 0 else np.arange(len(time), dtype=np.int64)
 
     @property
+    def length(self) -> float:
+        """From the first instant of all runs to the last [s], 0 where there is no run."""
+        return max((float(run.time[-1]) for run in self.runs), default=0.0) - min(
+            (float(run.time[0]) for run in self.runs), default=0.0
+        )
+
+    @property
     def bodies(self) -> list[dict[str, Any]]:
         """The scene's bodies."""
         bodies: list[dict[str, Any]] = self.scene.get("bodies", [])

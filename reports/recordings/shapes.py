@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 __all__ = ["Batch", "Paint", "batches", "drawn"]
 
 CROWD = 24
-"""With more bodies than this, bodies of one kind of shape share a path: a viewer lists and draws hundreds of paths slowly."""
+"""With more bodies at rest than this, bodies of one kind of shape share a path: a viewer lists and draws hundreds of paths
+slowly."""
 
 MESHES = ("convex_hull", "triangle_mesh")
 
@@ -37,6 +38,11 @@ class Batch:
     shapes: tuple[Mapping[str, Any], ...]
     p_BS: Floats
     q_BS: Floats
+
+    @property
+    def centred(self) -> bool:
+        """Is every shape's frame that of its body?"""
+        return not self.p_BS.any() and bool((self.q_BS == (1.0, 0.0, 0.0, 0.0)).all())
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,9 +66,9 @@ def placed_shapes(body: Mapping[str, Any]) -> list[dict[str, Any]]:
     return shapes
 
 
-def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[Batch]:
-    """The shapes of the bodies at these places, one path a body, or one a kind of shape in a crowd."""
-    crowd = len(places) > CROWD
+def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int], most: int = CROWD) -> list[Batch]:
+    """The shapes of the bodies at these places, one path a body, or one a kind of shape where there are more than `most`."""
+    crowd = len(places) > most
     gathered: dict[str, list[tuple[int, str, Mapping[str, Any]]]] = {}
     for index in places:
         body = bodies[index]

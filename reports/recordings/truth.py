@@ -10,6 +10,7 @@ from reports.recordings.colour import GHOST
 from reports.recordings.layout import TRUTH, WORLD
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
+from reports.recordings.sampling import at_instants, shown
 from reports.recordings.shapes import Paint
 
 if TYPE_CHECKING:
@@ -56,8 +57,9 @@ def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
     places = told_places(stage)
     if not places:
         return
-    steps = stage.steps_at(stage.truth["time"])
+    seen = at_instants(stage.truth, shown(stage.truth["time"], stage.length))
+    steps = stage.steps_at(seen["time"])
     root = f"{WORLD}/{TRUTH}"
     paint = Paint(GHOST, extent, "TransparentFillMajorWireframe")
-    log_moving(rec, root, stage.bodies, places, stage.truth, steps, paint)
+    log_moving(rec, root, stage.bodies, places, seen, steps, paint)
     log_paths(rec, f"{root}/paths", stage.truth["p_WB"][:, places], (*GHOST[:3], 160), extent)

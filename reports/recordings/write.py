@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Collection
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from reports.recordings.layout import LOG, WORLD, application_id, file_name
 from reports.recordings.log import text
 from reports.recordings.metrics import curves, log_curves, ranked
 from reports.recordings.runs import Run, Stage, stage_of
+from reports.recordings.sampling import at_instants, shown
 from reports.recordings.sensors import log_sensors, sensed
 from reports.recordings.shapes import Paint
 from reports.recordings.truth import log_truth
@@ -105,10 +107,11 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
 
 
 def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, frame: Framing, scale: float) -> None:
-    """Log the bodies of a run, their ways and their contacts; arrows are drawn with scale [m/N]."""
+    """Log the bodies of a run, their ways and their contacts, at the instants that are shown; arrows with scale [m/N]."""
     root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
     places = [int(index) for index in stage.moving]
-    steps = run.steps_at(run.time)
-    log_moving(rec, root, stage.bodies, places, run.arrays, steps, Paint(colour, 3 * frame.radius))
     log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, places], colour, frame.size)
-    log_contacts(rec, run, scale, frame.size / 4)
+    seen = replace(run, arrays=at_instants(run.arrays, shown(run.time, stage.length)))
+    steps = seen.steps_at(seen.time)
+    log_moving(rec, root, stage.bodies, places, seen.arrays, steps, Paint(colour, 3 * frame.radius))
+    log_contacts(rec, seen, scale, frame.size / 4)

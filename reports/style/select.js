@@ -8,8 +8,9 @@
   const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12, FEW = 8;
   const K = criteria.length, C = cases.length, E = engines.length;
   const at = (k, c, e) => (k * C + c) * E + e;
-  const value = new Float64Array(K * C * E), low = value.slice(), high = value.slice(), has = new Uint8Array(K * C);
-  for (const [k, c, e, middle, below, above] of cells) {
+  const value = new Float64Array(K * C * E), low = value.slice(), high = value.slice(), has = new Uint8Array(K * C), bounded = new Uint8Array(K * C * E);
+  for (const [k, c, e, middle, below, above, bound] of cells) {
+    bounded[at(k, c, e)] = bound;
     value[at(k, c, e)] = middle;
     low[at(k, c, e)] = below;
     high[at(k, c, e)] = above;
@@ -34,7 +35,8 @@
     }
   };
 
-  const scores = (left, weightsOfCases, weights, within) => {
+  // sides: of each engine, whether its bounds stand for all that they leave open (1) or for no more than they show (0).
+  const scores = (left, weightsOfCases, weights, within, sides) => {
     const totals = new Float64Array(E);
     let whole = 0;
     for (let k = 0; k < K; k++) {
@@ -44,7 +46,7 @@
         if (!has[k * C + c] || !weightsOfCases[c]) continue;
         sum += weightsOfCases[c];
         for (const e of left) {
-          const i = at(k, c, e), up = within ? within[c * E + e] : 0;
+          const i = at(k, c, e), up = within ? (bounded[i] ? sides[e] * 2 - 1 : within[c * E + e]) : 0;
           means[e] += weightsOfCases[c] * (value[i] + (up > 0 ? up * (high[i] - value[i]) : up * (value[i] - low[i])));
         }
       }
@@ -60,33 +62,35 @@
   const weightOfCase = (c) => (wish.preset ? wish.preset.cases[cases[c].name] : 1) * wish.families[cases[c].family];
 
   const leftOut = () => {
-    const reasons = new Map();
+    const reasons = new Map(), open = new Map();
     engines.forEach((engine, e) => {
       if (wish.feature && !engine.features.includes(wish.feature)) reasons.set(e, `does not claim ${wish.feature.replaceAll("_", " ")}`);
     });
     if (wish.realtime > 0) {
-      for (const [c, e, cost] of costs) {
+      for (const [c, e, cost, bound] of costs) {
         if (reasons.has(e) || weightOfCase(c) <= 0) continue;
         if (cost === null) reasons.set(e, `does not come to the error asked for in ${cases[c].title}`);
+        else if (cost * wish.realtime > 1 && bound) open.has(e) || open.set(e, `${(1 / cost).toPrecision(3)} times real time or more in ${cases[c].title}`);
         else if (cost * wish.realtime > 1) reasons.set(e, `${(1 / cost).toPrecision(3)} times real time in ${cases[c].title}`);
       }
     }
-    return reasons;
+    return { reasons, open };
   };
 
   const rank = (left) => {
     const weights = wish.weights, ofCases = cases.map((_, c) => weightOfCase(c));
-    const middle = scores(left, ofCases, weights, null);
+    const middle = scores(left, ofCases, weights, null, null);
     const first = left.map(() => 0), ahead = left.map(() => left.map(() => 0));
     const random = generator(1), total = weights.reduce((a, b) => a + b, 0) || 1;
-    const drawn = new Float64Array(C), within = new Float64Array(C * E), mixed = new Float64Array(K);
+    const drawn = new Float64Array(C), within = new Float64Array(C * E), mixed = new Float64Array(K), sides = new Uint8Array(E);
     for (let n = 0; n < DRAWS; n++) {
       drawn.fill(0);
       for (let c = 0; c < Math.max(C - 1, 1); c++) drawn[Math.floor(random() * C)] += 1;
       for (let c = 0; c < C; c++) drawn[c] *= ofCases[c];
       for (let i = 0; i < C * E; i++) within[i] = Math.max(-1, Math.min(1, normal(random) / 1.96));
+      for (let e = 0; e < E; e++) sides[e] = random() < 0.5 ? 0 : 1;
       for (let k = 0; k < K; k++) mixed[k] = weights[k] > 0 ? gamma((CONCENTRATION * weights[k]) / total, random) : 0;
-      const found = scores(left, drawn, mixed, within), best = Math.max(...found);
+      const found = scores(left, drawn, mixed, within, sides), best = Math.max(...found);
       const leaders = found.filter((s) => s >= best - EQUAL).length;
       found.forEach((s, a) => {
         if (s >= best - EQUAL) first[a] += 1 / leaders / DRAWS;
@@ -116,8 +120,9 @@
 
   const percent = (share) => `${Math.round(100 * share)} %`;
   const show = () => {
-    const reasons = leftOut(), left = engines.map((_, e) => e).filter((e) => !reasons.has(e));
+    const { reasons, open } = leftOut(), left = engines.map((_, e) => e).filter((e) => !reasons.has(e));
     const out = [...reasons].map(([e, why]) => `${engines[e].title} is left out: ${why}.`);
+    for (const [e, what] of open) if (!reasons.has(e)) out.push(`Of ${engines[e].title} it is not known: ${what}.`);
     document.getElementById("left-out").textContent = out.join(" ");
     document.getElementById("why").textContent = wish.preset ? `${wish.preset.title}: ${wish.preset.why}` : "";
     const places = left.length ? rank(left) : [];

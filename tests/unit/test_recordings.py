@@ -50,11 +50,11 @@ def test_each_engine_and_track_and_the_truth_have_one_pose_a_body_and_instant(fo
     read = Read(folder.write()[0])
     expected = [[[3.0, 0.0, pytest.approx(1.0 + 1.5 * t, abs=1e-6)]] for t in TIMES]
     for run in ("mujoco/tuned", "mujoco/default", "bullet/tuned"):
-        assert read.column(f"/world/{run}/drum", "InstancePoses3D:translations") == expected
+        assert read.column(f"/world/{run}/cylinder", "InstancePoses3D:translations") == expected
     ghost = [[[3.0, 0.0, pytest.approx(1.0 + t, abs=1e-6)]] for t in TIMES]
-    assert read.column("/world/truth/drum", "InstancePoses3D:translations") == ghost
-    assert read.column("/world/mujoco/tuned/drum", "step") == list(range(11))
-    seconds = [stamp.total_seconds() for stamp in read.column("/world/mujoco/tuned/drum", "sim_time")]
+    assert read.column("/world/truth/cylinder", "InstancePoses3D:translations") == ghost
+    assert read.column("/world/mujoco/tuned/cylinder", "step") == list(range(11))
+    seconds = [stamp.total_seconds() for stamp in read.column("/world/mujoco/tuned/cylinder", "sim_time")]
     assert seconds == pytest.approx(TIMES)
 
 
@@ -62,14 +62,15 @@ def test_all_eight_shapes_are_drawn_with_their_sizes(folder: Folder) -> None:
     folder.add(record("rise", "mujoco"), zoo(), rising(zoo()))
     read = Read(folder.write()[0])
     root = "/world/mujoco/tuned"
-    assert read.array(f"{root}/ball", "Ellipsoids3D:half_sizes")[0] == pytest.approx(np.full((1, 3), 0.1))
-    assert read.array(f"{root}/brick", "Boxes3D:half_sizes")[0] == pytest.approx(np.array([[0.1, 0.2, 0.3]]))
-    assert read.array(f"{root}/pill", "Capsules3D:lengths")[0] == pytest.approx([0.5])
+    assert read.column(f"{root}/box", "Boxes3D:labels") == [["brick", "dumbbell"]]
+    assert read.array(f"{root}/sphere", "Ellipsoids3D:half_sizes")[0] == pytest.approx(np.full((2, 3), 0.1))
+    assert read.array(f"{root}/box", "Boxes3D:half_sizes")[0] == pytest.approx(np.array([[0.1, 0.2, 0.3], [0.2, 0.1, 0.1]]))
+    assert read.array(f"{root}/capsule", "Capsules3D:lengths")[0] == pytest.approx([0.5])
     # The viewer's capsule starts at its origin; ours is centred there.
-    assert read.array(f"{root}/pill", "Capsules3D:translations")[0] == pytest.approx(np.array([[0.0, 0.0, -0.25]]))
-    assert read.array(f"{root}/drum", "Cylinders3D:lengths")[0] == pytest.approx([0.8])
-    assert read.array(f"{root}/egg", "Ellipsoids3D:half_sizes")[0] == pytest.approx(np.array([[0.1, 0.15, 0.2]]))
-    for name in ("hull", "mesh"):
+    assert read.array(f"{root}/capsule", "Capsules3D:translations")[0] == pytest.approx(np.array([[0.0, 0.0, -0.25]]))
+    assert read.array(f"{root}/cylinder", "Cylinders3D:lengths")[0] == pytest.approx([0.8])
+    assert read.array(f"{root}/ellipsoid", "Ellipsoids3D:half_sizes")[0] == pytest.approx(np.array([[0.1, 0.15, 0.2]]))
+    for name in ("hull/convex_hull_0", "mesh/triangle_mesh_0"):
         corners = read.array(f"{root}/{name}", "Mesh3D:vertex_positions")[0].reshape(-1, 3, 3)
         assert {tuple(corner) for face in corners for corner in face} == set(CORNERS)
         # Facets wound outwards enclose the volume 1/6 of this tetrahedron, by the divergence theorem.
@@ -83,9 +84,9 @@ def test_shapes_away_from_the_centre_of_mass_turn_with_their_body(folder: Folder
     folder.add(record("rise", "mujoco"), zoo(), rising(zoo(), 0.0))
     read = Read(folder.write()[0])
     # A quarter turn about z carries +x of the body to +y of the world.
-    assert read.array("/world/mujoco/tuned/dumbbell/sphere", "InstancePoses3D:translations")[0, 0] == pytest.approx([9, 0.5, 1])
-    assert read.array("/world/mujoco/tuned/dumbbell/box", "InstancePoses3D:translations")[0, 0] == pytest.approx([9, -0.5, 1])
-    quaternion = read.array("/world/mujoco/tuned/dumbbell/box", "InstancePoses3D:quaternions")[0, 0]
+    assert read.array("/world/mujoco/tuned/sphere", "InstancePoses3D:translations")[0, 1] == pytest.approx([9, 0.5, 1])
+    assert read.array("/world/mujoco/tuned/box", "InstancePoses3D:translations")[0, 1] == pytest.approx([9, -0.5, 1])
+    quaternion = read.array("/world/mujoco/tuned/box", "InstancePoses3D:quaternions")[0, 1]
     assert quaternion == pytest.approx([0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5)])
 
 
@@ -93,7 +94,7 @@ def test_an_engine_has_the_colour_that_it_has_in_the_report(folder: Folder) -> N
     folder.add(record("rise", "dart"), zoo(), rising(zoo()))
     read = Read(folder.write()[0])
     expected = int(ENGINES["dart"].colour[1:] + "ff", 16)
-    assert read.column("/world/dart/tuned/ball", "Ellipsoids3D:colors") == [[expected]]
+    assert read.column("/world/dart/tuned/sphere", "Ellipsoids3D:colors") == [[expected]]
     assert read.column("/metrics/speed/dart/tuned", "SeriesLines:colors") == [[expected]]
 
 
@@ -170,8 +171,8 @@ def test_runs_of_other_parameters_never_share_a_scene(folder: Folder) -> None:
     folder.add(record("rise", "mujoco", parameters={"mass": 5.0}), zoo(), rising(zoo()))
     folder.add(record("rise", "bullet"), zoo(), rising(zoo()))
     read = Read(folder.write(rise={"dt": 0.01, "parameters": {"mass": 2.0}})[0])
-    assert "/world/bullet/tuned/ball" in read.chunks
-    assert "/world/mujoco/tuned/ball" not in read.chunks
+    assert "/world/bullet/tuned/sphere" in read.chunks
+    assert "/world/mujoco/tuned/sphere" not in read.chunks
 
 
 def sensing() -> tuple[Scene, Trajectory]:

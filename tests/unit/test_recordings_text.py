@@ -25,8 +25,8 @@ def test_a_diverged_run_is_shown_as_far_as_it_is_finite_and_says_why(folder: Fol
     folder.add(record("rise", "mujoco", status="diverged", reason=reason), zoo(), actual, rising(zoo()))
     folder.add(record("rise", "bullet"), zoo(), rising(zoo()), rising(zoo()))
     read = Read(folder.write()[0])
-    assert len(read.column("/world/mujoco/tuned/ball", "InstancePoses3D:translations")) == 7
-    assert len(read.column("/world/bullet/tuned/ball", "InstancePoses3D:translations")) == 11
+    assert len(read.column("/world/mujoco/tuned/sphere", "InstancePoses3D:translations")) == 7
+    assert len(read.column("/world/bullet/tuned/sphere", "InstancePoses3D:translations")) == 11
     row = next(line for line in read.text().splitlines() if line.startswith("| mujoco"))
     assert "diverged" in row
     assert reason in row
@@ -57,8 +57,8 @@ def test_a_trajectory_that_cannot_be_read_is_named_and_the_others_are_shown(fold
         row = next(line for line in read.text().splitlines() if line.startswith(f"| {engine}"))
         assert "| no |" in row
         assert f"trajectory {name} is not readable" in row
-    assert "/world/bullet/tuned/ball" in read.chunks
-    assert "/world/dart/tuned/ball" not in read.chunks
+    assert "/world/bullet/tuned/sphere" in read.chunks
+    assert "/world/dart/tuned/sphere" not in read.chunks
 
 
 def test_of_many_time_steps_the_one_of_the_case_is_shown_and_the_others_are_listed(folder: Folder) -> None:

@@ -1,11 +1,11 @@
 """The answer: who is left out and why, who is ranked where, with which settings, and what would turn it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from harness.findings.selection.doubt import Turn, turns
-from harness.findings.selection.evidence import Evidence, gather
+from harness.findings.selection.evidence import BOUND, Evidence, gather
 from harness.findings.selection.rank import DRAWS, Rank, rank
 from harness.findings.selection.wish import Dropped, Wish
 from harness.store.store import Store
@@ -15,13 +15,15 @@ __all__ = ["Answer", "choose"]
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others. turns:
-    what would turn who leads. draws: behind the shares."""
+    """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others.
+    undecided: requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who
+    leads. draws: behind the shares."""
 
     wish: Wish
     evidence: Evidence
     rank: Rank | None
     dropped: tuple[Dropped, ...]
+    undecided: tuple[Dropped, ...]
     turns: tuple[Turn, ...]
     draws: int
 
@@ -63,7 +65,7 @@ def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
                 best = f"best {price.best_error:.2g}" if price.best_error is not None else price.reason
                 asked = f"error {wish.max_error:g} of the scale"
                 return Dropped(engine=engine, requirement=asked, value=best, case=case, trial=price.trial)
-        elif wish.realtime is not None and price.cost * wish.realtime > 1:
+        elif wish.realtime is not None and price.cost * wish.realtime > 1 and price.verdict != BOUND:
             value = f"{1 / price.cost:.3g} times at an error of {price.target:g}"
             return Dropped(
                 engine=engine, requirement=f"{wish.realtime:g} times real time", value=value, case=case, trial=price.trial
@@ -71,10 +73,25 @@ def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
     return None
 
 
+def _left_open(evidence: Evidence, wish: Wish, left: Sequence[str]) -> Iterator[Dropped]:
+    """Of each engine the first case in which it may be fast enough at the error asked for, at a coarser step than were run."""
+    for engine in left:
+        for (case, name), price in evidence.costs.items():
+            if name != engine or wish.realtime is None or price.cost is None or price.verdict != BOUND:
+                continue
+            if price.cost * wish.realtime > 1:
+                value = (
+                    f"at least {1 / price.cost:.3g} times at an error of {price.target:g}, at the coarsest step that was run"
+                )
+                asked = f"{wish.realtime:g} times real time"
+                yield Dropped(engine=engine, requirement=asked, value=value, case=case, trial=price.trial)
+                break
+
+
 def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
     """Args: draws: of scores, over cases, timings and weights."""
     if store.trials.empty:
-        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), turns=(), draws=draws)
+        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), draws=draws)
     known = store.catalogue.get("engines", {})
     present = [str(engine) for engine in dict.fromkeys(store.trials["engine"])]
     ranked = [name for name in present if wish.with_reference or not known.get(name, {}).get("ours")]
@@ -87,7 +104,10 @@ def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
         evidence = gather(store, wish, left)
     order = rank(evidence, wish, draws) if left and evidence.table else None
     changes = turns(evidence, wish) if order is not None else ()
-    return Answer(wish=wish, evidence=evidence, rank=order, dropped=tuple(dropped), turns=changes, draws=draws)
+    undecided = tuple(_left_open(evidence, wish, left))
+    return Answer(
+        wish=wish, evidence=evidence, rank=order, dropped=tuple(dropped), undecided=undecided, turns=changes, draws=draws
+    )
 
 
 def _without(engines: Sequence[str], dropped: Sequence[Dropped]) -> list[str]:

@@ -17,7 +17,10 @@ from harness.findings.tables.agreement import rows as agreement_rows
 from harness.findings.tables.determinism import agreements as repetitions
 from harness.store.store import Store
 
-__all__ = ["DECADES", "Datum", "Evidence", "gather"]
+__all__ = ["BOUND", "DECADES", "Datum", "Evidence", "gather"]
+
+BOUND = "at most"
+"""The verdict on a price that is none: the coarsest step that was run errs less already, so that it is an upper bound."""
 
 DECADES = 2.0
 """Powers of ten from what is as good as asked down to no use."""
@@ -33,7 +36,8 @@ _AGREED = {"agrees": 1.0}
 @dataclass(frozen=True, kw_only=True)
 class Datum:
     """One engine in one case by one criterion. value: 0 to 1. low, high: its interval; equal to it where it has none. trial:
-    the run that it leans on. says: the figure behind it, with its unit. track, dt [s]: the settings of that run."""
+    the run that it leans on. says: the figure behind it, with its unit. track, dt [s]: the settings of that run. bounded: is
+    nothing known but that it lies between the two, of which the value is the middle?"""
 
     value: float
     low: float
@@ -42,6 +46,7 @@ class Datum:
     says: str = ""
     track: str = ""
     dt: float | None = None
+    bounded: bool = False
 
 
 Table = Mapping[tuple[str, str, str], Datum]
@@ -248,12 +253,28 @@ def _capability(store: Store, cases: Mapping[str, float], tracks: Mapping[str, s
     return data
 
 
+def _unit_of_prices(prices: Sequence[Price]) -> float | None:
+    """The cost that counts as 1 in a case: the least price, or the largest bound that is no more than it.
+
+    Of two bounds below the least price the larger is taken, so that neither is ahead of the other, and what costs more is
+    behind both by no more than either shows.
+    """
+    exact = min((price.cost for price in prices if price.cost and price.verdict != BOUND), default=math.inf)
+    return max((p.cost for p in prices if p.cost and p.verdict == BOUND and p.cost <= exact), default=_finite(exact))
+
+
+def _finite(cost: float) -> float | None:
+    return cost if math.isfinite(cost) else None
+
+
 def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, str], Datum]:
+    """Prices over the unit of their case. A bound is an interval from what it shows up to as good as is asked: where it is
+    above another's price, neither is shown to be the cheaper."""
     data: dict[tuple[str, str, str], Datum] = {}
     for case in dict.fromkeys(case for case, _ in costs):
         here = {engine: price for (of, engine), price in costs.items() if of == case}
-        cheapest = min((price.cost for price in here.values() if price.cost), default=None)
-        if cheapest is None:
+        unit = _unit_of_prices(list(here.values()))
+        if unit is None:
             continue
         for engine, price in here.items():
             about: dict[str, Any] = {"trial": price.trial, "track": price.track, "dt": price.dt}
@@ -263,7 +284,13 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
                 continue
             low, high = (price.low or price.cost), (price.high or price.cost)
             says = f"{price.cost:.3g} CPU s a simulated second"
-            values = {"value": price.cost / cheapest, "low": high / cheapest, "high": low / cheapest}
+            if price.verdict == BOUND:
+                least = _useful(price.cost / unit)
+                says = f"at most {says}: no coarser step was run"
+                values = {"value": (least + 1) / 2, "low": least, "high": 1.0}
+                data["price", case, engine] = Datum(says=says, bounded=least < 1, **values, **about)
+                continue
+            values = {"value": price.cost / unit, "low": high / unit, "high": low / unit}
             useful: dict[str, Any] = {name: _useful(times) for name, times in values.items()}
             data["price", case, engine] = Datum(says=says, **useful, **about)
     return data

@@ -2,12 +2,15 @@
 
 A score is the weighted mean over criteria of the weighted mean over cases. Each draw takes the cases anew with replacement
 (the same for all engines: the bootstrap of B. Efron & R. J. Tibshirani, 1993, chapter 6), prices and limits from their
-intervals, and weights of criteria from a Dirichlet distribution about the user's.
+intervals, and weights of criteria from a Dirichlet distribution about the user's. Of an engine of which a price is known by a
+bound alone, all bounds are taken at what they show in one half of the draws, and as good as is asked in the other: nothing says
+how likely either is, and an order that is stated has to hold at both.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,12 +59,14 @@ class Rank:
 
 @dataclass(frozen=True, kw_only=True)
 class _Arrays:
-    """value, low, high: (criteria, cases, engines); has: (criteria, cases), 1 where there is evidence; weights: (cases,)."""
+    """value, low, high, bounded: (criteria, cases, engines); has: (criteria, cases), 1 where there is evidence; weights:
+    (cases,)."""
 
     criteria: tuple[str, ...]
     value: Floats
     low: Floats
     high: Floats
+    bounded: NDArray[np.bool_]
     has: Floats
     weights: Floats
 
@@ -72,16 +77,16 @@ def _arrays(evidence: Evidence, wish: Wish) -> _Arrays:
     cases, engines = list(evidence.cases), evidence.engines
     shape = len(criteria), len(cases), len(engines)
     value, low, high = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    has = np.zeros(shape[:2])
+    has, bounded = np.zeros(shape[:2]), np.zeros(shape, dtype=bool)
     for k, criterion in enumerate(criteria):
         for c, case in enumerate(cases):
             for e, engine in enumerate(engines):
                 datum = evidence.table.get((criterion, case, engine))
                 if datum is not None:
                     value[k, c, e], low[k, c, e], high[k, c, e], has[k, c] = datum.value, datum.low, datum.high, 1.0
-    return _Arrays(
-        criteria=criteria, value=value, low=low, high=high, has=has, weights=np.array([evidence.cases[case] for case in cases])
-    )
+                    bounded[k, c, e] = datum.bounded
+    weights = np.array([evidence.cases[case] for case in cases])
+    return _Arrays(criteria=criteria, value=value, low=low, high=high, bounded=bounded, has=has, weights=weights)
 
 
 def _scores(value: Floats, has: Floats, weights_of_cases: Floats, weights: Floats) -> Floats:
@@ -95,11 +100,13 @@ def _scores(value: Floats, has: Floats, weights_of_cases: Floats, weights: Float
     return mean
 
 
-def scores(evidence: Evidence, wish: Wish) -> dict[str, float]:
-    """At the weights asked for, by engine."""
+def scores(evidence: Evidence, wish: Wish, end: Literal["low", "high"] | None = None) -> dict[str, float]:
+    """At the weights asked for, by engine. Args: end: of its bounds at which each is taken; their middles unless said."""
     arrays = _arrays(evidence, wish)
     weights = np.array([wish.weight(name) for name in arrays.criteria])
-    found = _scores(arrays.value, arrays.has, arrays.weights, weights)
+    ends = {"low": arrays.low, "high": arrays.high}
+    value = arrays.value if end is None else np.where(arrays.bounded, ends[end], arrays.value)
+    found = _scores(value, arrays.has, arrays.weights, weights)
     return {engine: float(score) for engine, score in zip(evidence.engines, found, strict=True)}
 
 
@@ -117,10 +124,14 @@ def rank(evidence: Evidence, wish: Wish, draws: int = DRAWS, seed: int = 0) -> R
     # One position in its interval for each engine and case, the same for all criteria: low..high is central 95 %, so that a
     # normal deviate of 1.96 is an end.
     within = np.clip(draw.normal(size=(draws, *arrays.value.shape[1:])) / 1.96, -1.0, 1.0)
+    best = draw.integers(2, size=(draws, len(evidence.engines))) > 0 if arrays.bounded.any() else None
     found = np.empty((draws, len(evidence.engines)))
     for block in np.array_split(np.arange(draws), math.ceil(draws / 500)):
         up = within[block][:, None]
         value = arrays.value + np.where(up > 0, up * (arrays.high - arrays.value), up * (arrays.value - arrays.low))
+        if best is not None:
+            ends = np.where(best[block][:, None, None], arrays.high, arrays.low)
+            value = np.where(arrays.bounded, ends, value)
         found[block] = _scores(value, arrays.has, cases[block] * arrays.weights, weights[block])
     middle = _scores(arrays.value, arrays.has, arrays.weights, asked)
     return _placed(evidence, arrays, middle, found)

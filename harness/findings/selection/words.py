@@ -8,7 +8,7 @@ from harness.findings.selection.doubt import Turn
 from harness.findings.selection.rank import Place
 from harness.findings.selection.wish import Dropped
 
-__all__ = ["dropped_sentence", "headline", "turn_sentences"]
+__all__ = ["dropped_sentence", "headline", "turn_sentences", "undecided_sentence"]
 
 Titled = Callable[[str], str]
 
@@ -67,3 +67,9 @@ def dropped_sentence(drop: Dropped, titled: Titled) -> str:
     """Who is left out, and why."""
     where = f" in {drop.case}" if drop.case else ""
     return f"{titled(drop.engine)} is left out: asked for is {drop.requirement}, it has: {drop.value}{where}."
+
+
+def undecided_sentence(drop: Dropped, titled: Titled) -> str:
+    """What is asked for and not known of an engine that is left."""
+    where = f" in {drop.case}" if drop.case else ""
+    return f"Of {titled(drop.engine)} it is not known whether it has {drop.requirement}{where}: {drop.value}."

@@ -1,0 +1,144 @@
+"""What searches will still ask for: how many answers and clocks, in expectation, by what their trials have shown so far.
+
+Along an axis the bracket says how often it is still halved. Where nothing broke yet, each value of the scan breaks with the
+share of those that did so far. Of a sweep, the points that are left are spent at the pace at which its runs gave points.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+
+from harness.adapter import Adapter
+from harness.case import Case
+from harness.search import first_break, front
+from harness.search.remedies import remedied
+from harness.store.record import Record
+from harness.study.trial import Trial
+
+__all__ = ["ToCome", "seconds_of_run", "to_come"]
+
+
+@dataclass(frozen=True, slots=True)
+class ToCome:
+    """Trials like this one that will be asked for.
+
+    Terms: answers, clocks: how many, in expectation. run [s]: of its steps, the mean of those known, 0 where none is.
+    """
+
+    like: Trial
+    answers: float
+    clocks: float = 0.0
+    run: float = 0.0
+
+
+def seconds_of_run(record: Record, case: Case) -> float:
+    """What the steps of a run take, of CPU time and roughly; 0 where that is not known or what is clocked is no step."""
+    return (record.rough_cost or 0.0) * case.duration if case.rays is None else 0.0
+
+
+def to_come(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> list[ToCome]:
+    """Beyond these trials, of which those without a record are being answered."""
+    return [
+        *_of_limits([trial for trial in trials if trial.experiment.limit is not None], records, cases, adapters),
+        *_of_sweeps(trials, records, cases, adapters),
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Chances:
+    """Shares: of a value that is tried and breaks, of a remedy that helps."""
+
+    breaks: float
+    helps: float
+
+
+def _of_limits(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> Iterator[ToCome]:
+    groups = first_break.searches_of(trials, cases)
+    chances = _chances(trials, records)
+    sick = {trial.remedied for trial in trials if trial.remedied}
+    for group in groups:
+        first, by = group[0], first_break.ruler(group[0], cases[group[0].case])
+        limit = first.experiment.limit
+        known: dict[float, str | None] = {}
+        for trial in group:
+            record = records.get(trial.trial)
+            known[first_break.value_of(trial, by.axis)] = None if record is None else record.status
+        if limit is None:
+            continue
+        if first.remedied:
+            yield ToCome(first, _beyond(known, by, chances))
+            continue
+        answers, broke = _along(known, by, limit.scan, chances)
+        yield ToCome(group[-1], answers)
+        tried = any(trial.trial in sick for trial in group)
+        if first.track in limit.remedies and broke > 0 and not tried:
+            count = sum(1 for _ in remedied(first, cases[first.case], adapters[first.engine], 1))
+            yield ToCome(group[-1], broke * count * (1 + chances.helps * (first_break.REMEDY_VALUES - 1)))
+
+
+def _chances(trials: Sequence[Trial], records: Mapping[str, Record]) -> _Chances:
+    """By what was tried, with one of each kind that nobody saw."""
+    scanned = [records[t.trial].status for t in trials if t.trial in records and not t.remedied]
+    mended = [records[t.trial].status for t in trials if t.trial in records and t.remedied]
+    broke = sum(status in first_break.BROKE for status in scanned)
+    return _Chances(
+        breaks=(broke + 1) / (len(scanned) + 2), helps=(sum(status == "passed" for status in mended) + 1) / (len(mended) + 2)
+    )
+
+
+def _along(known: Mapping[float, str | None], by: first_break.Ruler, scan: int, chances: _Chances) -> tuple[float, float]:
+    """Answers that a search will still ask for, and the chance that it ends at a value that broke."""
+    waiting = next((value for value, status in known.items() if status is None), None)
+    if waiting is not None:
+        return _either(known, waiting, by, scan, chances)
+    settled = {value: status for value, status in known.items() if status is not None}
+    value = first_break.next_value(settled, by, scan)
+    interval = first_break.bracket(settled, by)
+    if value is None:
+        return 0.0, float(interval.broke is not None)
+    if interval.broke is not None:
+        # A bracket is halved as often whichever half is left.
+        answers, broke = _along({**known, value: "failed"}, by, scan, chances)
+    else:
+        answers, broke = _either(known, value, by, scan, chances)
+    return 1 + answers, broke
+
+
+def _either(
+    known: Mapping[float, str | None], value: float, by: first_break.Ruler, scan: int, chances: _Chances
+) -> tuple[float, float]:
+    fails, holds = (_along({**known, value: status}, by, scan, chances) for status in ("failed", "passed"))
+    share = chances.breaks
+    return share * fails[0] + (1 - share) * holds[0], share * fails[1] + (1 - share) * holds[1]
+
+
+def _beyond(known: Mapping[float, str | None], by: first_break.Ruler, chances: _Chances) -> float:
+    """Answers to come of a remedy: where it helps, the next values until its bracket is a quarter."""
+    left = first_break.REMEDY_VALUES + 1 - len(known)
+    if None in known.values():
+        return chances.helps * max(0, left) if len(known) == 1 else float(max(0, left))
+    settled = {value: status for value, status in known.items() if status is not None}
+    return float(max(0, left)) if first_break.beyond(settled, by) is not None else 0.0
+
+
+def _of_sweeps(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> Iterator[ToCome]:
+    groups = list(front.groups(trials))
+    spent = [(front.room_in(group, records), sum(trial.round > front.SCREENING for trial in group)) for group in groups]
+    points = sum(group[0].experiment.sweep - room for group, (room, late) in zip(groups, spent, strict=True) if late)
+    pace = (sum(late for _, late in spent) + 1) / (points + 1)
+    for group, (room, late) in zip(groups, spent, strict=True):
+        first = group[0]
+        rounds = max(trial.round for trial in group)
+        answers = min(max(0, room) * pace, front.RUNS * first.experiment.sweep - late)
+        if rounds < front.SCREENING:
+            answers += len(adapters[first.engine].knobs_in(first.scene(cases[first.case]))) * (front.SCREENING - rounds) / 2
+        clocks = min(front.CLOCKED, len(group) + answers) if first.experiment.timing else 0
+        runs = [seconds_of_run(records[trial.trial], cases[trial.case]) for trial in group if trial.trial in records]
+        run = fmean(runs) if runs else 0.0
+        yield ToCome(min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt)), answers, clocks, run)

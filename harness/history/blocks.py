@@ -89,7 +89,7 @@ class Seen:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unanswered:
-    """A trial without an answer when a night's time was up, as its `night.json` keeps it. Terms: seconds: since it was asked."""
+    """A trial without an answer when a night's time was up, as its `night.json` has it. Terms: seconds: since it was asked."""
 
     trial: str
     experiment: str

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from harness.history.night_readings import NightOf
 from harness.history.panels import Panel
-from harness.history.series import NightOf
 from reports.figure import Figure
 from reports.marks import POINT, chart, finished
 from reports.palette import Look

@@ -93,7 +93,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     from harness.findings.vendor.shelf import shelf
     from harness.history.known_findings import asked_again, turned
     from harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-    from harness.history.words import in_short, left_out_in_short
+    from harness.history.words import in_short, left_out_in_short, unanswered_in_short
     from harness.study.experiment import StudyError
 
     night = night_to_do(history, asked)
@@ -124,8 +124,9 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     if elsewhere is not None:
         elsewhere.send()
     say(in_short(account))
-    if line := left_out_in_short(account["left_out"]):
-        say(line)
+    for line in (left_out_in_short(account["left_out"]), unanswered_in_short(account["unanswered"])):
+        if line:
+            say(line)
     for turn in changed:
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))

@@ -8,10 +8,16 @@ from harness.history.folder import Night
 from harness.store.record import digest
 from harness.study.trial import Trial
 
-__all__ = ["LATELY", "Block", "Key", "Seen", "Sight", "blocks_of", "last_seen"]
+__all__ = [
+    "LATELY", "Block", "Cell", "Key", "Seen", "Sight", "Unanswered", "blocks_of", "last_seen", "last_unanswered",
+]  # fmt: skip
 
 Key: TypeAlias = tuple[str, str]
 """Experiment and case."""
+
+
+Cell: TypeAlias = tuple[str, str, str, str]
+"""Experiment, case, engine and track."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +87,25 @@ class Seen:
     troubled: bool
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unanswered:
+    """A trial without an answer when a night's time was up, as its `night.json` has it. Terms: seconds: since it was asked."""
+
+    trial: str
+    experiment: str
+    case: str
+    engine: str
+    track: str
+    seconds: float
+
+    @property
+    def cell(self) -> Cell:
+        """Where it belongs, whatever it rests on."""
+        return self.experiment, self.case, self.engine, self.track
+
+
+LONG = 10.0
+"""Seconds without an answer from which on a trial is what a night came to its end with, and no longer a chance."""
 LATELY = 3
 """Nights that a regression or noise counts for."""
 NOISY = 0.5
@@ -114,3 +139,19 @@ def last_seen(nights: Sequence[Night]) -> dict[Key, Seen]:
             least = known.of_all if known.of_all is not None else of_all
             seen[key] = Seen(night=known.night, sight=known.sight, of_all=least, troubled=troubled)
     return seen
+
+
+def last_unanswered(nights: Sequence[Night], seen: Mapping[Key, Seen]) -> dict[Cell, str]:
+    """Trials for which nights have waited long and in vain, each with the stamp of the last such night.
+
+    Args: nights: whole ones, the earliest first. seen: what was done of each block; what was done since is left out.
+    Raises: DamagedFile.
+    """
+    known: dict[Cell, str] = {}
+    for night in nights:
+        for row in night.plan.get("unanswered", ()):
+            cell = row["experiment"], row["case"], row["engine"], row["track"]
+            done = seen.get(cell[:2])
+            if row["seconds"] >= LONG and (done is None or done.night.stamp < night.stamp):
+                known[cell] = night.stamp
+    return known

@@ -1,19 +1,17 @@
 """Answers, limits and repetitions that became otherwise, night by night, each against the last night that has them."""
 
-from collections.abc import Hashable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
 
 from harness.findings.changes import Change
 from harness.findings.changes.answers import answer_changes
 from harness.findings.changes.limits import moved_limits, searched_by
-from harness.findings.changes.matching import Pair, by_question
-from harness.findings.changes.repetitions import agreements_by_cell, lost_and_won
-from harness.findings.limits_found import Search, searches
+from harness.findings.changes.matching import Pair
+from harness.findings.changes.repetitions import lost_and_won
+from harness.findings.limits_found import Search
 from harness.findings.tables.determinism import Agreement
 from harness.history.folder import Night
-from harness.store.journal import StoreError
-from harness.store.store import Store
+from harness.history.night_readings import Answer, Answers, questions
 
 __all__ = ["ExactChanges"]
 
@@ -27,39 +25,44 @@ class ExactChanges:
 
     changes: list[tuple[int, Change]] = field(default_factory=list)
     _nights: list[Night] = field(default_factory=list)
-    _answers: dict[Hashable, tuple[int, Any]] = field(default_factory=dict)
-    _searches: dict[Hashable, Search] = field(default_factory=dict)
-    _repeated: dict[Hashable, Agreement] = field(default_factory=dict)
+    _answers: dict[str, tuple[int, Answer]] = field(default_factory=dict)
+    _searches: dict[tuple[object, ...], Search] = field(default_factory=dict)
+    _repeated: dict[str, Agreement] = field(default_factory=dict)
 
-    def add(self, night: Night, store: Store) -> None:
-        """Read one more night. Raises: StoreError."""
+    def add(self, night: Night, said: Answers) -> None:
+        """Take in what one more night said; its tables are read where an answer is another. Raises: StoreError."""
         index = len(self._nights)
         self._nights.append(night)
-        earlier: dict[int, list[Pair]] = {}
-        for key, row in by_question(store).items():
-            if row.status in _SILENT:
+        otherwise: dict[int, list[str]] = {}
+        for name, answer in said.answers.items():
+            if answer.status in _SILENT:
                 continue
-            known = self._answers.get(key)
-            if known is not None and _otherwise(known[1], row):
-                earlier.setdefault(known[0], []).append(Pair(known[1], row))
-            self._answers[key] = (index, row)
-        for before, pairs in earlier.items():
-            self._note(index, answer_changes(self._nights[before].store(), store, pairs))
-        searched = searches(store)
-        self._note(index, moved_limits(self._searches.values(), searched))
-        self._searches |= {searched_by(search): search for search in searched if not search.remedied}
-        try:
-            repeated = agreements_by_cell(store)
-        except StoreError:
-            return  # a history may keep hashes only, and a parting cannot be read off these
-        self._note(index, lost_and_won(self._repeated, repeated))
-        self._repeated |= repeated
+            known = self._answers.get(name)
+            if known is not None and _otherwise(known[1], answer):
+                otherwise.setdefault(known[0], []).append(name)
+            self._answers[name] = (index, answer)
+        self._note(index, self._changed(index, otherwise))
+        self._note(index, moved_limits(self._searches.values(), said.searches))
+        self._searches |= {searched_by(search): search for search in said.searches}
+        self._note(index, lost_and_won(self._repeated, said.repetitions))
+        self._repeated |= said.repetitions
 
-    def _note(self, index: int, changes: Any) -> None:
+    def _changed(self, index: int, otherwise: dict[int, list[str]]) -> Iterable[Change]:
+        """Args: otherwise: names of questions, by the index of the night that answered them last."""
+        if not otherwise:
+            return
+        store = self._nights[index].store()
+        after = questions(store)
+        for earlier, names in otherwise.items():
+            store_before = self._nights[earlier].store()
+            before = questions(store_before)
+            yield from answer_changes(store_before, store, [Pair(before[name], after[name]) for name in names])
+
+    def _note(self, index: int, changes: Iterable[Change]) -> None:
         self.changes += [(index, change) for change in changes]
 
 
-def _otherwise(before: Any, after: Any) -> bool:
-    """May the two differ in more than the name of the trial? The same digest with the same bits is the same measurement."""
-    same_bits = before.trajectory_hash == after.trajectory_hash or not isinstance(after.trajectory_hash, str)
-    return bool(before.status != after.status or not same_bits or before.trial != after.trial)
+def _otherwise(before: Answer, after: Answer) -> bool:
+    """May a change be told of the two? Not where status, bits and all measured values are the same."""
+    other_bits = bool(after.hash) and before.hash != after.hash
+    return before.status != after.status or before.values != after.values or other_bits

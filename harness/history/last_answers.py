@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from harness.history.blocks import Key, Seen
+from harness.history.folder import Night
 from harness.study.trial import Trial
 
 __all__ = ["LastAnswers"]
@@ -13,30 +14,33 @@ __all__ = ["LastAnswers"]
 
 @dataclass(slots=True)
 class LastAnswers:
-    """Answers of earlier nights, read block by block when they are wanted. Terms: seen: the last night of each block."""
+    """Answers of earlier nights, each of which is read once, when it is wanted. Terms: seen: the last night of each block."""
 
     seen: Mapping[Key, Seen]
-    _known: dict[Key, dict[Hashable, tuple[str, str | None]]] = field(default_factory=dict)
+    _known: dict[str, dict[Hashable, tuple[str, str | None]]] = field(default_factory=dict)
 
     def of(self, trial: Trial) -> tuple[str, str | None] | None:
-        """Status and hash; None where nobody asked this before."""
-        key = (trial.experiment.name, trial.case)
-        if key not in self._known:
-            self._known[key] = self._read(key)
+        """Status and hash; None where nobody asked this before. Raises: StoreError."""
+        block = trial.experiment.name, trial.case
+        if block not in self.seen:
+            return None
+        night = self.seen[block].night
+        if night.stamp not in self._known:
+            self._known[night.stamp] = self._read(night)
         alteration = json.dumps(trial.alteration.plain(), sort_keys=True)
         parameters = json.dumps(dict(trial.parameters), sort_keys=True)
-        asked = (trial.engine, trial.track, trial.settings.dt, trial.seed, trial.members, trial.parts, trial.remedy)
-        return self._known[key].get((*asked, alteration, parameters))
+        asked = (*block, trial.engine, trial.track, trial.settings.dt, trial.seed, trial.members, trial.parts, trial.remedy)
+        return self._known[night.stamp].get((*asked, alteration, parameters))
 
-    def _read(self, key: Key) -> dict[Hashable, tuple[str, str | None]]:
-        if key not in self.seen:
-            return {}
-        rows = self.seen[key].night.store_of({key}).trials.itertuples()
+    def _read(self, night: Night) -> dict[Hashable, tuple[str, str | None]]:
+        """What a night says of the blocks that it was the last to do."""
+        blocks = {key for key, known in self.seen.items() if known.night.stamp == night.stamp}
+        rows = night.store_of(blocks).trials.itertuples()
         return {_asked(row): (str(row.status), _text(row.trajectory_hash)) for row in rows}
 
 
 def _asked(row: Any) -> Hashable:
-    asked = (row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
+    asked = (row.experiment, row.case, row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
     return (*asked, row.alteration, row.parameters)
 
 

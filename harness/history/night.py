@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from typing import Any
 
@@ -11,7 +11,7 @@ from harness.adapter import Adapter
 from harness.case import Case
 from harness.findings.changes import Change
 from harness.history.acknowledged import acknowledged
-from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen
+from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen, last_unanswered
 from harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from harness.history.known_searches import KnownSearches
 from harness.history.last_answers import LastAnswers
@@ -117,6 +117,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
         machine=machine_digest(fingerprint()),
         keep=asked.keep,
         seen=seen,
+        waited=last_unanswered(before, seen),
         last=LastAnswers(seen).of,
         searched=KnownSearches(seen, asked.cases, pool, seed),
         distrusted=_distrusted(before, night, so_far),
@@ -157,7 +158,7 @@ def compared(history: History, done: Done) -> News | None:
     known, before = acknowledged(history), [night for night in history.whole_nights() if night != done.night]
 
     def over(rows: Sequence[Change]) -> OverNights:
-        return over_nights(before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
+        return over_nights(history, before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
 
     return news_of(done.store, done.night.stamp, done.seen, done.blocks, known, _first_told(history), over)
 
@@ -194,6 +195,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "clocked": len(clocked),
         "blocks": steering.sights(unstable, worse),
         "left_out": [entry.plain() for entry in steering.out],
+        "unanswered": [asdict(waiting) for waiting in steering.unanswered],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
         "told": changed,
     }

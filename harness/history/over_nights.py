@@ -1,14 +1,14 @@
 """What prices have come to over the nights up to tonight, where no single night shows it: told by the first that sees it."""
 
-import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from harness.findings.changes import Change
 from harness.history.acknowledged import Acknowledgement
-from harness.history.folder import Night
+from harness.history.folder import History, Night
 from harness.history.identity import Named
+from harness.history.kept_readings import KeptReadings
 from harness.history.price_steps import CHANCE_OF_ALL, price_steps
 from harness.history.regressions import Dated, date, named_by, same_slope
 from harness.history.series import Readings
@@ -36,6 +36,7 @@ class OverNights:
 
 
 def over_nights(
+    history: History,
     before: Sequence[Night],
     tonight: Night,
     store: Store,
@@ -45,20 +46,25 @@ def over_nights(
 ) -> OverNights:
     """Regressions of prices that last, that nobody acknowledged and that no night has told.
 
-    Args: before: whole nights, the earliest first. store: of tonight. known: what was acknowledged. own: what tonight tells by
-    itself. left [s]: of the budget; the earliest nights are left unread where reading would take more than half of it.
+    Args: before: whole nights of the history, the earliest first. store: of tonight. known: what was acknowledged. own: what
+    tonight tells by itself. left [s]: of the budget; where reading takes more than half of it, the earliest nights are left.
     Raises: StoreError.
     """
     late = list(before[-MOST:])
     if len(late) + 1 < FEWEST:
         return OverNights()
-    begun = time.monotonic()
-    _prices(late[-1:])
-    seconds = max(time.monotonic() - begun, 1e-3)
-    if math.isfinite(left):
-        late = late[max(0, len(late) - int(max(left, 0.0) * SHARE / seconds)) :]
-    readings = _prices(late)
-    readings.add(tonight, store)
+    kept, begun = KeptReadings(history), time.monotonic()
+    numbers = [kept.numbers(tonight, store)]
+    for night in reversed(late):
+        if time.monotonic() - begun > left * SHARE:
+            break
+        numbers.append(kept.numbers(night, night.store()))
+    late = late[len(late) + 1 - len(numbers) :]
+    if len(numbers) < FEWEST:
+        return OverNights()
+    readings = Readings(kinds=frozenset({"price"}))
+    for read in reversed(numbers):
+        readings.add(read)
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
     steps = tuple(price_steps(readings.series(), CHANCE_OF_ALL / len(readings.nights)))
     plans = [night.plan for night in late]
@@ -75,13 +81,6 @@ def over_nights(
         fresh.append(untold)
     ended = frozenset(one.id for one in dated if one.state in ("mended", "another version"))
     return OverNights(tuple(map(_row, fresh)), tuple(one.stamp for one in fresh), ended)
-
-
-def _prices(nights: Sequence[Night]) -> Readings:
-    readings = Readings(kinds=frozenset({"price"}))
-    for night in nights:
-        readings.add(night, night.store())
-    return readings
 
 
 def _row(one: Dated) -> Change:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from statistics import mean
+from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
 from harness.history.blocks import Block, Key, Seen
@@ -38,10 +39,15 @@ class LeftOut:
         return asdict(self)
 
 
-def ranked(blocks: Collection[Block], seen: Mapping[Key, Seen]) -> list[Block]:
-    """Most valuable first: what changed, what was worse or noisy lately, what was seen the longest time ago, what never was."""
+def ranked(blocks: Collection[Block], seen: Mapping[Key, Seen], stuck: Mapping[Key, str] = MappingProxyType({})) -> list[Block]:
+    """Most valuable first: what changed, what was worse or noisy lately, what was seen the longest time ago, what never was.
+
+    Args: stuck: blocks in which nights came to their end without an answer, with the last such night: they follow all others.
+    """
 
     def rank(block: Block) -> tuple[int, str]:
+        if block.key in stuck:
+            return 4, stuck[block.key]
         known = seen.get(block.key)
         if known is None:
             return 3, ""
@@ -58,12 +64,14 @@ class Plan:
 
     Terms:
         waiting: blocks in order. seen: by earlier nights. due: by block, the share of its answers that have to be computed.
-        taken [s]: by block, what it took tonight.
+        stuck: blocks that have a batch of their own, since they may not come to an end. taken [s]: by block, what it took
+        tonight.
     """
 
     waiting: list[Block]
     seen: Mapping[Key, Seen]
     due: Mapping[Key, float]
+    stuck: Collection[Key] = ()
     taken: dict[Key, float] = field(default_factory=dict)
 
     def foreseen(self, block: Block) -> float | None:
@@ -91,6 +99,8 @@ class Plan:
             batch, seconds, unknown = list[Block](), 0.0, set[str]()
             while self.waiting and len(batch) < LARGEST and seconds < LONGEST:
                 block = self.waiting[0]
+                if batch and {block.key, batch[-1].key} & {*self.stuck}:
+                    break
                 foreseen, counted = self.foreseen(block), [kind for kind in self._kinds(block) if kind in shares]
                 if (foreseen is None and block.experiment in unknown) or (batch and (foreseen is None) != bool(unknown)):
                     break  # what one block of an experiment takes is learnt before others are begun, and keeps none waiting

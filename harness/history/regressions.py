@@ -15,8 +15,10 @@ from harness.history.acknowledged import Acknowledgement, acknowledged, silenced
 from harness.history.exact_changes import ExactChanges
 from harness.history.folder import History
 from harness.history.identity import NEAR, Named, change_id
+from harness.history.kept_readings import KeptReadings
+from harness.history.night_readings import NightOf
 from harness.history.price_steps import PriceStep, price_steps
-from harness.history.series import NightOf, Readings, Series
+from harness.history.series import Readings, Series
 from harness.history.yardsticks import over_segments
 from harness.statistics.change_points import levelled
 from harness.statistics.drift import one_drift
@@ -92,12 +94,12 @@ class Trends:
 
 def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
-    readings, exact = Readings(), ExactChanges()
+    readings, exact, kept = Readings(), ExactChanges(), KeptReadings(history)
     for night in history.nights():
         if night.plan.get("complete", True):  # a run folder that was put there by hand has no plan
             store = night.store()
-            readings.add(night, store)
-            exact.add(night, store)
+            readings.add(kept.numbers(night, store))
+            exact.add(night, kept.answers(night, store))
     series = readings.series()
     steps = tuple(price_steps(series))
     nights = tuple(readings.nights)

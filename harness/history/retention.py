@@ -8,6 +8,7 @@ from pathlib import Path
 
 from harness.history.blocks import last_seen
 from harness.history.folder import History, Night
+from harness.history.kept_readings import KeptReadings
 from harness.history.pool import Pool
 from harness.history.spending import bytes_of
 from harness.store import disk
@@ -20,13 +21,14 @@ __all__ = ["Pruning", "prune", "pruning"]
 class Pruning:
     """What goes.
 
-    Terms: nights; answers, trajectories: files of the pool. standing: old nights that stay, since each is the last that saw
-    something. bytes: what is freed.
+    Terms: nights; answers, trajectories: files of the pool. readings: of nights that are gone or go. standing: old nights that
+    stay, since each is the last that saw something. bytes: what is freed.
     """
 
     nights: tuple[Night, ...]
     answers: tuple[Path, ...]
     trajectories: tuple[Path, ...]
+    readings: tuple[Path, ...]
     standing: tuple[Night, ...]
     bytes: int
 
@@ -45,8 +47,10 @@ def pruning(history: History, *, older: float | None = None, keep_nights: int | 
     needed = {seen.night for seen in last_seen(history.whole_nights()).values()}
     going = tuple(night for night in old if night not in needed)
     answers, trajectories = _unnamed(history, [night for night in nights if night not in going])
-    paths = [*(night.folder for night in going), *answers, *trajectories]
-    return Pruning(going, answers, trajectories, tuple(night for night in old if night in needed), bytes_of(paths))
+    readings = KeptReadings(history).of_others({night.stamp for night in nights if night not in going})
+    paths = [*(night.folder for night in going), *answers, *trajectories, *readings]
+    standing = tuple(night for night in old if night in needed)
+    return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths))
 
 
 def prune(what: Pruning) -> None:
@@ -54,7 +58,7 @@ def prune(what: Pruning) -> None:
     for night in what.nights:
         disk.remove(night.folder / "journal.jsonl")
         shutil.rmtree(night.folder)
-    for path in (*what.answers, *what.trajectories):
+    for path in (*what.answers, *what.trajectories, *what.readings):
         disk.remove(path)
 
 

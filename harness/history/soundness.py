@@ -6,6 +6,7 @@ from pathlib import Path
 
 from harness.history.acknowledged import acknowledged
 from harness.history.folder import NIGHT, History
+from harness.history.kept_readings import FOLDER
 from harness.history.pool import Pool
 from harness.run.verify import Problem, problems
 from harness.store import disk
@@ -17,7 +18,7 @@ from harness.store.trajectory_file import kept_hash
 __all__ = ["problems_of"]
 
 _AGAIN = "delete it; the next night computes it again"
-_KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl")
+_KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER, "report")
 
 
 def problems_of(history: History) -> Iterator[Problem]:

@@ -11,11 +11,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from harness.history.blocks import Block, Key, Seen, Sight, blocks_of
+from harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
 from harness.history.known_searches import KnownSearches
 from harness.history.plan import Left, LeftOut, Plan, ranked
 from harness.history.pool import MACHINE_BOUND, Answer, Pool
 from harness.run.guide import Guide
+from harness.run.interrupt import UnderWay
 from harness.store import disk
 from harness.store.journal import DamagedFile
 from harness.store.record import Record, digest
@@ -53,9 +54,10 @@ class Steering(Guide):
 
     Terms:
         folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
-        nights say of each block. last: of a trial, whatever it rests on, the last status and hash. distrusted: by case and
-        engine, the night before which nothing is recalled. left: seconds until the end. save: called behind each batch, and
-        keeps what a night that goes on has to know. hashes: of trajectories that stay.
+        nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. last: of a
+        trial, whatever it rests on, the last status and hash. distrusted: by case and engine, the night before which nothing
+        is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
+        know. hashes: of trajectories that stay. unanswered: what was waited for when time was up.
     """
 
     pool: Pool
@@ -65,6 +67,7 @@ class Steering(Guide):
     machine: str
     keep: Keep
     seen: Mapping[Key, Seen]
+    waited: Mapping[Cell, str]
     last: Callable[[Trial], tuple[str, str | None] | None]
     searched: KnownSearches
     distrusted: dict[tuple[str, str], str]
@@ -75,6 +78,7 @@ class Steering(Guide):
     begun: set[Key] = field(default_factory=set)
     tallies: dict[Key, _Tally] = field(default_factory=dict)
     out: list[LeftOut] = field(default_factory=list)
+    unanswered: list[Unanswered] = field(default_factory=list)
     _plan: Plan | None = None
     _again: dict[str, Record] = field(default_factory=dict)
     _mark: float = 0.0
@@ -85,11 +89,12 @@ class Steering(Guide):
         """Block after block, the most valuable first, as long as there is time."""
         self.blocks = blocks_of(trials)
         due = {block.key: self._due(block) for block in self.blocks}
-        self._plan = plan = Plan(ranked(self.blocks, self.seen), self.seen, due)
+        stuck = {cell[:2]: stamp for cell, stamp in self.waited.items()}
+        self._plan = plan = Plan(ranked(self.blocks, self.seen, stuck), self.seen, due, stuck)
         for batch in plan.batches(self.left):
             self._mark = time.monotonic()
             self.begun |= {block.key for block in batch}
-            yield [trial for block in batch for trial in block.trials]
+            yield sorted((trial for block in batch for trial in block.trials), key=lambda trial: _cell(trial) in self.waited)
             self.done |= {block.key for block in batch}
             for block in batch:
                 tally = self._tally(block.key)
@@ -150,6 +155,20 @@ class Steering(Guide):
         tally, now = self._tally((trials[0].experiment.name, trials[0].case)), time.monotonic()
         tally.clocked += len(trials)
         tally.clock_seconds, self._mark = tally.clock_seconds + now - self._mark, now
+
+    def broken_off(self, under_way: Sequence[UnderWay]) -> None:
+        """Keep what the night waited for in the end."""
+        self.unanswered += [
+            Unanswered(
+                trial=waiting.trial.trial,
+                experiment=waiting.trial.experiment.name,
+                case=waiting.trial.case,
+                engine=waiting.trial.engine,
+                track=waiting.trial.track,
+                seconds=waiting.seconds,
+            )
+            for waiting in under_way
+        ]
 
     def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
         """What has a record: what the budget left out was not asked."""
@@ -255,3 +274,7 @@ class Steering(Guide):
 
     def _tally(self, key: Key) -> _Tally:
         return self.tallies.setdefault(key, _Tally())
+
+
+def _cell(trial: Trial) -> Cell:
+    return trial.experiment.name, trial.case, trial.engine, trial.track

@@ -12,7 +12,7 @@ from harness.history.identity import Named, change_id
 from harness.history.since_last_seen import News
 from harness.intake.safe_text import markdown_cell
 
-__all__ = ["in_short", "left_out_in_short", "open_since", "summary", "told"]
+__all__ = ["in_short", "left_out_in_short", "open_since", "summary", "told", "unanswered_in_short"]
 
 _FIRST = 8
 """Names that a line has room for."""
@@ -50,6 +50,15 @@ def left_out_in_short(rows: Sequence[Mapping[str, Any]]) -> str:
         more = f" and {count - _FIRST} more" if count > _FIRST else ""
         groups.append(f"{experiment}: {', '.join(cases[:_FIRST])}{more}")
     return f"left out by the budget, {len(rows)}: {'; '.join(groups)}"
+
+
+def unanswered_in_short(rows: Sequence[Mapping[str, Any]]) -> str:
+    """What had no answer when time was up, in one line, what was waited for longest first; '' for nothing."""
+    if not rows:
+        return ""
+    longest = sorted(rows, key=lambda row: -row["seconds"])
+    names = [f"{row['case']} {row['engine']}/{row['track']} ({row['experiment']}) {row['seconds']:.0f} s" for row in longest]
+    return f"without an answer when time was up, and since when: {', '.join(names[:_FIRST])}"
 
 
 def in_short(plan: Mapping[str, Any]) -> str:
@@ -92,8 +101,9 @@ def summary(
     """
     tail = ["", "## Findings about engines", "", *(f"* {markdown_cell(each)}" for each in findings)] if findings else []
     tail += ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
-    if line := left_out_in_short(plan["left_out"]):
-        tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]
+    for line in (left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))):
+        if line:
+            tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]
     if news is not None and news.acknowledged:
         tail += ["", f"Acknowledged and not told again: {len(news.acknowledged)}."]
     for row in standing[:_FIRST]:

@@ -5,7 +5,6 @@ import random
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -312,7 +311,7 @@ def carry_out(
         reasons = {name: row["unavailable"] for name, row in engines.items()}
         expect(preloads(chosen, adapters))
         remaining = RemainingTime(workers)
-        with suppress(TimeIsUp):
+        try:
             for batch in guide.batches(trials):
                 remaining.expect(pieces_of(batch, cases))
                 remaining.foresee(partial(_awaited, batch, journal, cases, adapters))
@@ -320,6 +319,8 @@ def carry_out(
                 batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide, remaining)
                 remaining.foresee()
                 _timing(batch, journal, folder, cases, machine, cluster, guide, remaining)
+        except TimeIsUp as up:
+            guide.broken_off(up.under_way)
         journal.begin(begun | {"trials": sorted(guide.asked(begun["trials"], journal.records))})
         complete = True
     finally:

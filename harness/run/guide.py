@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
+from harness.run.interrupt import UnderWay
 from harness.store.record import Record
 from harness.study.trial import Trial
 
@@ -42,6 +43,9 @@ class Guide:
 
     def clocked(self, trials: Sequence[Trial]) -> None:
         """Take note that these were clocked side by side, just now."""
+
+    def broken_off(self, under_way: Sequence[UnderWay]) -> None:
+        """Take note that time was up, and what had no answer yet."""
 
     def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
         """Of all trials of a study, those that the run comprised in the end."""

@@ -6,19 +6,47 @@ on stderr. Hence the request is also remembered, and the loops over trials ask.
 
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import FrameType
 
-__all__ = ["TimeIsUp", "listen", "stop_if_asked", "until"]
+from harness.study.trial import Trial
+
+__all__ = ["TimeIsUp", "UnderWay", "hour", "listen", "naming", "stop_if_asked", "until"]
 
 _asked = False
 _end = float("inf")
 """On the monotonic clock [s]."""
 
 
+@dataclass(frozen=True, slots=True)
+class UnderWay:
+    """A trial without an answer yet. Terms: seconds: since its process was asked for one."""
+
+    trial: Trial
+    seconds: float
+
+
 class TimeIsUp(Exception):
-    """The hour has come that `until` was given."""
+    """The hour has come that `until` was given. Terms: under_way: what was asked and had not answered then."""
+
+    under_way: tuple[UnderWay, ...] = ()
+
+
+def hour() -> float:
+    """When `stop_if_asked` begins to raise TimeIsUp, on the monotonic clock [s]; infinite for never."""
+    return _end
+
+
+@contextmanager
+def naming(trials: Iterable[tuple[Trial, float]]) -> Iterator[None]:
+    """Have a TimeIsUp that leaves this say that these were waited for. Args: each with when it was asked, as by `hour`."""
+    try:
+        yield
+    except TimeIsUp as up:
+        up.under_way = tuple(UnderWay(trial, time.monotonic() - asked) for trial, asked in trials)
+        raise
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from harness.case.alteration import ALONE
 from harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
 from harness.run.deadline import Deadline
 from harness.run.fork_servers import Server, context, start_apart, start_loaded
-from harness.run.interrupt import stop_if_asked
+from harness.run.interrupt import naming, stop_if_asked
 from harness.run.memory_watch import MemoryWatch, kills_for_memory
 from harness.run.message import BrokenMessage, Inbox, read_record, readable, send
 from harness.store.notices import StoredNotice
@@ -76,9 +76,9 @@ class _Child:
     Terms:
         server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
         does now, loading its engine or answering. kills: of the system for want of memory, before it began. alone: does
-        nobody run beside it? said: what has come so far. broken: what it said that no child may say; it is heard no more.
-        ended: has it said its last word, or died? late: why it is; nothing where it is not. ready:
-        has it loaded its engine?
+        nobody run beside it? begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
+        it said that no child may say; it is heard no more. ended: has it said its last word, or died? late: why it is; nothing
+        where it is not. ready: has it loaded its engine?
     """
 
     trial: Trial
@@ -90,6 +90,7 @@ class _Child:
     deadline: Deadline
     kills: int
     alone: bool
+    begun: float
     said: Record | None = None
     broken: str = ""
     ended: bool = False
@@ -179,7 +180,7 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = 
     theirs.close()
     loading = Deadline(process.pid or 0, trial.experiment.deadline + adapter.compile_allowance)
     watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
-    return _Child(trial, process, server, watch, Inbox(ours), log, loading, kills, alone)
+    return _Child(trial, process, server, watch, Inbox(ours), log, loading, kills, alone, time.monotonic())
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:
@@ -203,7 +204,8 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: 
                 running.append(_start(trial, folder, logs, engines[trial.engine], alone=True))
             soonest = min(child.deadline.until for child in running) - time.monotonic()
             wait([child.inbox.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
-            stop_if_asked()
+            with naming((child.trial, child.begun) for child in running):
+                stop_if_asked()
             for child in [child for child in running if child.listen()]:
                 running.remove(child)
                 record = child.record()

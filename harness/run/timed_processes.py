@@ -21,6 +21,7 @@ import numpy as np
 from harness.run.child import confine, end, end_started, exit_code
 from harness.run.deadline import Deadline
 from harness.run.fork_servers import Server, context, start_apart
+from harness.run.interrupt import hour, naming, stop_if_asked
 from harness.run.memory_watch import MemoryWatch
 from harness.run.message import BrokenMessage, Inbox, read_sample, readable, send
 from harness.store.record import Sample
@@ -133,13 +134,14 @@ class Clocked:
     def answer(self, seconds: float) -> int | Sample | str | None:
         """The next message, a text where something went wrong, None where it is forsaken.
 
-        `trouble` is set after death or the deadline.
+        `trouble` is set after death or the deadline. Raises: TimeIsUp, where that comes first.
         """
         deadline, why = Deadline(self.process.pid or 0, seconds), ""
         try:
             while not why:
-                if (message := self.inbox.next(max(0.0, deadline.until - time.monotonic()))) is not None:
+                if (message := self.inbox.next(max(0.0, min(deadline.until, hour()) - time.monotonic()))) is not None:
                     return _read(*message)
+                stop_if_asked()
                 why = deadline.passed()
             self.trouble = f"no answer within {seconds:g} s, {why}"
             self.process.kill()
@@ -222,16 +224,18 @@ class Team:
         return any(child.forsaken for child in self.children)
 
     def calibrated(self, seconds: float) -> None:
-        """Wait until every child is ready for this trial."""
-        answers = [child.answer(seconds) for child in self.children]
+        """Wait until every child is ready for this trial. Raises: TimeIsUp."""
+        with naming([(self.trial, time.monotonic())]):
+            answers = [child.answer(seconds) for child in self.children]
         self._note(answers)
         self.steps = answers[0] if isinstance(answers[0], int) else 0
 
     def sample(self, block: int, seconds: float) -> Sample | None:
-        """What all did in this block, or None, with `trouble` set or lost."""
+        """What all did in this block, or None, with `trouble` set or lost. Raises: TimeIsUp."""
         for child in self.children:
             child.ask(self.number, block, self.steps)
-        answers = [child.answer(seconds) for child in self.children]
+        with naming([(self.trial, time.monotonic())]):
+            answers = [child.answer(seconds) for child in self.children]
         self._note(answers)
         samples = [answer for answer in answers if isinstance(answer, Sample)]
         return joined(samples) if len(samples) == len(answers) else None
@@ -282,14 +286,20 @@ def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0, apart: b
 
     Terms: server: the number of the fork server that all come from; where that dies, each gets a server of its own of that
     number. apart: they have them from the beginning.
+    Raises: TimeIsUp; nobody is left behind then.
     """
     ready: dict[str, Team] = {}
     waiting = list(trials)
     while waiting:
         started = list(_start(waiting, folder, server, apart))
-        for team in started:
-            if not team.lost:
-                team.calibrated(team.trial.experiment.deadline)
+        try:
+            for team in started:
+                if not team.lost:
+                    team.calibrated(team.trial.experiment.deadline)
+        except BaseException:
+            for team in (*started, *ready.values()):
+                team.stop()
+            raise
         for team in started:
             if team.lost:
                 team.stop()

@@ -5,6 +5,7 @@ import dataclasses
 import multiprocessing
 import random
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,6 +16,7 @@ import pytest
 from harness.adapter import Settings
 from harness.run import timed_processes as clockwork
 from harness.run.fork_servers import Server
+from harness.run.interrupt import TimeIsUp, until
 from harness.run.memory_watch import MemoryWatch
 from harness.run.message import Inbox
 from harness.run.timed_processes import Clocked, Team, joined
@@ -220,6 +222,18 @@ def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
     assert team.sample(0, 1.0) is None
     assert "exit code 0" in team.trouble
     team.stop()
+
+
+def test_an_hour_that_comes_ends_the_wait_for_a_sample_and_names_its_trial(idle_children: list[Clocked]) -> None:
+    """The child waits for its mate, which nobody asks; it has a minute by itself."""
+    team = Team(TRIAL, [idle_children[0]])
+    team.calibrated(10.0)
+    with until(time.monotonic() + 0.2), pytest.raises(TimeIsUp) as up:
+        team.sample(0, 60.0)
+    (waiting,) = up.value.under_way
+    assert waiting.trial == TRIAL
+    assert 0.0 < waiting.seconds < 60.0
+    idle_children[1].ask(0, 0, 7)
 
 
 class Mortal(Clocked):

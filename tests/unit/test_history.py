@@ -4,7 +4,8 @@ import json
 import os
 import shutil
 import signal
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
@@ -27,9 +28,13 @@ from harness.history.regressions import read_trends
 from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
 from harness.history.steering import AGAIN, computed_again
+from harness.history.words import unanswered_in_short
 from harness.run import campaign
+from harness.run.interrupt import TimeIsUp, naming
 from harness.store.journal import Journal, StoreError, read_journal
+from harness.store.record import Record
 from harness.store.store import write_json
+from harness.study.trial import Trial
 from tests.conftest import Command
 from tests.nights import STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
 from tests.stress.light_run import STUDY as LIGHT
@@ -331,6 +336,36 @@ def drifting(root: Path, study: Path, nights: int) -> None:
             journal.append(priced(record, 1e-5 * drift * float(np.exp(rng.normal(0, 0.02))), 1e-3))
         journal.close()
     shutil.rmtree(first.folder)
+
+
+def test_what_a_night_waited_for_in_vain_is_named_and_holds_up_nothing_the_next_night(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An engine sleeps over one case until time is up."""
+    monkeypatch.setattr("harness.history.steering.AGAIN", 0.0)
+    with planted() as computed:
+        sound = campaign.run_isolated
+
+        def asleep(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
+            for trial in trials:
+                if (trial.experiment.name, trial.case, trial.engine) == ("look", "flight_projectile", "mujoco"):
+                    with naming([(trial, time.monotonic() - 30.0)]):
+                        raise TimeIsUp
+                yield from sound([trial], folder, workers)
+
+        monkeypatch.setattr(campaign, "run_isolated", asleep)
+        _, _, first = night(tmp_path / "h")
+        before = len(computed)
+        _, _, second = night(tmp_path / "h")
+    for account in (first, second):
+        (waited,) = account["unanswered"]
+        assert (waited["case"], waited["engine"], round(waited["seconds"])) == ("flight_projectile", "mujoco", 30)
+        assert "flight_projectile mujoco/" in unanswered_in_short(account["unanswered"])
+    assert ("look", "friction_stop") in {(row["experiment"], row["case"]) for row in first["left_out"]}
+    assert [(row["experiment"], row["case"]) for row in second["left_out"]] == [("look", "flight_projectile")]
+    # All but the two tracks of the engine that sleeps, each once over both nights: a night keeps what it has.
+    assert len(computed) == len(set(computed)) == CELLS - 2
+    assert before < len(computed)
 
 
 @pytest.mark.slow

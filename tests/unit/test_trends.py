@@ -1,6 +1,7 @@
 """Does a history tell each change once, at its night, of the group that it is of; and does what was seen stay seen?"""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,11 +12,16 @@ from harness.findings.changes import Change
 from harness.history.acknowledged import Acknowledgement
 from harness.history.folder import History
 from harness.history.identity import Named
+from harness.history.night_readings import NightOf, Subject
 from harness.history.price_steps import PriceStep, price_steps
 from harness.history.regressions import Trends, date, read_trends
-from harness.history.series import NightOf, Series, Subject
+from harness.history.series import Series
+from harness.history.soundness import problems_of
 from harness.history.yardsticks import yardsticks
+from harness.store import store
+from harness.store.journal import Written, read_written
 from harness.store.record import Record, digest
+from harness.store.store import write_json
 from harness.trajectory import Floats
 from tests.synthetic_history import write_history
 from tests.synthetic_nights import NIGHTS, history
@@ -173,3 +179,31 @@ def test_what_was_acknowledged_keeps_its_note_and_stands_no_more(kept: History, 
     text = (kept.root / "report" / "index.html").read_text()
     assert "known: #12" in text
     assert text.index("acknowledged</span>") < text.index("friction_stop on dart")
+
+
+def test_a_night_that_is_over_is_read_once_and_again_where_its_files_are_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    history = write_history(tmp_path / "h", 3, planted)
+    read: list[str] = []
+
+    def written(path: Path) -> Written:
+        read.append(path.parent.name)
+        return read_written(path)
+
+    monkeypatch.setattr(store, "read_written", written)
+    stamps = [night.stamp for night in history.nights()]
+    first = read_trends(history)
+    assert read == stamps
+    again = read_trends(history)
+    assert read == stamps
+    assert (again.nights, again.dated) == (first.nights, first.dated)
+    for one, other in zip(first.series, again.series, strict=True):
+        assert (one.subject, one.trials, one.hashes) == (other.subject, other.trials, other.hashes)
+        np.testing.assert_array_equal(one.free, other.free)
+    write_json(history.nights()[1].folder / "machine.json", {"processor": "another"})
+    damaged = history.root / "readings" / f"{stamps[2]}.numbers.json"
+    damaged.write_bytes(damaged.read_bytes().replace(b"joint_pendulum", b"joint_pendulam"))
+    assert [night.processor for night in read_trends(history).nights] == ["A", "another", "A"]
+    assert read == [*stamps, *stamps[1:]]
+    assert [problem for problem in problems_of(history) if problem.path.parent.name in ("h", "readings")] == []

@@ -11,7 +11,8 @@ from functools import lru_cache
 from typing import Any, TypeVar
 
 from harness.findings.limits_found import searches
-from harness.findings.prices import PER_SECOND, Price, Prices
+from harness.findings.priced import priced
+from harness.findings.prices import PER_SECOND, Price
 from harness.findings.selection.wish import Wish
 from harness.findings.tables.agreement import rows as agreement_rows
 from harness.findings.tables.determinism import agreements as repetitions
@@ -175,16 +176,10 @@ def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
     }
 
 
-@lru_cache(maxsize=1)
-def _priced(store: Store) -> tuple[Price, ...]:
-    """Worked out once for all that is asked of one store."""
-    return Prices(store).prices
-
-
 def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tuple[str, str], Price]:
     """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes."""
     data: dict[tuple[str, str], Price] = {}
-    listed = [price for price in _priced(store) if price.case in cases and price.unit == PER_SECOND]
+    listed = [price for price in priced(store).prices if price.case in cases and price.unit == PER_SECOND]
     targets = sorted({price.target for price in listed}, key=lambda t: abs(math.log(t / target)))
     for price in listed:
         if price.target == targets[0] and price.verdict != "not clocked":

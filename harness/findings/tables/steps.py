@@ -9,7 +9,8 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.prices import PER_SECOND, Point, Prices, unit_of
+from harness.findings.priced import priced
+from harness.findings.prices import PER_SECOND, Point, unit_of
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "WITHIN", "Step", "brief", "largest_steps", "rows", "sentences"]
@@ -50,7 +51,7 @@ COLUMNS = tuple(field.name for field in fields(Step))
 
 def largest_steps(store: Store) -> list[Step]:
     """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
-    prices = Prices(store)
+    prices = priced(store)
     known = {point.trial: point for point in prices.points}
     steps = []
     for case, where, trials in prices.groups():

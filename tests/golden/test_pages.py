@@ -110,6 +110,6 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
 
 def test_charts_keep_the_schema_of_vega_lite(texts: dict[str, str], sensing: dict[str, str]) -> None:
     assert checked(text for name, text in (texts | sensing).items() if name.endswith(".html")) > 10
-    broken = texts["case-joint_chain.html"].replace('"height": ', '"height": "tall", "was": ')
+    broken = texts["case-joint_chain.html"].replace('"height":', '"height":"tall","was":')
     with pytest.raises(ValidationError, match="'tall' is not of type 'number'"):
         checked([broken])

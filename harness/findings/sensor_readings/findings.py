@@ -129,8 +129,10 @@ def findings(store: Store) -> tuple[Finding, ...]:
 
 def _findings(store: Store) -> Iterator[Finding]:
     cases = store.catalogue.get("cases", {})
-    measured = {trial: rows.to_dict("records") for trial, rows in store.measurements.groupby("trial", sort=False)}
     trials = concerned(store)
+    measured: dict[str, list[Mapping[str, Any]]] = {}
+    for check in store.measurements[store.measurements["trial"].isin(trials["trial"])].to_dict("records"):
+        measured.setdefault(str(check["trial"]), []).append(check)
     for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = cases.get(case, {})
         given = other_values(json.loads(parameters), about.get("parameters", {}))

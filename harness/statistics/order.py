@@ -103,8 +103,9 @@ def _fitted(dt: tuple[float, ...], error: tuple[float, ...]) -> Order | None:
 def criterion(x: np.ndarray, y: np.ndarray, k: int) -> float:
     """Schwarz's criterion of a line through the first k points and a constant through the others; the lower, the better."""
     n = len(x)
-    line = np.polynomial.Polynomial.fit(x[:k], y[:k], 1)
-    squares = float(np.sum((y[:k] - line(x[:k])) ** 2)) + float(np.sum((y[k:] - y[k:].mean()) ** 2) if k < n else 0.0)
+    across, up = x[:k] - x[:k].mean(), y[:k] - y[:k].mean()
+    off_line = up - across * (np.dot(across, up) / np.dot(across, across))
+    squares = float(np.dot(off_line, off_line)) + float(np.sum((y[k:] - y[k:].mean()) ** 2) if k < n else 0.0)
     # A spread below one per cent of the error is not told from none: without this, two exact points outbid any slope.
     variance = max(squares / n, 1e-4)
     unknowns = 2 + (2 if k < n else 0)  # slope and height; height and place of the floor

@@ -230,16 +230,24 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
 
 
 def _capability(store: Store, cases: Mapping[str, float], tracks: Mapping[str, str]) -> dict[tuple[str, str, str], Datum]:
-    data: dict[tuple[str, str, str], Datum] = {}
-    mine = store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)
-    trials = store.asked.loc[mine, _JUDGED]
+    return {
+        ("capability", case, engine): datum
+        for (case, engine), datum in _capabilities(store).items()
+        if case in cases and engine in tracks
+    }
+
+
+@lru_cache(maxsize=1)
+def _capabilities(store: Store) -> dict[tuple[str, str], Datum]:
+    """By case and engine."""
+    data: dict[tuple[str, str], Datum] = {}
+    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
     for (case, engine), group in trials.groupby(["case", "engine"], sort=False):
-        if engine in tracks:
-            lacking = group[group["status"].eq("unsupported")]
-            value = float(len(lacking) < len(group))
-            row = (lacking if len(lacking) else group).iloc[0]
-            says = str(row["reason"]) if not value else "can be expressed"
-            data["capability", case, engine] = Datum(value=value, low=value, high=value, trial=str(row["trial"]), says=says)
+        lacking = group[group["status"].eq("unsupported")]
+        value = float(len(lacking) < len(group))
+        row = (lacking if len(lacking) else group).iloc[0]
+        says = str(row["reason"]) if not value else "can be expressed"
+        data[str(case), str(engine)] = Datum(value=value, low=value, high=value, trial=str(row["trial"]), says=says)
     return data
 
 

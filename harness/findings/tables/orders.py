@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
 from typing import Any, Literal
 
 import pandas as pd
@@ -61,6 +62,16 @@ BRIEF = ("case", "engine", "track", "integrator", "promised", "order", "interval
 
 def convergences(store: Store) -> list[Convergence]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
+    return list(_convergences(store))
+
+
+@lru_cache(maxsize=1)
+def _convergences(store: Store) -> tuple[Convergence, ...]:
+    """Once for all that ask: a fit takes long where there are a thousand ladders."""
+    return tuple(_fitted(store))
+
+
+def _fitted(store: Store) -> list[Convergence]:
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
     if store.asked.empty:
         return []

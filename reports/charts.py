@@ -171,7 +171,7 @@ def across_cases(
 
 
 def beside_each_other(rows: Sequence[Row], engines: Sequence[str], field: str) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
-    """Headings and cells of a table with a row for each case and track, a column for each engine: its number, or its outcome."""
+    """Headings and cells of a table with a row for each case and track, a column for each engine: a number or an outcome."""
     sides = grouped(rows, ("case", "track"))
     cells = []
     for (case, track), mine in sides.items():

@@ -54,9 +54,7 @@ def _made(page: Page, store: Store, others: Collection[str], beside: Executor) -
     except Exception as error:
         return _instead(page, store, error)
     report = store.folder / "report"
-    return {
-        name: file if isinstance(file, str | bytes) else beside.submit(file.kept, report) for name, file in files.items()
-    }
+    return {name: file if isinstance(file, str | bytes) else beside.submit(file.kept, report) for name, file in files.items()}
 
 
 def _instead(page: Page, store: Store, error: Exception) -> Mapping[str, str]:

@@ -1,4 +1,4 @@
-"""The points and prices of a run folder, shared by all that ask for them: they take longer than anything that is made of them."""
+"""The points and prices of a run folder, worked out once for all that ask: they take longer than what is made of them."""
 
 from functools import lru_cache
 

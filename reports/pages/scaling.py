@@ -51,9 +51,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         cores=store.machine.get("cores"),
     )
     figures = [*([standing] if standing is not None else []), *grown, *bought]
-    return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {
-        figure.path: figure for figure in figures
-    }
+    return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {figure.path: figure for figure in figures}
 
 
 def leads(store: "Store", costs: Sequence[Cost]) -> list[Cost]:

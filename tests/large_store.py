@@ -24,7 +24,7 @@ from harness.case import Case
 from harness.search import first_break, front
 from harness.store.journal import Journal
 from harness.store.machine_fingerprint import fingerprint
-from harness.store.record import Measurement, Record, Sample
+from harness.store.record import Measurement, Record, Sample, Status
 from harness.store.seal import sealed_json, sealed_toml
 from harness.store.store import write_json, write_tables
 from harness.study import plugins
@@ -48,7 +48,7 @@ def _answer(trial: Trial, case: Case) -> Record:
     """What an engine of first order would say: error = C dt, cost = K / dt, with one trial in fifty that ends in no answer."""
     lost = _share(trial.trial, "lost")
     if lost < 0.02:
-        statuses = ("diverged", "unsupported", "timeout", "crashed")
+        statuses: tuple[Status, ...] = ("diverged", "unsupported", "timeout", "crashed")
         return outcome(trial, statuses[int(lost * 200)], "made: no answer")
     dt = trial.settings.dt
     error = 10 ** (2 * _share(trial.case, trial.engine, trial.track) - 2) * dt

@@ -233,7 +233,8 @@ class Store:
         try:
             return read_arrays(path, only)
         except FileNotFoundError as error:
-            by_hash = self.trials[self.trials["trajectory_hash"] == trajectory_hash]
+            named = self.trials["trajectory_hash"] == trajectory_hash
+            by_hash = self.trials.loc[named, ["trial", "trajectory_kept"]]
             if len(by_hash) and not by_hash["trajectory_kept"].any():
                 again = f"plumbline reproduce {self.folder} {by_hash['trial'].iloc[0]} runs it again"
                 raise NotKept(f"{path}: kept by its hash alone; {again}") from error

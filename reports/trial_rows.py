@@ -75,7 +75,5 @@ def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([csv_cell(str(name)) for name in table.columns])
-    writer.writerows(
-        [csv_cell("" if _missing(value) else value) for value in row] for row in table.to_numpy(object)
-    )
+    writer.writerows([csv_cell("" if _missing(value) else value) for value in row] for row in table.to_numpy(object))
     return text.getvalue()

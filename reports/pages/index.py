@@ -28,7 +28,7 @@ __all__ = ["PAGE"]
 
 SHOWN = 6
 """Causes and limits that stand open; the next causes fold, up to `LISTED`, and the pages of the engines have all."""
-LISTED = 40
+LISTED = 24
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale. "

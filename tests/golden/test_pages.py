@@ -7,6 +7,7 @@ import os
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 from jsonschema import ValidationError
@@ -60,7 +61,7 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def sensing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def sensing(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return dict(sensors.PAGE.render(Store(write_sensor_folder(tmp_path_factory.mktemp("sensing") / "run"))))
 
 

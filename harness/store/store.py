@@ -65,6 +65,13 @@ def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
     return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}
 
 
+def _in_python(frame: pd.DataFrame) -> pd.DataFrame:
+    """The same table with words as Python's own strings: reports take rows and cells out of it by the ten thousand, and each
+    string that Arrow keeps is made anew whenever it is looked at."""
+    words = [name for name, kind in frame.dtypes.items() if isinstance(kind, pd.StringDtype)]
+    return frame.astype(dict.fromkeys(words, object))
+
+
 def parquet(frame: pd.DataFrame) -> bytes:
     """The bytes of a table's file; equal tables have equal bytes."""
     made: bytes = disk.calls.filled(lambda: frame.to_parquet(index=False))
@@ -152,7 +159,7 @@ class Store:
             records, only = self._written.records, self._only
             if only is not None:
                 records = {name: record for name, record in records.items() if (record.experiment, record.case) in only}
-            return tables_of(records)
+            return {name: _in_python(frame) for name, frame in tables_of(records).items()}
         trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)

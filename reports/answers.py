@@ -1,6 +1,7 @@
 """One row a trial: what was asked, how it ended, the headline error and what it cost; the rows that charts and tables draw."""
 
 import json
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +26,17 @@ def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
         The columns of `trials`, and error (headline metric, NaN where there is none), unit, at_most, metric, answered,
         settings_line, and series: a name that trials share when only their step or seed differs.
     """
-    trials = (store.asked if trials is None else trials).reset_index(drop=True)
+    return _asked(store).copy() if trials is None else _answers(store, trials)
+
+
+@lru_cache(maxsize=1)
+def _asked(store: "Store") -> pd.DataFrame:
+    """Once for all that draw the trials of a store."""
+    return _answers(store, store.asked)
+
+
+def _answers(store: "Store", trials: pd.DataFrame) -> pd.DataFrame:
+    trials = trials.reset_index(drop=True)
     known = cases(store)
     columns = ("trial", "metric", "value", "unit", "at_most")
     measured = {

@@ -167,9 +167,17 @@ def across_cases(
         edge = edge.mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * column)
         layers.append(edge.encode(x=alt.value("width"), y=y, **shown))
     spec = finished(layers, height=30 + 22 * len(labelled))
-    columns = ("case", "engine", "track", title, "outcome")
-    cells = [[row["case"], row["engine"], row["track"], amount(row[field]), row["status"]] for row in [*merged, *silent]]
-    return Figure(name, title, caption, spec, columns, cells, how)
+    return Figure(name, title, caption, spec, *beside_each_other([*merged, *silent], style.engines, field), how)
+
+
+def beside_each_other(rows: Sequence[Row], engines: Sequence[str], field: str) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Headings and cells of a table with a row for each case and track, a column for each engine: a number or an outcome."""
+    sides = grouped(rows, ("case", "track"))
+    cells = []
+    for (case, track), mine in sides.items():
+        by_engine = {row["engine"]: amount(row[field]) if row[field] is not None else row["status"] for row in mine}
+        cells.append([case, track, *(by_engine.get(engine, "") for engine in engines)])
+    return ("case", "track", *engines), cells
 
 
 def answered(row: Row, field: str) -> bool:

@@ -117,11 +117,13 @@ def more_is_better(case: Mapping[str, Any]) -> bool:
     return any(check["metric"] == case["headline"] and check.get("better") == "higher" for check in case["checks"])
 
 
+@lru_cache(maxsize=2)
 def tracks(store: "Store") -> list[str]:
     """The tracks that were run, 'default' before 'tuned' before others."""
     return sorted(store.trials["track"].unique(), key=lambda track: (TRACK_ORDER.get(track, 2), track))
 
 
+@lru_cache(maxsize=2)
 def named_tracks(store: "Store") -> list[str]:
     """The tracks that the study names, in the same order; not the settings that a search went on to."""
     trials = store.trials

@@ -1,10 +1,18 @@
 """A figure: one Vega-Lite specification with its static SVG, its words and the table of what it draws."""
 
+import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
+
+from markupsafe import Markup
+
+from reports.compact import shown_rows, shown_spec
 
 __all__ = ["POINTS", "Figure", "thin"]
 
@@ -56,10 +64,18 @@ class Figure:
         """The static picture, relative to the report."""
         return f"charts/{self.name}.svg"
 
+    @property
+    def shown(self) -> Markup:
+        """The specification as the page's script reads it."""
+        return shown_spec(self.spec)
+
     def _finished(self, width: int) -> dict[str, Any]:
-        spec: dict[str, Any] = json.loads(json.dumps(self.spec)) | {"width": width}
-        spec["config"] = LIGHT | {"legend": LIGHT["legend"] | spec.get("config", {}).get("legend", {})}
-        return spec
+        """The specification for a picture that nobody hovers over, and whose words stand beside it."""
+        spec = _still(self.spec) | {"width": width}
+        if "layer" in spec:
+            spec["layer"] = [_still(layer) for layer in spec["layer"]]
+        config = LIGHT | {"legend": LIGHT["legend"] | self.spec.get("config", {}).get("legend", {}), "aria": False}
+        return spec | {"config": config, "datasets": shown_rows(spec)}
 
     @cached_property
     def svg(self) -> str:
@@ -67,7 +83,21 @@ class Figure:
         import vl_convert  # late: it brings a JavaScript engine
 
         drawn: str = vl_convert.vegalite_to_svg(self._finished(640), vl_version=VEGA_LITE, allowed_base_urls=[])
-        return drawn
+        return drawn + self._mark
+
+    @cached_property
+    def _mark(self) -> str:
+        """What a picture ends with: by what it was drawn, and a digest of all that it shows."""
+        drawn = json.dumps([version("vl-convert-python"), VEGA_LITE, self._finished(640)], sort_keys=True)
+        return f"<!-- {hashlib.sha256(drawn.encode()).hexdigest()[:20]} -->"
+
+    def kept(self, report: Path) -> str:
+        """The same picture from an earlier report of the folder, where it is whole."""
+        with suppress(OSError, UnicodeDecodeError):
+            text = (report / self.path).read_bytes().decode()
+            if text.endswith(self._mark):
+                return text
+        return self.svg
 
     def drawn(self, form: str, width: int = 640) -> bytes:
         """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""
@@ -80,6 +110,13 @@ class Figure:
         if form == "pdf":
             return bytes(vl_convert.vegalite_to_pdf(spec, vl_version=VEGA_LITE, allowed_base_urls=[]))
         return bytes(vl_convert.vegalite_to_png(spec, vl_version=VEGA_LITE, allowed_base_urls=[], scale=2.0))
+
+
+def _still(part: Mapping[str, Any]) -> dict[str, Any]:
+    """A specification, or a layer of one, without what hovering shows."""
+    if "encoding" not in part:
+        return dict(part)
+    return dict(part) | {"encoding": {name: value for name, value in part["encoding"].items() if name != "tooltip"}}
 
 
 def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) -> list[dict[str, Any]]:

@@ -5,12 +5,13 @@ import re
 import shutil
 import sys
 from collections.abc import Collection, Mapping
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 
 from harness.intake.safe_text import LONGEST, one_line
 from harness.store.disk import put_in_place
 from harness.store.store import Store
-from reports.page import Page, asked, failed, pages
+from reports.page import Page, Rendered, asked, failed, pages
 from reports.policy import guarded
 from reports.vega import vega_bundle
 
@@ -21,20 +22,47 @@ FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|cs
 
 
 def rendered(store: Store) -> Mapping[str, str | bytes]:
-    """The texts and pictures of all pages by file name; a page that fails is one that says so."""
+    """The texts and pictures of all pages by file name; a page that fails is one that says so.
+
+    Pictures are drawn by libraries that let go of the interpreter, and so in a thread beside the pages that follow.
+    """
     texts: dict[str, str | bytes] = {}
     registered = pages()
-    for page in registered:
-        if asked(page, store):
+    taken: set[str] = set()
+    with ThreadPoolExecutor(1, "pictures") as beside:
+        made: list[tuple[Page, Mapping[str, _Waiting]]] = []
+        for page in registered:
+            if asked(page, store):
+                others = {*taken, *(f"{other.name}.html" for other in registered if other is not page)}
+                made.append((page, _made(page, store, others, beside)))
+                taken.update(made[-1][1])
+        for page, files in made:
             try:
-                texts |= _texts(page, store, {*texts, *(f"{other.name}.html" for other in registered if other is not page)})
+                texts |= {name: file.result() if isinstance(file, Future) else file for name, file in files.items()}
             except Exception as error:
-                print(one_line(f"page '{page.name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
-                texts |= failed(page.name, page.title, f"{type(error).__name__}: {error}", store)
+                texts |= _instead(page, store, error)
     return texts
 
 
-def _texts(page: Page, store: Store, others: Collection[str]) -> Mapping[str, str] | Mapping[str, bytes]:
+_Waiting = str | bytes | Future[str | bytes]
+
+
+def _made(page: Page, store: Store, others: Collection[str], beside: Executor) -> Mapping[str, _Waiting]:
+    """The files of a page, pictures on their way."""
+    try:
+        files = _texts(page, store, others)
+    except Exception as error:
+        return _instead(page, store, error)
+    report = store.folder / "report"
+    return {name: file if isinstance(file, str | bytes) else beside.submit(file.kept, report) for name, file in files.items()}
+
+
+def _instead(page: Page, store: Store, error: Exception) -> Mapping[str, str]:
+    print(one_line(f"page '{page.name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
+    return failed(page.name, page.title, f"{type(error).__name__}: {error}", store)
+
+
+def _texts(page: Page, store: Store, others: Collection[str]) -> Mapping[str, Rendered]:
     """The texts of a page. Raises: ValueError, of a file outside the report, of an unknown kind, or of another page."""
     page.concerns(store)
     made = page.render(store)

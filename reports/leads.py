@@ -46,7 +46,7 @@ class Lead:
 @lru_cache(maxsize=1)
 def leads(store: "Store") -> dict[tuple[str, str], Lead]:
     """By (case, track). What lies below a millionth of the case's scale is equal: rounding leads nobody."""
-    rows = at_own_step(store, answers(store))
+    rows = at_own_step(store, answers(store))[["case", "track", "engine", "error"]]
     leading = {}
     for (case, track), group in rows.groupby(["case", "track"], sort=False):
         if case not in by_case(store) and track in named_tracks(store) and group["engine"].nunique() > 1:

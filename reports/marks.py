@@ -105,7 +105,8 @@ def chart(values: Sequence[Row]) -> Any:
     """A chart of rows that travel inside the specification."""
     import altair as alt
 
-    return alt.Chart({"values": list(values)})
+    # A tuple, for Altair copies the rows of a list again with every layer that is laid over another.
+    return alt.Chart({"values": tuple(values)})
 
 
 def logarithmic(kind: Any, field: str, title: str, values: Row) -> Any:
@@ -142,6 +143,7 @@ def finished(layers: Sequence[Any], height: int) -> Row:
 
     # To check the schema takes about as long as to draw: the tests do it, for the charts of every kind of page.
     spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict(validate=False)
+    spec["datasets"] = {name: list(values) for name, values in spec["datasets"].items()}
     spec["config"] = {
         "legend": {
             "orient": "bottom",

@@ -6,17 +6,29 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 from harness.intake.strangers import points, trouble
 
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["Page", "asked", "failed", "navigation", "pages"]
+__all__ = ["Page", "Picture", "Rendered", "asked", "failed", "navigation", "pages"]
 
 LAST = 1000
 """The place in the navigation of a page that cannot be loaded."""
+
+
+class Picture(Protocol):
+    """A picture that is still to be drawn: a chart or a scene, which takes longer than the page that shows it."""
+
+    def kept(self, report: Path) -> str | bytes:
+        """Its file: the one of an earlier report of the folder where that shows the same, else drawn now."""
+
+
+Rendered = str | bytes | Picture
+"""What a file of a page holds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,14 +38,14 @@ class Page:
     Terms:
         name: unique; its main file is `<name>.html`. title: in the navigation. order: place there, smallest first.
         render: the store to texts by file name relative to the report's folder, the page itself and whatever it links to;
-        to bytes where these are pictures.
+        to bytes where these are pictures, and to a `Picture` where one is drawn while the next pages are made.
         listed: does it stand in the navigation? concerns: has it anything to say of this store? Without, it is left out.
     """
 
     name: str
     title: str
     order: int
-    render: Callable[["Store"], Mapping[str, str] | Mapping[str, bytes]]
+    render: Callable[["Store"], Mapping[str, "Rendered"]]
     listed: bool = True
     concerns: Callable[["Store"], bool] = lambda _: True
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -18,6 +19,7 @@ __all__ = ["labels", "points"]
 Row = dict[str, Any]
 
 
+@lru_cache(maxsize=2)
 def labels(store: "Store") -> Mapping[str, str]:
     """What an engine is called in charts: its title, with its name where two share one, and a mark where it is ours."""
     known = engines(store)

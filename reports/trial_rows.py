@@ -42,9 +42,14 @@ def is_file(path: Any) -> bool:
         return False
 
 
+def _missing(value: Any) -> bool:
+    """Is a cell of a table empty? `pandas.isna` asks more, and a report asks it of every cell of every trial."""
+    return value is None or value is pd.NA or (isinstance(value, float) and value != value)
+
+
 def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the table of trials."""
-    nothing = {name: None for name, value in row.items() if pd.api.types.is_scalar(value) and pd.isna(value)}
+    nothing = {name: None for name, value in row.items() if _missing(value)}
     values = {
         name: {**measured, "passed": None if pd.isna(measured["passed"]) else bool(measured["passed"])}
         for name, measured in values.items()
@@ -70,7 +75,5 @@ def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([csv_cell(str(name)) for name in table.columns])
-    writer.writerows(
-        [csv_cell("" if pd.api.types.is_scalar(v) and pd.isna(v) else v) for v in row] for row in table.to_numpy(object)
-    )
+    writer.writerows([csv_cell("" if _missing(value) else value) for value in row] for row in table.to_numpy(object))
     return text.getvalue()

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from harness.findings.prices import LEAST, PER_SECOND, Point, Prices, unit_of
+from harness.findings.priced import priced
+from harness.findings.prices import LEAST, PER_SECOND, Point, unit_of
 from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure, thin
@@ -29,12 +30,6 @@ Row = dict[str, Any]
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
 LEFT, BELOW, MARGIN = 34, 16, 6
-
-
-@lru_cache(maxsize=1)
-def priced(store: "Store") -> Prices:
-    """Points and prices of a store, worked out once for all pages of a report."""
-    return Prices(store)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,9 +1,10 @@
-"""What the report of a large run costs: `python -m tests.large_store [TRIALS] [--keep DIR]`.
+"""What the report of a large run costs: `python -m tests.large_store [TRIALS] [--keep DIR] [--of DIR] [--browser]`.
 
 A run folder of the nightly study is written through the project's own journal and tables: the trials that the study names,
 those that its searches then ask for, and a variant of the ladders, with answers from formulas. Nothing in it says anything of a
 real engine, and no trajectory is kept, so that repetitions, which are compared by them, are left out. Then its report is made,
-and what that took and how large its pages are is printed.
+and what that took and how large its pages are is printed; with `--browser` also how soon its front page can be read from disk,
+and with `--of` all this of a run that is there already.
 """
 
 import argparse
@@ -22,9 +23,9 @@ import tomli_w
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.search import first_break, front
-from harness.store.journal import Journal
+from harness.store.journal import Journal, read_journal
 from harness.store.machine_fingerprint import fingerprint
-from harness.store.record import Measurement, Record, Sample
+from harness.store.record import Measurement, Record, Sample, Status
 from harness.store.seal import sealed_json, sealed_toml
 from harness.store.store import write_json, write_tables
 from harness.study import plugins
@@ -48,7 +49,7 @@ def _answer(trial: Trial, case: Case) -> Record:
     """What an engine of first order would say: error = C dt, cost = K / dt, with one trial in fifty that ends in no answer."""
     lost = _share(trial.trial, "lost")
     if lost < 0.02:
-        statuses = ("diverged", "unsupported", "timeout", "crashed")
+        statuses: tuple[Status, ...] = ("diverged", "unsupported", "timeout", "crashed")
         return outcome(trial, statuses[int(lost * 200)], "made: no answer")
     dt = trial.settings.dt
     error = 10 ** (2 * _share(trial.case, trial.engine, trial.track) - 2) * dt
@@ -142,11 +143,36 @@ def write_large_store(folder: Path, most: int = TRIALS) -> int:
     return count
 
 
-def main(most: int, folder: Path) -> None:
-    """Write the folder, make its report, and print what that took and the sizes of its pages."""
+READABLE = """() => {
+  const [visit] = performance.getEntriesByType("navigation"), paint = performance.getEntriesByName("first-contentful-paint")[0];
+  return [paint.startTime, visit.domInteractive, performance.now()];
+}"""
+DRAWN = "() => [...document.querySelectorAll('figure.chart')].every(one => one.dataset.drawn || !one.clientWidth)"
+
+
+def print_readable(page: Path) -> None:
+    """Open a page from disk in Chromium three times and print how soon it shows something, is whole, and has its charts."""
+    from playwright.sync_api import sync_playwright
+
+    from tests.browser.conftest import CHROMIUM, FLAGS
+
+    with sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        for _ in range(3):
+            tab = browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
+            tab.goto(page.as_uri(), wait_until="commit")
+            tab.wait_for_load_state()
+            tab.wait_for_function(DRAWN, timeout=60_000)
+            painted, interactive, drawn = (1e-3 * float(value) for value in tab.evaluate(READABLE))
+            print(f"front page: first paint {painted:.2f} s, DOM interactive {interactive:.2f} s, charts drawn {drawn:.2f} s")
+            tab.context.close()
+        browser.close()
+
+
+def print_report(folder: Path, count: int) -> Path:
+    """Make the report of a folder, and print what that took and the sizes of its pages; returns its front page."""
     from reports import build
 
-    count = write_large_store(folder, most)
     before, wall = time.process_time(), time.perf_counter()
     index = build(folder)
     spent, wall = time.process_time() - before, time.perf_counter() - wall
@@ -157,12 +183,22 @@ def main(most: int, folder: Path) -> None:
     print(f"front page {index.stat().st_size / 1e6:.2f} MB; {len(pages)} files, {whole / 1e6:.0f} MB")
     for path in [path for path in pages if path.suffix == ".html"][:6]:
         print(f"  {path.stat().st_size / 1e6:6.2f} MB  {path.name}")
+    return index
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("trials", nargs="?", type=int, default=TRIALS)
     parser.add_argument("--keep", type=Path, help="A new folder for the run; a temporary one unless said.")
+    parser.add_argument("--of", type=Path, help="A run folder that is there already; its report is made anew.")
+    parser.add_argument(
+        "--browser", action="store_true", help="Open the front page in Chromium, and print how soon it is there."
+    )
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        main(given.trials, given.keep or Path(scratch) / "run")
+        folder = given.of or given.keep or Path(scratch) / "run"
+        front = print_report(
+            folder, len(read_journal(folder / "journal.jsonl")) if given.of else write_large_store(folder, given.trials)
+        )
+        if given.browser:
+            print_readable(front)

@@ -77,6 +77,13 @@ def _set_types(frame: pd.DataFrame, types: Mapping[str, str]) -> None:
             frame[name] = frame[name].astype(kind)
 
 
+def _in_python(frame: pd.DataFrame) -> pd.DataFrame:
+    """The same table with words as Python's own strings: reports take rows and cells out of it by the ten thousand, and each
+    string that Arrow keeps is made anew whenever it is looked at."""
+    words = [name for name, kind in frame.dtypes.items() if isinstance(kind, pd.StringDtype)]
+    return frame.astype(dict.fromkeys(words, object))
+
+
 def parquet(frame: pd.DataFrame) -> bytes:
     """The bytes of a table's file; equal tables have equal bytes."""
     made: bytes = disk.calls.filled(lambda: frame.to_parquet(index=False))
@@ -164,7 +171,7 @@ class Store:
             records, only = self._written.records, self._only
             if only is not None:
                 records = {name: record for name, record in records.items() if (record.experiment, record.case) in only}
-            return tables_of(records)
+            return {name: _in_python(frame) for name, frame in tables_of(records).items()}
         trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)
@@ -245,7 +252,8 @@ class Store:
         try:
             return read_arrays(path, only)
         except FileNotFoundError as error:
-            by_hash = self.trials[self.trials["trajectory_hash"] == trajectory_hash]
+            named = self.trials["trajectory_hash"] == trajectory_hash
+            by_hash = self.trials.loc[named, ["trial", "trajectory_kept"]]
             if len(by_hash) and not by_hash["trajectory_kept"].any():
                 again = f"plumbline reproduce {self.folder} {by_hash['trial'].iloc[0]} runs it again"
                 raise NotKept(f"{path}: kept by its hash alone; {again}") from error

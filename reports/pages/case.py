@@ -18,7 +18,7 @@ from reports.known_findings import of_case
 from reports.laws import laws_of_case
 from reports.leads import leads
 from reports.own_scenes import by_case
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.price_list import price_list
 from reports.recordings.layout import file_name
 from reports.sights import sight, thumbnails
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 __all__ = ["PAGE"]
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """For each case its page, its charts and its trials as CSV."""
-    files: dict[str, str] = {}
+    files: dict[str, Rendered] = {}
     rows, cells, known, ladders = answers(store, store.trials), verdicts(store), cases(store), convergences(store)
     plain_rows = set(store.asked["trial"])
     prices = price_list(store) if scenes(store) else []
@@ -57,7 +57,7 @@ def render(store: "Store") -> Mapping[str, str]:
         listed = [line for line in prices if line.case == name]
         recording = store.folder / "recordings" / file_name(name)
         files[f"trials/{plain}.csv"] = as_csv(mine, measured)
-        files |= {figure.path: figure.svg for figure in figures}
+        files |= {figure.path: figure for figure in figures}
         files[case_file(name)] = fill(
             "case.html",
             store,

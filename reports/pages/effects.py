@@ -9,7 +9,7 @@ from harness.findings.effects_audit import audit, savings
 from harness.findings.tables import effects as effects_table
 from harness.findings.tables.effects import verdicts
 from reports.contents import engines
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.savings import matrix, savings_chart
 from reports.sheet import sheet
 from reports.template import fill
@@ -25,7 +25,7 @@ def concerns(store: "Store") -> bool:
     return bool(store.trials["alteration"].str.contains(EVERYTHING, regex=False).any())
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """The page, its chart and its table as CSV."""
     judged = verdicts(store)
     rows = [asdict(verdict) for verdict in judged]
@@ -42,7 +42,7 @@ def render(store: "Store") -> Mapping[str, str]:
         found=[verdict for verdict in judged if verdict.verdict != EVERYTHING],
     )
     sheets = {"effects.csv": sheet(effects_table.COLUMNS, rows)}
-    return {"effects.html": page} | sheets | ({figure.path: figure.svg} if figure is not None else {})
+    return {"effects.html": page} | sheets | ({figure.path: figure} if figure is not None else {})
 
 
 PAGE = Page(name="effects", title="Effects", order=14, render=render, concerns=concerns)

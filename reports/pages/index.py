@@ -13,7 +13,7 @@ from reports.glance import Glance, glances
 from reports.history_news import history_news
 from reports.own_scenes import by_case
 from reports.paces import three
-from reports.page import Page, navigation
+from reports.page import Page, Rendered, navigation
 from reports.selection import needs
 from reports.sights import thumbnails
 from reports.status import STATUSES, VERDICTS
@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["PAGE"]
 
 SHOWN = 6
-"""Causes and limits that stand open; the rest of the causes folds."""
+"""Causes and limits that stand open; the next causes fold, up to `LISTED`, and the pages of the engines have all."""
+LISTED = 24
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale. "
@@ -37,7 +38,7 @@ ERRORS = (
 COSTS = "Right is faster; at 1 a simulated second takes a second of one core. Read it together with the errors beside it."
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """The page and its two charts."""
     rows = at_own_step(store, answers(store))
     scales = {name: case["scale"] or 1.0 for name, case in cases(store).items()}
@@ -74,6 +75,7 @@ def render(store: "Store") -> Mapping[str, str]:
         failures=failing(store),
         limits=limits_met(store),
         shown=SHOWN,
+        listed=LISTED,
         news=history_news(store),
         sides=sides,
         families=cells_by_family(store),
@@ -86,7 +88,7 @@ def render(store: "Store") -> Mapping[str, str]:
         machine=store.machine,
         trials=len(store.trials),
     )
-    return {"index.html": page} | {figure.path: figure.svg for figure in figures}
+    return {"index.html": page} | {figure.path: figure for figure in figures}
 
 
 PAGE = Page(name="index", title="Overview", order=0, render=render)

@@ -10,7 +10,7 @@ from harness.findings.tables import limits as limits_table
 from harness.findings.tables import remedies as remedies_table
 from harness.findings.tables.remedies import remedied
 from reports.contents import cases, engines, families
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.reach import Line, lines, maps, standings, tally
 from reports.remedy_words import helped, in_words
 from reports.sheet import sheet
@@ -27,7 +27,7 @@ def concerns(store: "Store") -> bool:
     return bool(store.trials["members"].gt(1).any())
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """The page, its maps and its tables as CSV."""
     plain = [search for search in searches(store) if not search.remedied]
     places = remedied(store)
@@ -52,7 +52,7 @@ def render(store: "Store") -> Mapping[str, str]:
         "farthest.csv": sheet(farthest_table.COLUMNS, farthest_table.rows(store)),
         "remedies.csv": sheet(remedies_table.COLUMNS, remedies_table.rows(store)),
     }
-    return {"limits.html": page} | sheets | {figure.path: figure.svg for figure in drawn}
+    return {"limits.html": page} | sheets | {figure.path: figure for figure in drawn}
 
 
 def _groups(store: "Store", shown: Sequence[Line]) -> list[tuple[str, list[Line]]]:

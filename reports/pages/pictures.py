@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.sights import sights
 
 if TYPE_CHECKING:
@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 __all__ = ["PAGE"]
 
 
-def render(store: "Store") -> Mapping[str, bytes]:
-    """One WebP each, taken over from the last report where it is the same."""
-    return {still.path: still.kept(store.folder / "report") for seen in sights(store).values() for still in seen.stills}
+def render(store: "Store") -> Mapping[str, Rendered]:
+    """One WebP each."""
+    return {still.path: still for seen in sights(store).values() for still in seen.stills}
 
 
 PAGE = Page(name="pictures", title="Pictures", order=90, render=render, listed=False)

@@ -15,7 +15,7 @@ from harness.findings.tables.profile import FACTOR, TIME, hinges, profile, witho
 from harness.findings.tables.steps import largest_steps
 from reports.contents import ours
 from reports.marks import TRACKS
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.price_list import SHOWN, price_list, tried, wins
 from reports.profiles import profile_chart
 from reports.reach import standings
@@ -37,7 +37,7 @@ def concerns(store: "Store") -> bool:
     return max(Counter(setting for setting, _ in steps).values(), default=0) > 1
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """The page, its charts and its tables as CSV."""
     prices = priced(store).prices
     shares, steps = profile(prices), largest_steps(store)
@@ -66,7 +66,7 @@ def render(store: "Store") -> Mapping[str, str]:
         "profile.csv": sheet(profile_table.COLUMNS, map(asdict, shares)),
         "steps.csv": sheet(steps_table.COLUMNS, map(asdict, steps)),
     }
-    return {"price.html": page} | sheets | {figure.path: figure.svg for figure in figures}
+    return {"price.html": page} | sheets | {figure.path: figure for figure in figures}
 
 
 PAGE = Page(name="price", title="Price", order=10, render=render, concerns=concerns)

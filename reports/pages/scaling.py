@@ -9,7 +9,7 @@ from harness.findings.tables.scaling import COLUMNS, Scaling
 from harness.statistics.order import FEWEST
 from reports.contents import engines
 from reports.costs import UNITS, growths, qualities, standings, titled
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.sheet import sheet
 from reports.template import fill
 
@@ -29,7 +29,7 @@ def concerns(store: "Store") -> bool:
     return bool(varied >= FEWEST) and len(_scaling(store).sweeps) > 0
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """The page and its charts."""
     scaling = _scaling(store)
     standing = standings(store, scaling)
@@ -51,9 +51,7 @@ def render(store: "Store") -> Mapping[str, str]:
         cores=store.machine.get("cores"),
     )
     figures = [*([standing] if standing is not None else []), *grown, *bought]
-    return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {
-        figure.path: figure.svg for figure in figures
-    }
+    return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {figure.path: figure for figure in figures}
 
 
 def leads(store: "Store", costs: Sequence[Cost]) -> list[Cost]:

@@ -18,7 +18,7 @@ from reports.departures import departures
 from reports.film_strip import film_of
 from reports.laws import laws_of_case
 from reports.own_scenes import by_case, horizon_chart, parting_chart, shown, summary
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.price_list import price_list
 from reports.recordings.layout import file_name
 from reports.sheet import sheet
@@ -50,9 +50,9 @@ def concerns(store: "Store") -> bool:
     return bool(by_case(store))
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """For each scene its page, its charts, its trials and its verdicts as CSV."""
-    files: dict[str, str] = {}
+    files: dict[str, Rendered] = {}
     rows, known = answers(store, store.trials), cases(store)
     prices = price_list(store) if scenes(store) else []
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
@@ -88,7 +88,7 @@ def render(store: "Store") -> Mapping[str, str]:
         files[f"trials/{plain}-agreement.csv"] = sheet(
             agreement_table.COLUMNS, [row for row in verdicts if row["case"] == name]
         )
-        files |= {figure.path: figure.svg for figure in charts}
+        files |= {figure.path: figure for figure in charts}
         files[case_file(name)] = fill(
             "scene.html",
             store,

@@ -7,7 +7,7 @@ from harness.findings.sensor_readings.findings import concerned, findings
 from harness.findings.tables import sensors as sensors_table
 from reports.costs import titled
 from reports.noise_charts import noise_charts
-from reports.page import Page
+from reports.page import Page, Rendered
 from reports.pictures import shots
 from reports.sheet import sheet
 from reports.signals import error_charts, named, rays_chart
@@ -24,7 +24,7 @@ def concerns(store: "Store") -> bool:
     return len(concerned(store)) > 0
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: "Store") -> Mapping[str, Rendered]:
     """The page, its charts and its table as CSV."""
     measured, rows = findings(store), sensors_table.rows(store)
     errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)
@@ -44,7 +44,7 @@ def render(store: "Store") -> Mapping[str, str]:
     )
     figures = [*errors, *noises, *([rays] if rays is not None else [])]
     sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}
-    return {"sensors.html": page} | sheets | {figure.path: figure.svg for figure in figures}
+    return {"sensors.html": page} | sheets | {figure.path: figure for figure in figures}
 
 
 PAGE = Page(name="sensors", title="Sensors", order=18, render=render, concerns=concerns)

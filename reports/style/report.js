@@ -186,8 +186,20 @@
     return at === undefined ? title : `${title.slice(0, at)}${BREAK}${title.slice(at + 1)}`;
   };
 
+  // The tables of a chart travel by columns, as `columns` of reports/compact.py writes them.
+  const rows = (table) => {
+    if (Array.isArray(table)) return table;
+    const fields = Object.entries(table.columns).map(([field, values]) => [field, Array.isArray(values) ? values : values.of.map((k) => values.words[k])]);
+    return Array.from({ length: table.count }, (_, k) => Object.fromEntries(fields.map(([field, values]) => [field, values[k]])));
+  };
+  const specification = (figure) => {
+    const spec = JSON.parse(figure.querySelector("script.spec").textContent);
+    for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = rows(spec.datasets[name]);
+    return spec;
+  };
+
   const draw = async (figure) => {
-    const whole = JSON.parse(figure.querySelector("script.spec").textContent);
+    const whole = specification(figure);
     const spec = away() ? withoutYardstick(whole) : whole;
     const left = legend(figure, whole);
     for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = without(spec.datasets[name], left);

@@ -4,6 +4,7 @@ import base64
 import io
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
 
 
 @pytest.fixture(scope="module")
-def files(store: Store) -> dict[str, str]:
+def files(store: Store) -> dict[str, Any]:
     return dict(PAGE.render(store))
 
 
@@ -49,11 +50,11 @@ def test_every_trial_is_named_with_its_outcome(store: Store, files: dict[str, st
         assert words in page
 
 
-def test_there_is_a_chart_for_each_kind_of_error_and_each_law_of_noise(files: dict[str, str]) -> None:
+def test_there_is_a_chart_for_each_kind_of_error_and_each_law_of_noise(files: dict[str, Any]) -> None:
     charts = {name for name in files if name.startswith("charts/")}
     for start in ("ideal-m.", "ideal-rad-per-s.", "allan-sensor_planted", "ranges-sensor_planted", "depths-", "sensor-rays"):
         assert any(name.startswith(f"charts/{start}") for name in charts), start
-    assert all(text.startswith("<svg") for name, text in files.items() if name.startswith("charts/"))
+    assert all(chart.svg.startswith("<svg") for name, chart in files.items() if name.startswith("charts/"))
 
 
 def test_pictures_stand_in_the_page_and_open(files: dict[str, str]) -> None:

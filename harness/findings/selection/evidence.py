@@ -11,7 +11,8 @@ from functools import lru_cache
 from typing import Any, TypeVar
 
 from harness.findings.limits_found import searches
-from harness.findings.prices import PER_SECOND, Price, Prices
+from harness.findings.priced import priced
+from harness.findings.prices import PER_SECOND, Price
 from harness.findings.selection.wish import Wish
 from harness.findings.tables.agreement import rows as agreement_rows
 from harness.findings.tables.determinism import agreements as repetitions
@@ -180,16 +181,10 @@ def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
     }
 
 
-@lru_cache(maxsize=1)
-def _priced(store: Store) -> tuple[Price, ...]:
-    """Worked out once for all that is asked of one store."""
-    return Prices(store).prices
-
-
 def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tuple[str, str], Price]:
     """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes."""
     data: dict[tuple[str, str], Price] = {}
-    listed = [price for price in _priced(store) if price.case in cases and price.unit == PER_SECOND]
+    listed = [price for price in priced(store).prices if price.case in cases and price.unit == PER_SECOND]
     targets = sorted({price.target for price in listed}, key=lambda t: abs(math.log(t / target)))
     for price in listed:
         if price.target == targets[0] and price.verdict != "not clocked":
@@ -240,16 +235,24 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
 
 
 def _capability(store: Store, cases: Mapping[str, float], tracks: Mapping[str, str]) -> dict[tuple[str, str, str], Datum]:
-    data: dict[tuple[str, str, str], Datum] = {}
-    mine = store.asked["case"].isin(cases) & ~store.asked["status"].isin(_NOT_ASKED)
-    trials = store.asked.loc[mine, _JUDGED]
+    return {
+        ("capability", case, engine): datum
+        for (case, engine), datum in _capabilities(store).items()
+        if case in cases and engine in tracks
+    }
+
+
+@lru_cache(maxsize=1)
+def _capabilities(store: Store) -> dict[tuple[str, str], Datum]:
+    """By case and engine."""
+    data: dict[tuple[str, str], Datum] = {}
+    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
     for (case, engine), group in trials.groupby(["case", "engine"], sort=False):
-        if engine in tracks:
-            lacking = group[group["status"].eq("unsupported")]
-            value = float(len(lacking) < len(group))
-            row = (lacking if len(lacking) else group).iloc[0]
-            says = str(row["reason"]) if not value else "can be expressed"
-            data["capability", case, engine] = Datum(value=value, low=value, high=value, trial=str(row["trial"]), says=says)
+        lacking = group[group["status"].eq("unsupported")]
+        value = float(len(lacking) < len(group))
+        row = (lacking if len(lacking) else group).iloc[0]
+        says = str(row["reason"]) if not value else "can be expressed"
+        data[str(case), str(engine)] = Datum(value=value, low=value, high=value, trial=str(row["trial"]), says=says)
     return data
 
 

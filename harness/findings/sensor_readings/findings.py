@@ -84,6 +84,9 @@ class Finding:
     picture: Picture | None = None
 
 
+_READ = ["case", "parameters", "engine", "track", "dt", "seed", "status", "reason", "trial", "trajectory_hash"]
+_READ += ["unit", "cpu_per_unit"]
+"""Columns of a trial that are read here; to take the others along costs more than all else that is done with a row."""
 SKETCHES = ("allan", "histogram", "levels", "picture")
 """Fields for charts, too large for a row."""
 
@@ -129,8 +132,10 @@ def findings(store: Store) -> tuple[Finding, ...]:
 
 def _findings(store: Store) -> Iterator[Finding]:
     cases = store.catalogue.get("cases", {})
-    measured = {trial: rows.to_dict("records") for trial, rows in store.measurements.groupby("trial", sort=False)}
-    trials = concerned(store)
+    trials = concerned(store)[_READ]
+    measured: dict[str, list[Mapping[str, Any]]] = {}
+    for check in store.measurements[store.measurements["trial"].isin(trials["trial"])].to_dict("records"):
+        measured.setdefault(str(check["trial"]), []).append(check)
     for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = cases.get(case, {})
         given = other_values(json.loads(parameters), about.get("parameters", {}))

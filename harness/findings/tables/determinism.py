@@ -8,7 +8,7 @@ that bit shows anything that an engine forgets.
 
 import json
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from typing import Any
@@ -74,6 +74,8 @@ def _agreements(store: Store) -> Iterator[Agreement]:
         way=[alteration.get("name", "") for alteration in alterations],
         every=[alteration.get("every_step", False) for alteration in alterations],
     )
+    # Each run is compared with the first of its cell, which is read once for all of them.
+    states = lru_cache(maxsize=2)(lambda trajectory: store.trajectory(trajectory, ("time", *STATES)))
     for _, group in trials[trials["every"]].groupby(["case", "parameters", "engine", "track"], sort=False):
         runs = {row.way: row for row in group.itertuples()}
         first = runs.pop("", None)
@@ -84,7 +86,7 @@ def _agreements(store: Store) -> Iterator[Agreement]:
             continue
         for way, run in runs.items():
             answered = run.status in ("passed", "failed", "diverged") and isinstance(run.trajectory_hash, str)
-            yield _compared(store, first, run, way) if answered else _silent(first, run, way)
+            yield _compared(states, first, run, way) if answered else _silent(first, run, way)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,9 +123,9 @@ def _row(first: Any, run: Any, way: str, parts: _Parting, verdict: str, reason: 
     )
 
 
-def _compared(store: Store, first: Any, run: Any, way: str) -> Agreement:
+def _compared(states: Callable[[str], Mapping[str, Any]], first: Any, run: Any, way: str) -> Agreement:
     try:
-        steps, differs, distance = parting(*(store.trajectory(side.trajectory_hash) for side in (first, run)))
+        steps, differs, distance = parting(*(states(side.trajectory_hash) for side in (first, run)))
     except NotKept as error:
         if first.trajectory_hash == run.trajectory_hash:
             return _row(first, run, way, _Parting(), "bit-identical")

@@ -6,7 +6,7 @@ from typing import Any
 
 from harness.findings.leads import Lead, axis_leads, pair_leads, reaches
 from harness.findings.limits_found import searches
-from harness.findings.prices import Prices
+from harness.findings.priced import priced
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
@@ -16,7 +16,7 @@ COLUMNS = tuple(field.name for field in fields(Lead))
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    prices = Prices(store)
+    prices = priced(store)
     return [asdict(lead) for lead in (*axis_leads(reaches(searches(store))), *pair_leads(prices.prices, prices.points))]
 
 

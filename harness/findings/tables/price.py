@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from harness.findings.prices import Price, Prices
+from harness.findings.priced import priced
+from harness.findings.prices import Price
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
@@ -14,7 +15,7 @@ COLUMNS = tuple(field.name for field in fields(Price))
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(row) for row in Prices(store).prices]
+    return [asdict(row) for row in priced(store).prices]
 
 
 BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "tried", "marks")

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.prices import PER_SECOND, Price, Prices
+from harness.findings.priced import priced
+from harness.findings.prices import PER_SECOND, Price
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "FACTOR", "TIME", "Share", "brief", "hinges", "profile", "rows", "sentences", "without"]
@@ -88,7 +89,7 @@ def _share(engine: str, limit: str, within: float, cases: Sequence[str], done: S
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(share) for share in profile(Prices(store).prices)]
+    return [asdict(share) for share in profile(priced(store).prices)]
 
 
 BRIEF = ("engine", "within", "", "share", "least, without", "most, without")

@@ -121,17 +121,18 @@ def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float
 
 def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
     """Each trial that has a stiffness and was asked for its vibration, with that stiffness."""
-    values: dict[str, dict[str, Any]] = {}
-    for measurement in store.measurements.to_dict("records"):
-        values.setdefault(measurement["trial"], {}).setdefault(measurement["metric"], measurement)
     asked = {
         name
         for name, case in store.catalogue.get("cases", {}).items()
         if any(check["metric"] == "vibration_rms" for check in case.get("checks", ()))
     }
-    for row in store.trials.to_dict("records"):
+    trials = store.trials[store.trials["case"].isin(asked)]
+    values: dict[str, dict[str, Any]] = {}
+    for measurement in store.measurements[store.measurements["trial"].isin(trials["trial"])].to_dict("records"):
+        values.setdefault(measurement["trial"], {}).setdefault(measurement["metric"], measurement)
+    for row in trials.to_dict("records"):
         stiffness = json.loads(row["parameters"]).get("stiffness")
-        if row["case"] not in asked or stiffness is None or row["status"] not in ("passed", "failed", "diverged"):
+        if stiffness is None or row["status"] not in ("passed", "failed", "diverged"):
             continue
         mine = values.get(row["trial"], {})
         fallen = row["status"] == "diverged" or not mine.get("pose_error_max", {}).get("value", 0.0) <= FALLEN

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from reports.still_legend import with_legend
+
 __all__ = ["POINTS", "Figure", "thin"]
 
 POINTS = 2000
@@ -57,7 +59,7 @@ class Figure:
         return f"charts/{self.name}.svg"
 
     def _finished(self, width: int) -> dict[str, Any]:
-        spec: dict[str, Any] = json.loads(json.dumps(self.spec)) | {"width": width}
+        spec: dict[str, Any] = with_legend(json.loads(json.dumps(self.spec)) | {"width": width}, width)
         spec["config"] = LIGHT | {"legend": LIGHT["legend"] | spec.get("config", {}).get("legend", {})}
         return spec
 

@@ -10,6 +10,7 @@ from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
 from reports.contents import cases, engine_file, engines
+from reports.metric_titles import metric_title
 from reports.page import navigation
 from reports.palette import looks
 from reports.points import labels
@@ -62,6 +63,7 @@ def environment() -> Environment:
         "case_file": case_file,
         "engine_file": engine_file,
         "cite": cite,
+        "metric": metric_title,
         "outcome": outcome,
         "plural": plural,
         "powers": powers,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from harness.findings.limits_found import Search, searches
+from harness.metric.titles import metric_title
 from reports.contents import cases, engines
-from reports.metric_titles import metric_title
 from reports.text import amount
 
 if TYPE_CHECKING:

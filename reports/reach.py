@@ -10,11 +10,11 @@ from harness.findings.leads import Lead, Reach, reaches
 from harness.findings.limits_found import Search
 from harness.findings.tables.remedies import Remedied
 from harness.findings.where import STEP, in_words
+from harness.metric.titles import metric_title
 from reports.contents import cases
 from reports.disputes import disputed
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
-from reports.metric_titles import metric_title
 from reports.points import labels
 from reports.text import amount, slug
 

@@ -9,8 +9,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
+from harness.metric.titles import metric_title
 from reports.contents import cases, engine_file, engines
-from reports.metric_titles import metric_title
 from reports.page import navigation
 from reports.palette import looks
 from reports.points import labels
@@ -39,6 +39,12 @@ def cite(text: str) -> Markup:
         parts += [address, Markup('">'), address, Markup("</a>")]
         end = match.end()
     return Markup("").join([*parts, escape(shown[end:])])
+
+
+def ticked(text: str) -> Markup:
+    """Prose with code between backticks."""
+    pieces, code = visible(text).split("`"), Markup("<code>{}</code>")
+    return Markup("").join(code.format(piece) if k % 2 else escape(piece) for k, piece in enumerate(pieces))
 
 
 def cleaned(value: Any) -> Any:
@@ -70,6 +76,7 @@ def environment() -> Environment:
         "plain": plain_value,
         "settings": settings_text,
         "step": step,
+        "ticked": ticked,
         "address": lambda text: quote(text, safe=""),
     }
     return made

@@ -1,7 +1,5 @@
 """What a metric is called in sentences and headings: its name says the quantity first and how it is summed up last."""
 
-from reports.text import visible
-
 __all__ = ["metric_title"]
 
 ADJECTIVES = {
@@ -21,7 +19,7 @@ LONGEST = 80
 
 def metric_title(name: str) -> str:
     """'largest position error' of 'position_error_max'; a second measurement of one metric keeps its number: 'creep (2)'."""
-    quantity, _, again = visible(name)[:LONGEST].partition(" #")
+    quantity, _, again = name[:LONGEST].partition(" #")
     words = quantity.split("_")
     before: list[str] = []
     while len(words) > 1 and words[-1] in ADJECTIVES:

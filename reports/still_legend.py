@@ -21,7 +21,9 @@ def with_legend(spec: dict[str, Any], width: int) -> dict[str, Any]:
         for channel in ("color", "stroke", "shape"):
             if "scale" in encoding.get(channel, {}):
                 encoding[channel]["legend"] = _laid(encoding[channel]["scale"]["domain"], room, above)
-    tracks = next((encoding["fillOpacity"]["scale"]["domain"] for encoding in encodings if "fillOpacity" in encoding), [])
+    tracks: Sequence[str] = next(
+        (encoding["fillOpacity"]["scale"]["domain"] for encoding in encodings if "fillOpacity" in encoding), []
+    )
     if "layer" in spec and len(tracks) == 2:
         for encoding in encodings:
             if "strokeDash" in encoding:

@@ -149,7 +149,9 @@ def film(stage: Stage) -> Film | None:
 
 def _listed(groups: Sequence["_Group"]) -> tuple[list["_Group"], list["_Group"]]:
     """The groups that are shown, the truth's first and before all a second look at an engine each engine once; and the rest."""
-    first, again, shown = [], [], set()
+    first: list[_Group] = []
+    again: list[_Group] = []
+    shown: set[str] = set()
     for group in groups:
         engines = {engine for engine, _ in group[2]}
         (first if group[1] or engines - shown else again).append(group)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from harness.findings.limits_found import Search, searches
+from harness.metric.titles import metric_title
 from reports.contents import cases, engines
 from reports.text import amount
 
@@ -79,5 +80,5 @@ def _reached(search: Search) -> Reached:
     if search.broke is None:
         return Reached(search.engine, f"beyond {amount(search.held)}", "", 1.0, search.trial_held)
     words = f"not even {amount(search.easy)}" if search.held is None else f"to {amount(search.held)}"
-    sign = search.signs.counts[0][0].replace("_", " ") if search.signs.counts else search.signs.status
+    sign = metric_title(search.signs.counts[0][0]) if search.signs.counts else search.signs.status
     return Reached(search.engine, words, sign or "breaks", search.reach, search.trial_broke)

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from harness.metric.titles import metric_title
 from reports.contents import cases
 from reports.figure import Figure, thin
 from reports.marks import HOVER, LANE, POINT, Marks, chart, decades, finished, lane_names, lane_texts, logarithmic, ticks
@@ -55,7 +56,7 @@ def error_by_step(
 
 def axis_title(metric: str, unit: str) -> str:
     """'position error [m]', at a length that leaves room for the chart; a number without a unit has none."""
-    return visible(metric)[:50].replace("_", " ") + ("" if unit == "1" else f" [{visible(unit)[:12]}]")
+    return visible(metric_title(metric))[:50] + ("" if unit == "1" else f" [{visible(unit)[:12]}]")
 
 
 def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:

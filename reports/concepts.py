@@ -22,7 +22,7 @@ _FILE = re.compile(r"\[(?P<file>[^\]]+)\]\([^)]*\)")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Concept:
     """One row. file: that implements it, from the root of the project. case: that measures it, '' for none. setting: of our
-    engine, or parameter of the case, behind it. without: why no case measures it."""
+    engine, or parameter of the case, behind it. without: why no case measures it, commands between backticks."""
 
     name: str
     formula: str
@@ -50,7 +50,7 @@ def _concept(cells: list[str]) -> Concept:
         file=linked["file"] if linked else file,
         case=case["case"] if case else "",
         setting=(case["setting"] or "") if case else "",
-        without="" if case else measured.removeprefix("none: ").replace("`", ""),
+        without="" if case else measured.removeprefix("none: "),
     )
 
 

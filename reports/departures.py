@@ -30,4 +30,4 @@ def _name(text: str) -> str:
         alteration: Any = json.loads(text)
     except ValueError:
         return "departs"
-    return str(alteration.get("name") or "") if isinstance(alteration, dict) else ""
+    return str(alteration.get("name") or "").replace("_", " ") if isinstance(alteration, dict) else ""

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
@@ -13,6 +14,7 @@ from typing import Any
 from markupsafe import Markup
 
 from reports.compact import shown_rows, shown_spec
+from reports.still_legend import with_legend
 
 __all__ = ["POINTS", "Figure", "thin"]
 
@@ -71,11 +73,15 @@ class Figure:
 
     def _finished(self, width: int) -> dict[str, Any]:
         """The specification for a picture that nobody hovers over, and whose words stand beside it."""
-        spec = _still(self.spec) | {"width": width}
-        if "layer" in spec:
-            spec["layer"] = [_still(layer) for layer in spec["layer"]]
+        shown = _still(self.spec) | {"width": width}
+        if "layer" in shown:
+            shown["layer"] = [_still(layer) for layer in shown["layer"]]
+        rows = shown_rows(shown)
+        spec = with_legend(
+            deepcopy({key: value for key, value in shown.items() if key != "datasets"}) | {"datasets": rows}, width
+        )
         config = LIGHT | {"legend": LIGHT["legend"] | self.spec.get("config", {}).get("legend", {}), "aria": False}
-        return spec | {"config": config, "datasets": shown_rows(spec)}
+        return spec | {"config": config}
 
     @cached_property
     def svg(self) -> str:

@@ -146,11 +146,12 @@ def finished(layers: Sequence[Any], height: int) -> Row:
     spec["datasets"] = {name: list(values) for name, values in spec["datasets"].items()}
     spec["config"] = {
         "legend": {
-            "orient": "bottom",
-            "columns": 3,
+            "orient": "top",
+            "direction": "horizontal",
             "symbolSize": 90,
             "labelLimit": 240,
-            "layout": {"bottom": {"direction": "vertical", "margin": 4}},
+            "columnPadding": 12,
+            "layout": {"top": {"direction": "vertical", "anchor": "start", "margin": 4, "bounds": "full"}},
         }
     }
     spec["padding"] = {"left": 5, "right": 14, "top": 5, "bottom": 5}

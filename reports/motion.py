@@ -44,6 +44,7 @@ STILL = 1e-14
 class Line:
     """One run. Terms: time (t,) s and values (t,). off_time, off: its distance from the truth, or none. bound: of that.
     moment: when it first errs beyond the bound, or else most [s]; why: which of the two, in words; worst: the largest error.
+    broken: does it end before its time, where it ceases to be finite?
     """
 
     engine: str
@@ -57,6 +58,7 @@ class Line:
     moment: float
     why: str
     worst: float | None
+    broken: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +130,9 @@ def _line(run: Run, values: Floats, apart: tuple[Floats, Floats], bound: float |
         moment = float(time[place])
     if len(off):
         worst = float(off.max())
-    return Line(run.engine, run.track, str(run.trial["trial"]), run.time, values, time, off, bound, moment, why, worst)
+    return Line(
+        run.engine, run.track, str(run.trial["trial"]), run.time, values, time, off, bound, moment, why, worst, bool(run.note)
+    )
 
 
 def _bounds(store: "Store", stage: Stage) -> dict[tuple[str, str], float]:

@@ -25,7 +25,8 @@ class Sheet:
 class _Main(HTMLParser):
     """The content of a page's `main`, with addresses that hold on the joined page, and its first heading.
 
-    Scripts are left out, and so is what only works with them; an address outside of the report's pages stays as it is.
+    Folds outside of tables are open. Scripts are left out, and so is what only works with them; an address outside of the
+    report's pages stays as it is.
     """
 
     def __init__(self, name: str, names: frozenset[str]) -> None:
@@ -33,7 +34,7 @@ class _Main(HTMLParser):
         self._name, self._names = name, names
         self.made: list[str] = []
         self.title = ""
-        self._inside, self._skipped, self._heading = False, 0, False
+        self._inside, self._skipped, self._heading, self._tables = False, 0, False, 0
 
     def _address(self, address: str) -> str:
         file, mark, place = address.partition("#")
@@ -51,6 +52,9 @@ class _Main(HTMLParser):
             self._skipped += tag not in _VOID
         elif self._inside:
             self._heading = self._heading or (tag == "h1" and not self.title)
+            self._tables += tag == "table"
+            if tag == "details" and not self._tables and ("open", None) not in attrs:
+                attrs = [*attrs, ("open", None)]  # paper cannot be unfolded; the particulars of each trial stay in the report
             self.made.append(f"<{tag}{''.join(self._attribute(name, value) for name, value in attrs)}>")
 
     def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -73,6 +77,7 @@ class _Main(HTMLParser):
             self._skipped -= 1
         elif self._inside:
             self._heading = self._heading and tag != "h1"
+            self._tables -= tag == "table"
             self.made.append(f"</{tag}>")
 
     def handle_data(self, text: str) -> None:

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.findings.tables.profile import FACTOR, TIME, Share
+from reports.costs import titled
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
 from reports.points import labels
-from reports.text import amount, visible
+from reports.text import amount
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -31,8 +32,8 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
             "share": share.share,
             "low": share.low,
             "high": share.high,
-            "without_low": visible(share.without_low)[:60],
-            "without_high": visible(share.without_high)[:60],
+            "without_low": titled(store, share.without_low, ""),
+            "without_high": titled(store, share.without_high, ""),
         }
         for share in shares
         if share.limit == limit and share.within in reached

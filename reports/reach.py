@@ -10,6 +10,7 @@ from harness.findings.leads import Lead, Reach, reaches
 from harness.findings.limits_found import Search
 from harness.findings.tables.remedies import Remedied
 from harness.findings.where import STEP, in_words
+from harness.metric.titles import metric_title
 from reports.contents import cases
 from reports.disputes import disputed
 from reports.figure import Figure
@@ -113,9 +114,9 @@ def cell(search: Search, law: str = "") -> Cell:
         text, why = f"≥ {amount(search.held)}", ""
     elif search.held is None:
         text = VERDICTS.get(search.verdict, search.verdict) if search.broke is None else f"< {amount(search.easy)}"
-        why = search.signs.brief or _first_clause(search.reason)
+        why = _signs(search) or _first_clause(search.reason)
     else:
-        text, why = amount(search.held), search.signs.brief if search.broke is not None else search.verdict
+        text, why = amount(search.held), _signs(search) if search.broke is not None else search.verdict
     share = "" if search.share is None else f"; {100 * search.share:.0f} % held at {amount(search.broke)}"
     cost = "" if search.step_cost is None else f"; {amount(1e3 * search.step_cost)} ms of CPU time a time step at the limit"
     taken = "" if search.substep is None else f"; steps of {amount(1e3 * search.substep)} ms taken"
@@ -125,7 +126,7 @@ def cell(search: Search, law: str = "") -> Cell:
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
     hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
-    words = "; ".join(word for word in (why[:40].replace("_", " "), own, law) if word)
+    words = "; ".join(word for word in (why[:40], own, law) if word)
     return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
 
 
@@ -275,8 +276,13 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
 
 
 def _rest(search: Search) -> str:
-    """What stands beside the axis and is no number, in words: 'continuous True'."""
+    """What stands beside the axis and is no number, in words: 'continuous on'."""
     return in_words([(name, value) for name, value in search.beside if isinstance(value, bool)])
+
+
+def _signs(search: Search) -> str:
+    """By what a value broke, with how many starts each metric counts against."""
+    return ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts) or search.signs.status
 
 
 def tally(remedies: Sequence[Remedied]) -> list[tuple[str, Mapping[str, Tally]]]:

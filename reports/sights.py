@@ -2,6 +2,7 @@
 
 import shlex
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -9,8 +10,9 @@ from typing import TYPE_CHECKING
 from harness.intake.safe_text import LONGEST, one_line
 from harness.store.store import StoreError
 from reports.contents import cases, engines
-from reports.motion import Motion, motion_of
+from reports.motion import Line, Motion, motion_of
 from reports.motion_chart import Panel, apart, overview
+from reports.own_scenes import by_case
 from reports.palette import looks
 from reports.recordings.layout import file_name
 from reports.recordings.runs import stage_of
@@ -81,11 +83,13 @@ def sight(store: "Store", name: str) -> Sight:
         titles = {engine: str(entry["title"]) for engine, entry in named.items()}
         chosen = looks(named)
         recording = file_name(name)
+        partings = [split.since for agreement in by_case(store).get(name, ()) for split in agreement.differences]
         kept = (store.folder / "recordings" / recording).is_file()
         watches = tuple(
-            Watch(line.engine, line.track, line.trial, line.moment, line.why, line.worst, line.bound,
-                  f"/view?recording=/recordings/{recording}&at={line.moment:.6f}" if kept else "")
+            Watch(line.engine, line.track, line.trial, moment, why, line.worst, line.bound,
+                  f"/view?recording=/recordings/{recording}&at={moment:.6f}" if kept else "")
             for line in (motion.lines if motion else ())
+            for moment, why in [_worth_watching(line, partings)]
         )  # fmt: skip
         return Sight(
             thumb=thumbnail(stage),
@@ -100,6 +104,13 @@ def sight(store: "Store", name: str) -> Sight:
     except (StoreError, ValueError, KeyError, IndexError, TypeError) as error:
         print(one_line(f"pictures of case '{name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
         return Sight(None, None, None, None, (), (), serve, (f"Nothing could be drawn: {type(error).__name__}: {error}",))
+
+
+def _worth_watching(line: Line, partings: Sequence[float]) -> tuple[float, str]:
+    """When [s], and why in words: where a run leaves the truth, or without one where camps of engines part."""
+    if len(line.off) or line.broken or not partings:
+        return line.moment, line.why
+    return min(partings), "where engines part"
 
 
 def _missing(store: "Store", name: str, notes: object, drawn: bool) -> tuple[str, ...]:

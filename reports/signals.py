@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.findings.sensor_readings.findings import Finding
+from harness.metric.titles import metric_title
 from reports.costs import titled
 from reports.figure import Figure
 from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
@@ -37,7 +38,7 @@ def _row(store: "Store", finding: Finding) -> Row:
         "signal": named(store, finding),
         "error": finding.error,
         "bound": finding.at_most,
-        "metric": finding.metric or f"{finding.channel} error, largest",
+        "metric": visible(metric_title(finding.metric)) if finding.metric else f"largest error of {finding.channel}",
         "unit": finding.unit,
         "median": finding.error_median,
         "verdict": "" if finding.passed is None else "holds" if finding.passed else "fails",

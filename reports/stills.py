@@ -16,7 +16,7 @@ from reports.drawn.backdrop import Backdrop, backdrop_of
 from reports.drawn.picture import picture
 from reports.drawn.solids import Solid, solids_of
 from reports.drawn.stage_set import stage_set
-from reports.drawn.view import View, framed
+from reports.drawn.view import Spheres, View, framed
 from reports.recordings.camera import half_sides, reach
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
@@ -24,11 +24,12 @@ from reports.recordings.truth import told_places, truth_at
 
 __all__ = ["Film", "Row", "Still", "film", "thumbnail"]
 
-DRAWN_BY = "5"
+DRAWN_BY = "6"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""
 SIZE, FRAME = (264, 176), (168, 126)
 """Pixels across and up, of a thumbnail and of one moment of a strip."""
-MOMENTS, EXPOSURES, ROWS = 5, 7, 3
+MOMENTS, EXPOSURES, ROWS, MOST = 5, 7, 3, 5
+"""Rows of a strip are ROWS, or as many as there are engines where no truth is told, at most MOST."""
 ALIKE = 0.015
 """Of the width of a strip: engines whose bodies are nowhere farther apart share a row."""
 SMALLEST = 0.032
@@ -98,6 +99,10 @@ class _Motion:
     q: Floats
 
 
+_Group = tuple[_Motion, bool, list[tuple[str, str]]]
+"""Poses, whether they are the truth's, and the runs that look so."""
+
+
 def thumbnail(stage: Stage) -> Still | None:
     """The scene with what moves at several instants, earlier ones paler; None where it cannot be drawn."""
     if not _drawable(stage):
@@ -106,9 +111,10 @@ def thumbnail(stage: Stage) -> Still | None:
     motion = _told(stage, moments) or _run(stage, 0, moments)
     low, high, larger = _framing(stage, [motion])
     travelled = _travelled(stage, motion)
+    view = framed(low, high, *SIZE, _spheres(stage, [motion], larger))
     shown = range(len(motion.p)) if travelled and len(stage.moving) <= 12 else (0,)
     return _still(stage, f"The scene of {stage.case.get('title') or stage.name}", [[motion.p[k] for k in shown]],
-                  [[motion.q[k] for k in shown]], framed(low, high, *SIZE), larger)  # fmt: skip
+                  [[motion.q[k] for k in shown]], view, larger)  # fmt: skip
 
 
 def film(stage: Stage) -> Film | None:
@@ -119,9 +125,9 @@ def film(stage: Stage) -> Film | None:
     told = _told(stage, moments)
     motions = [_run(stage, k, moments) for k in range(len(stage.runs))]
     low, high, larger = _framing(stage, [told] if told else motions)
-    view = framed(low, high, *FRAME)
+    view = framed(low, high, *FRAME, () if told else _spheres(stage, motions, larger))
     near = ALIKE * view.pixel * view.width
-    groups: list[tuple[_Motion, bool, list[tuple[str, str]]]] = [(told, True, [])] if told else []
+    groups: list[_Group] = [(told, True, [])] if told else []
     for run, motion in zip(stage.runs, motions, strict=True):
         group = next((group for group in groups if _apart(group[0], motion, stage) < near), None)
         if group is None:
@@ -131,13 +137,27 @@ def film(stage: Stage) -> Film | None:
             group[2].append((run.engine, run.track))
     title = stage.case.get("title") or stage.name
     rows = []
-    for motion, is_truth, runs in groups[:ROWS]:
+    listed, left = _listed(groups)
+    for motion, is_truth, runs in listed:
         names = [*(["the truth"] if is_truth else []), *(f"{engine} {track}" for engine, track in runs)]
         alt = f"{title} at {len(moments)} moments: {', '.join(names)}"
         rows.append(
             Row(is_truth, tuple(runs), _still(stage, alt, [[p] for p in motion.p], [[q] for q in motion.q], view, larger))
         )
-    return Film(tuple(moments.tolist()), tuple(rows), larger, sum(len(runs) for _, _, runs in groups[ROWS:]))
+    return Film(tuple(moments.tolist()), tuple(rows), larger, sum(len(runs) for _, _, runs in left))
+
+
+def _listed(groups: Sequence["_Group"]) -> tuple[list["_Group"], list["_Group"]]:
+    """The groups that are shown, the truth's first and before all a second look at an engine each engine once; and the rest."""
+    first: list[_Group] = []
+    again: list[_Group] = []
+    shown: set[str] = set()
+    for group in groups:
+        engines = {engine for engine, _ in group[2]}
+        (first if group[1] or engines - shown else again).append(group)
+        shown |= engines
+    most = ROWS if groups and groups[0][1] else min(MOST, max(ROWS, len(shown)))
+    return [*first, *again][:most], [*first, *again][most:]
 
 
 def _drawable(stage: Stage) -> bool:
@@ -193,6 +213,24 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
                 high = np.maximum(high, np.asarray(body["p_WB"]) + sides)
     larger = max(1.0, SMALLEST * float(np.linalg.norm(high - low)) / float(sizes.max()))
     return low - (larger - 1.0) * sizes.max(), high + (larger - 1.0) * sizes.max(), larger
+
+
+def _spheres(stage: Stage, motions: Sequence[_Motion], larger: float) -> Spheres:
+    """Of the bodies that move, and where they hang on the world; none where what stands around is part of the show."""
+    if stage.truth or not len(stage.moving) or any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
+        return ()
+    places = [int(k) for k in stage.moving]
+    sizes = larger * np.array([reach(stage.bodies[k]) for k in places])
+    joints = [joint for joint in stage.scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
+    anchors = np.array([joint["anchor_W"] for joint in joints], dtype=np.float64).reshape(-1, 3)
+    radii = np.zeros(len(anchors))
+    return [
+        (
+            np.concatenate([motion.p[:, places].reshape(-1, 3), anchors]),
+            np.concatenate([np.tile(sizes, len(motion.p)), radii]),
+        )
+        for motion in motions
+    ]
 
 
 def _travelled(stage: Stage, motion: _Motion) -> bool:

@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
+from harness.metric.titles import metric_title
 from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
 from reports.page import navigation
@@ -41,6 +42,12 @@ def cite(text: str) -> Markup:
     return Markup("").join([*parts, escape(shown[end:])])
 
 
+def ticked(text: str) -> Markup:
+    """Prose with code between backticks."""
+    pieces, code = visible(text).split("`"), Markup("<code>{}</code>")
+    return Markup("").join(code.format(piece) if k % 2 else escape(piece) for k, piece in enumerate(pieces))
+
+
 def cleaned(value: Any) -> Any:
     """What every expression of a template goes through before it is escaped."""
     return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
@@ -63,12 +70,14 @@ def environment() -> Environment:
         "case_file": case_file,
         "engine_file": engine_file,
         "cite": cite,
+        "metric": metric_title,
         "outcome": outcome,
         "plural": plural,
         "powers": powers,
         "plain": plain_value,
         "settings": settings_text,
         "step": step,
+        "ticked": ticked,
         "address": lambda text: quote(text, safe=""),
     }
     made.filters |= filters

@@ -22,6 +22,15 @@ def other_values(given: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, 
 
 
 def in_words(values: Mapping[str, Any] | Sequence[tuple[str, Any]]) -> str:
-    """'thickness 0.01, continuous True, dt 1/240 s'; nothing for a case as it is."""
+    """'wall thickness 0.01, continuous on, dt 1/240 s'; nothing for a case as it is."""
     pairs = values.items() if isinstance(values, Mapping) else values
-    return ", ".join(f"{name} 1/{1 / value:.4g} s" if name == STEP else f"{name} {value}" for name, value in pairs)
+    return ", ".join(
+        f"{name} 1/{1 / value:.4g} s" if name == STEP else f"{_words(name)} {_words(value)}" for name, value in pairs
+    )
+
+
+def _words(value: Any) -> str:
+    """A name or a value: switches are on or off, and names are words."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return value.replace("_", " ") if isinstance(value, str) else str(value)

@@ -1,5 +1,6 @@
 """Where a picture of a scene is taken from: an orthographic view that holds a box, broadside to what lies in it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,8 +8,10 @@ import numpy as np
 from reports.recordings.camera import eye_direction
 from reports.recordings.rotation import Floats
 
-__all__ = ["View", "framed", "seen_from"]
+__all__ = ["Spheres", "View", "framed", "seen_from"]
 
+Spheres = Sequence[tuple[Floats, Floats]]
+"""Centres (n, 3) m and radii (n,) m of what moves, of each run; what most runs hold is shown."""
 MARGIN = 1.08
 """How much larger the picture is than what it has to hold."""
 
@@ -44,18 +47,22 @@ class View:
         return found
 
 
-def framed(low: Floats, high: Floats, width: int, height: int) -> View:
-    """The view that holds the box between two corners (3,) m."""
-    return seen_from(eye_direction(np.maximum(high - low, 1e-6)), low, high, width, height)
+def framed(low: Floats, high: Floats, width: int, height: int, spheres: Spheres = ()) -> View:
+    """The view that holds the box between two corners (3,) m, or of it what lies within spheres where there are any."""
+    return seen_from(eye_direction(np.maximum(high - low, 1e-6)), low, high, width, height, spheres)
 
 
-def seen_from(towards: Floats, low: Floats, high: Floats, width: int, height: int) -> View:
+def seen_from(towards: Floats, low: Floats, high: Floats, width: int, height: int, spheres: Spheres = ()) -> View:
     """The same from a direction (3,) that points from the box to the eye, and not straight up."""
     right = np.cross([0.0, 0.0, 1.0], towards)
     right /= np.linalg.norm(right)
     R = np.stack([right, np.cross(towards, right), towards])
     corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]) @ R.T
     least, most = corners.min(axis=0), corners.max(axis=0)
+    if spheres:
+        seen = [(centres @ R.T, radii[:, None]) for centres, radii in spheres]
+        least = np.maximum(least, np.median([(p - r).min(axis=0) for p, r in seen], axis=0))
+        most = np.minimum(most, np.median([(p + r).max(axis=0) for p, r in seen], axis=0))
     wide = np.maximum(most - least, 1e-9)
     pixel = MARGIN * max(wide[0] / width, wide[1] / height)
     return View(R, R.T @ ((least + most) / 2), float(pixel), width, height, low, high)

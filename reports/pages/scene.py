@@ -15,7 +15,6 @@ from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
 from reports.departures import departures
-from reports.film_strip import film_of
 from reports.laws import laws_of_case
 from reports.own_scenes import by_case, horizon_chart, parting_chart, shown, summary
 from reports.page import Page, Rendered
@@ -98,7 +97,6 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             file=file_of(name),
             robot=robots.get(folder_of(name)),
             found=[judged(store, agreement) for agreement in agreements],
-            film=film_of(store, agreements[0]),
             seen=sight(store, name),
             summary=summary(store, name),
             meanings=VERDICTS,

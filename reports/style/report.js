@@ -282,6 +282,21 @@
     }
   }
 
+  // What an address names inside of a fold, or as a fold, is open: from another page, and for a press on a link to it.
+  const unfold = (hash) => {
+    const named = hash.length > 1 && document.getElementById(decodeURIComponent(hash.slice(1)));
+    if (!named) return;
+    const before = named.closest("details:not([open])") !== null;
+    for (let fold = named.closest("details"); fold; fold = fold.parentElement?.closest("details")) fold.open = true;
+    if (before) named.scrollIntoView();
+  };
+  window.addEventListener("hashchange", () => unfold(location.hash));
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest?.('a[href^="#"]');
+    if (link) unfold(link.getAttribute("href"));
+  });
+  unfold(location.hash);
+
   // Tables: a click on a heading sorts; numbers by data-value, gaps always last.
   const key = (row, column) => {
     const cell = row.cells[column];

@@ -173,6 +173,17 @@ def test_the_price_list_shows_one_error_at_first_and_each_price_leads_to_its_tri
     assert "plumbline reproduce" in page.locator("tr:target").inner_text()
 
 
+def test_a_folded_chapter_opens_for_a_link_to_it_from_the_page_and_from_elsewhere(plain: Path, visit: Any) -> None:
+    page = visit(plain / "concepts.html").page
+    assert page.locator("details.chapter[open]").count() == 1
+    page.locator("main a[href='#joints']").click()
+    assert page.locator("#joints table.concepts").is_visible()
+    page.goto("about:blank")
+    page.goto((plain / "concepts.html").as_uri() + "#sensors")
+    assert page.locator("#sensors table.concepts").is_visible()
+    assert page.locator("#sensors").evaluate("one => one.getBoundingClientRect().top") < 900
+
+
 def test_a_miniature_leads_to_the_chart_of_its_case(plain: Path, visit: Any) -> None:
     page = visit(plain / "price.html").page
     assert page.locator(".mini").count() == 3

@@ -224,8 +224,15 @@ def test_the_first_page_leads_to_the_report_and_to_each_recording(browser: Any, 
 
 
 @pytest.mark.browser
-def test_a_recording_is_shown_in_the_browser_and_nobody_else_is_asked(browser: Any, served: Served) -> None:
-    visit = Visit(browser, f"{served.address}view?recording=/recordings/rise.rrd")
+def test_watch_on_the_page_of_a_case_shows_its_moment_in_the_viewer_and_nobody_else_is_asked(
+    browser: Any, served: Served
+) -> None:
+    visit = Visit(browser, f"{served.address}report/case-rise.html")
+    watch = visit.page.locator("#happened a.watch")
+    # The run rises twice as fast as the truth, so that it is farthest off where it ends.
+    assert watch.inner_text() == "▶ Watch at 0.1 s"
+    watch.click()
+    visit.page.wait_for_url("**/view?recording=/recordings/rise.rrd&at=0.100000")
     visit.page.wait_for_selector("#state", state="hidden", timeout=200_000)
     # The engine's own colour is on the screen once the viewer has drawn what the recording holds.
     for _ in range(100):
@@ -234,7 +241,7 @@ def test_a_recording_is_shown_in_the_browser_and_nobody_else_is_asked(browser: A
             break
         visit.page.wait_for_timeout(300)
     assert shows(picture, ENGINES["mujoco"].colour)
-    assert any(url.endswith("/recordings/rise.rrd") and "view?" not in url for url in visit.asked)
+    assert f"{served.address}moment/0.100000/rise.rrd" in visit.asked
     outside = [url for url in visit.asked if not url.startswith((served.address, "data:", "blob:"))]
     assert not outside
     assert not visit.errors

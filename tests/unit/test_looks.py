@@ -12,9 +12,7 @@ from harness.scene.importers.looks import FACES, coarse
 from harness.scene.importers.meshes import Mesh
 from harness.scene.importers.reading import read
 from harness.store.imported_scenes import keep, looks_of, unsound
-from reports.drawing import drawn, view_of
 from reports.recordings.runs import dressed
-from reports.solids import triangles_of
 from tests.robot_files import INERTIAL, imported, row, urdf
 
 VISUAL = (
@@ -91,43 +89,3 @@ def test_looks_are_kept_with_the_import_sealed_and_dress_a_recording(tmp_path: P
     scene = dressed({"bodies": [{"name": "arm"}, {"name": "base"}]}, kept)
     assert scene["bodies"] == [{"name": "arm", "visual": kept["arm"]}, {"name": "base"}]
     assert looks_of(tmp_path / "run", "joint_pendulum") == {}
-
-
-BALL = {"name": "b", "motion": "dynamic", "collision": [{"shape": {"type": "sphere", "radius": 0.5}}]}
-
-
-@pytest.mark.parametrize(
-    ("shape", "area"),
-    [
-        ({"type": "sphere", "radius": 0.5}, np.pi),
-        ({"type": "box", "half_extents": [0.5, 1.0, 1.5]}, 2 * (2 + 3 + 6)),
-        ({"type": "cylinder", "radius": 0.5, "half_length": 1.0}, 2 * np.pi * 0.5 * (0.5 + 2.0)),
-        # Oblate: 2 pi a^2 (1 + (1 - e^2)/e artanh e), e^2 = 1 - (c/a)^2.
-        (
-            {"type": "ellipsoid", "semi_axes": [1.0, 1.0, 0.5]},
-            2 * np.pi * (1 + 0.25 / np.sqrt(0.75) * np.arctanh(np.sqrt(0.75))),
-        ),
-        ({"type": "capsule", "radius": 0.5, "half_length": 1.0}, np.pi + 2 * np.pi * 0.5 * 2.0),
-    ],
-)
-def test_triangles_cover_a_shape_and_face_outward(shape: dict[str, object], area: float) -> None:
-    """Polyhedra of 20 sides lie inside by up to 1 - sinc(pi/20) = 0.4 % round, and 1.3 % from pole to pole."""
-    found = triangles_of({**BALL, "collision": [{"shape": shape}]})
-    normals = np.cross(found[:, 1] - found[:, 0], found[:, 2] - found[:, 0])
-    assert np.linalg.norm(normals, axis=1).sum() / 2 == pytest.approx(area, rel=0.03)
-    assert (np.einsum("ni,ni->n", normals, found.mean(axis=1)) > 0).all()
-
-
-def test_a_picture_shows_what_is_nearer_to_the_eye() -> None:
-    ball = triangles_of(BALL)
-    behind = ball - 2.0 * np.array([0.8, -1.0, 0.45])
-    view = view_of(np.concatenate([ball, behind]).reshape(-1, 3), 200, 200, eye=(0.8, -1.0, 0.45))
-    paint = np.concatenate([np.broadcast_to([1.0, 0.0, 0.0], (len(ball), 3)), np.broadcast_to([0.0, 1.0, 0.0], (len(ball), 3))])
-    for triangles, colours in (
-        (np.concatenate([ball, behind]), paint),
-        (np.concatenate([behind, ball]), paint[::-1]),
-    ):
-        picture = drawn(view, triangles, colours, (0, 0, 0))
-        # One ball hides the other: a disc of nine tenths of the picture, all of it red. A polygon of 16 sides has 2.6 % less.
-        assert picture[..., 1].max() == 0
-        assert (picture[..., 0] > 0).mean() == pytest.approx(np.pi / 4 * 0.81, rel=0.03)

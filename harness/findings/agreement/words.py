@@ -15,17 +15,17 @@ def share(value: float) -> str:
 
 
 def metres(value: float, agreement: Agreement) -> str:
-    """A share of the size as a length: '5.63 um'; '' where wholes have sizes of their own."""
+    """A share of the size as a length: '5.63 µm'; '' where wholes have sizes of their own."""
     if not value or not len(agreement.scale.size) or agreement.scale.size.min() < 0.999 * agreement.scale.largest:
         return ""
     way = value * agreement.scale.largest
-    units = ((1.0, "m"), (1e3, "mm"), (1e6, "um"), (1e9, "nm"))
+    units = ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
     by, unit = next(((by, unit) for by, unit in units if way * by >= 1), units[-1])
     return f"{way * by:.3g} {unit}"
 
 
 def length(value: float, agreement: Agreement) -> str:
-    """A share of the size with the length that it is behind it, where there is one: '5.6e-06 (5.63 um)'."""
+    """A share of the size with the length that it is behind it, where there is one: '5.6e-06 (5.63 µm)'."""
     in_metres = metres(value, agreement)
     return f"{share(value)} ({in_metres})" if in_metres else share(value)
 
@@ -70,7 +70,7 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
 
 
 def side_words(side: Side, agreement: Agreement) -> str:
-    """The verdict on one engine and track: 'agrees (order 1.00, to 5 um)'."""
+    """The verdict on one engine and track: 'agrees (order 1.00, to 5 µm)'."""
     convergence = side.limit.said
     order = "" if convergence is None else "no order" if convergence.order is None else f"order {convergence.order:.2f}"
     if side.word in ("cannot", "diverged", "does not converge"):

@@ -16,6 +16,7 @@ from harness.findings.prices import PER_SECOND, Price
 from harness.findings.selection.wish import Wish
 from harness.findings.tables.agreement import rows as agreement_rows
 from harness.findings.tables.determinism import agreements as repetitions
+from harness.metric.titles import metric_title
 from harness.store.store import Store
 
 __all__ = ["BOUND", "DECADES", "Datum", "Evidence", "gather"]
@@ -88,7 +89,7 @@ def _margin(row: Mapping[str, object], measured: Sequence[Mapping[str, object]])
         pair = sorted((abs(value), abs(bound)))
         times = pair[1] / pair[0] if pair[0] > 0 else math.inf
         if times > worst:
-            worst, says = times, f"{m['metric']} {times:.2g} times beyond its bound"
+            worst, says = times, f"{metric_title(str(m['metric']))} {times:.2g} times beyond its bound"
     return (worst if worst > 1.0 else math.inf), says
 
 

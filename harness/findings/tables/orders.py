@@ -117,7 +117,8 @@ def _row(
     steps, errors = [float(dt) for dt in by_step.index], [float(error) for error in by_step]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
-    title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {' and '.join(integrators)})"
+    by = " and ".join(integrators).replace("_", " ")
+    title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {by})"
     return Convergence(
         case=case,
         where=where,

@@ -41,5 +41,5 @@ def plain(row: Fidelity) -> dict[str, Any]:
 
 def brief(row: dict[str, Any]) -> list[object]:
     """The cells of a plain row that a terminal has room for, the number behind its consequence."""
-    value = "" if row["value"] is None else f" ({row['value']:.3g}{'' if row['unit'] == '1' else ' ' + row['unit']})"
+    value = "" if row["value"] is None else f": {row['value']:.3g}{'' if row['unit'] == '1' else ' ' + row['unit']}"
     return [row["element"], row["name"], row["outcome"].replace("_", " "), row["becomes"], f"{row['consequence']}{value}"]

@@ -1,8 +1,9 @@
-"""All that is used of Numba beyond its promises, in one file: how it compiles, links, keeps and calls whole programs.
+"""All that is used of Numba beyond its promises (over 400 lines: one file is read anew with a new version of Numba).
 
-Numba makes machine code of every function on its own, with all that it calls, once per caller. Here a kernel stays what Numba
-made of its text until an entry is linked, which takes in every kernel that it reaches, once, and is optimised as one program.
-That takes a fifth off the first step, and what comes out does not depend on what else the process has compiled.
+How it compiles, links, keeps and calls whole programs: Numba makes machine code of every function on its own, with all that it
+calls, once per caller. Here a kernel stays what Numba made of its text until an entry is linked, which takes in every kernel
+that it reaches, once, and is optimised as one program. That takes a fifth off the first step, and what comes out does not
+depend on what else the process has compiled.
 
 Nothing else of this project touches what Numba does not document; `INTERNALS` lists it, and a test says what a version lacks.
 """

@@ -10,8 +10,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
+from typing import TYPE_CHECKING
 
-from harness.study.trial import Trial
+if TYPE_CHECKING:
+    from harness.study.trial import Trial
 
 __all__ = ["TimeIsUp", "UnderWay", "hour", "listen", "naming", "stop_if_asked", "until"]
 
@@ -24,7 +26,7 @@ _end = float("inf")
 class UnderWay:
     """A trial without an answer yet. Terms: seconds: since its process was asked for one."""
 
-    trial: Trial
+    trial: "Trial"
     seconds: float
 
 
@@ -40,7 +42,7 @@ def hour() -> float:
 
 
 @contextmanager
-def naming(trials: Iterable[tuple[Trial, float]]) -> Iterator[None]:
+def naming(trials: Iterable[tuple["Trial", float]]) -> Iterator[None]:
     """Have a TimeIsUp that leaves this say that these were waited for. Args: each with when it was asked, as by `hour`."""
     try:
         yield

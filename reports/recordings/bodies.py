@@ -57,7 +57,8 @@ def log_moving(
             first: Any = {name: values[0] for name, values in still.items()}
             rec.log(path, rr.InstancePoses3D.from_fields(**first), static=True)
         if moving:
-            rows: Any = rr.InstancePoses3D.columns(**moving)
+            each: Any = moving
+            rows = rr.InstancePoses3D.columns(**each)
             rec.send_columns(path, columns(time, steps), rows.partition(np.full(len(time), len(batch.bodies))))
 
 

@@ -50,6 +50,14 @@ def test_equal_evidence_to_the_digit_shares_the_first_place_by_half(tmp_path: Pa
     assert [place.first for place in found.rank.places] == [0.5, 0.5]
 
 
+def test_there_is_no_order_where_all_that_is_known_counts_for_nothing(tmp_path: Path) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"dart": EQUAL, "mujoco": GOOD}, 0)
+    known = {criterion for criterion, _, _ in choose(Store(folder), Wish(), draws=10).evidence.table}
+    found = choose(Store(folder), Wish(weights=dict.fromkeys(known, 0.0)), draws=10)
+    assert found.rank is None
+    assert headline(found, str) == "There is no evidence of these cases."
+
+
 def test_what_an_engine_cannot_run_counts_as_nothing_in_each_criterion(tmp_path: Path) -> None:
     lacking = Made(error=0.3, cost=0.01, lacks=("joint_chain", "joint_pendulum", "stack_tower"))
     found = answer(tmp_path, {"mujoco": lacking, "dart": GOOD}, 0)

@@ -102,7 +102,8 @@ def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
     if len(_without(left, dropped)) < len(left):
         left = _without(left, dropped)
         evidence = gather(store, wish, left)
-    order = rank(evidence, wish, draws) if left and evidence.table else None
+    counts = any(wish.weight(criterion) > 0 for criterion, _, _ in evidence.table)
+    order = rank(evidence, wish, draws) if left and counts else None
     changes = turns(evidence, wish) if order is not None else ()
     undecided = tuple(_left_open(evidence, wish, left))
     return Answer(

@@ -291,8 +291,8 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
             if price.verdict == BOUND:
                 least = _useful(price.cost / unit)
                 says = f"at most {says}: no coarser step was run"
-                values = {"value": (least + 1) / 2, "low": least, "high": 1.0}
-                data["price", case, engine] = Datum(says=says, bounded=least < 1, **values, **about)
+                middle = (least + 1) / 2
+                data["price", case, engine] = Datum(value=middle, low=least, high=1.0, says=says, bounded=least < 1, **about)
                 continue
             values = {"value": price.cost / unit, "low": high / unit, "high": low / unit}
             useful: dict[str, Any] = {name: _useful(times) for name, times in values.items()}

@@ -154,10 +154,10 @@ def print_readable(page: Path) -> None:
     """Open a page from disk in Chromium three times and print how soon it shows something, is whole, and has its charts."""
     from playwright.sync_api import sync_playwright
 
-    from tests.browser.conftest import CHROMIUM, FLAGS
+    from tests.browser.conftest import CHROMIUM, QUIET
 
     with sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=[*QUIET, "--disable-gpu"])
         for _ in range(3):
             tab = browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
             tab.goto(page.as_uri(), wait_until="commit")

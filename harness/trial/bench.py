@@ -31,6 +31,8 @@ LONGEST = 10.0
 """A single run of a scene is cut off after this many times the sample's length."""
 PATIENCE = 3.0
 """A sample is made shorter where building anew for each of its runs would make it take more than this many times its length."""
+ALIKE = 1.02
+"""The ratio within which two samples of a rough cost are one and the same."""
 
 
 def clock_steps(simulation: Simulation | Batch, steps: int) -> tuple[float, float]:
@@ -197,13 +199,17 @@ def calibrate(bench: Bench, seconds: float) -> int:
 
 
 def rough_cost(bench: Bench, seconds: float = 2e-3) -> float:
-    """CPU seconds per simulated second, per unit where that is no step: the least of five short samples, taken at once.
+    """CPU seconds per simulated second, per unit where that is no step: the least of up to five short samples, taken at once.
 
-    What disturbs a sample makes it longer. Whatever comes of it, the bench is stopped.
+    What disturbs a sample makes it longer, so that the least is known as soon as another comes within `ALIKE` of it: building
+    anew for each sample may take far longer than the sample. Whatever comes of it, the bench is stopped.
     """
     try:
         steps = calibrate(bench, seconds)
-        taken = min(bench.clock(steps)[0] for _ in range(5)) / (steps * bench.units)
+        samples = [bench.clock(steps)[0]]
+        while len(samples) < 5 and (len(samples) == 1 or samples[1] > ALIKE * samples[0]):
+            samples = sorted((*samples, bench.clock(steps)[0]))
+        taken = samples[0] / (steps * bench.units)
     finally:
         bench.stop()
     return taken / _length(bench)

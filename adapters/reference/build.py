@@ -1,5 +1,7 @@
 """What the adapter makes of a scene: one world, many worlds, compiled code."""
 
+from typing import TYPE_CHECKING
+
 from adapters.reference.batch import ReferenceBatch
 from adapters.reference.options import SUITED, engine_options, resolved_settings
 from adapters.reference.simulation import ReferenceSimulation
@@ -8,13 +10,15 @@ from adapters.reference.world import make_world
 from harness.adapter import Settings
 from harness.scene import Camera, Scene
 
+if TYPE_CHECKING:
+    import engine
+
 __all__ = ["build", "build_batch", "compile_for"]
 
 
 def build(scene: Scene, settings: Settings) -> ReferenceSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
-    options = engine_options(scene, _settled(scene, settings))
-    world = make_world(scene, options)
+    world, options = _world(scene, settings)
     return ReferenceSimulation(world, scene, resolved_settings(settings, options, world))
 
 
@@ -25,8 +29,7 @@ def build_batch(scene: Scene, settings: Settings, count: int) -> ReferenceBatch 
     """
     import engine
 
-    options = engine_options(scene, _settled(scene, settings))
-    world = make_world(scene, options)
+    world, options = _world(scene, settings)
     try:
         return ReferenceBatch(engine.Batch.replicate(world, count), resolved_settings(settings, options, world))
     except (engine.NotSupported, ValueError):
@@ -37,7 +40,7 @@ def compile_for(scene: Scene, settings: Settings) -> None:
     """Compile what the scene's steps, rays and pictures need. Raises: Unsupported, SettingsError."""
     import engine
 
-    world = make_world(scene, engine_options(scene, _settled(scene, settings)))
+    world, _ = _world(scene, settings)
     world.compile()
     if scene.sensors:
         world.cast([[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], 1.0)
@@ -45,6 +48,11 @@ def compile_for(scene: Scene, settings: Settings) -> None:
         world.render(engine.Eye(width=2, height=2), renderer)
 
 
-def _settled(scene: Scene, settings: Settings) -> Settings:
-    """The settings with a solver of the engine, where the scene is to choose it."""
-    return suited(scene, settings) if settings.solver == SUITED else settings
+def _world(scene: Scene, settings: Settings) -> "tuple[engine.World, engine.Options]":
+    """A world at the start of the scene, and its options, with a solver of the engine where the scene is to choose it.
+
+    Raises: Unsupported, SettingsError.
+    """
+    settled, world = suited(scene, settings) if settings.solver == SUITED else (settings, None)
+    options = engine_options(scene, settled)
+    return world or make_world(scene, options), options

@@ -1,7 +1,7 @@
 """The solver that suits a scene: what the track 'tuned' chooses."""
 
 from dataclasses import replace
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 
@@ -9,6 +9,9 @@ from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UN
 from adapters.reference.world import make_world
 from harness.adapter import Settings
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
+
+if TYPE_CHECKING:
+    import engine
 
 __all__ = ["suited"]
 
@@ -20,8 +23,8 @@ UNSUBSTEPPED = 4
 """Sub-steps of the soft solver where the settings leave them open."""
 
 
-def suited(scene: Scene, settings: Settings) -> Settings:
-    """The settings with the solver that suits the scene.
+def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | None]":
+    """The settings with the solver that suits the scene, and a world under them at its start, where one was made to see.
 
     Unlike masses: a soft contact of a body of mass m is a spring of stiffness m w^2, w h = pi/2 in each of n sub-steps h of
     dt. Under a body r times heavier it gives by r g/w^2 = 4 r/(pi n)^2 g dt^2, and Gauss-Seidel sweeps need the more steps to
@@ -40,16 +43,22 @@ def suited(scene: Scene, settings: Settings) -> Settings:
     springs = replace(settings, solver=SOFT)
     kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
     if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:
-        return springs
+        return springs, None
     if _exact_knows(scene) and (ratio := _mass_ratio(scene)) > (settings.substeps or UNSUBSTEPPED) ** 2:
         # Impulses are known to rounding of the heaviest load; the residual is relative to the light body's.
         tolerance = settings.tolerance or max(1e-11, 1e-15 * ratio)
-        return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept)
-    if _overlaps(scene, springs):
+        return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept), None
+    world = make_world(scene, engine_options(scene, springs))
+    start = world.save()
+    if _overlaps(scene, world):
         margin = min(1e-3, float(np.linalg.norm(scene.gravity)) * settings.dt**2)
         unset = UNSET[SEQUENTIAL]
-        return replace(settings, solver=SEQUENTIAL, **unset, options={"margin": margin, **kept})
-    return springs
+        return replace(settings, solver=SEQUENTIAL, **unset, options={"margin": margin, **kept}), None
+    if world.impacts is not None:
+        # What swept steps remember stands beside the saved state.
+        return springs, None
+    world.restore(start)
+    return springs, world
 
 
 def _mass_ratio(scene: Scene) -> float:
@@ -85,11 +94,10 @@ def _half_width(shape: Shape) -> float:
             assert_never(shape)
 
 
-def _overlaps(scene: Scene, settings: Settings) -> bool:
-    """Whether two bodies start deeper in each other than `DEEP`, as the first step of a world to be thrown away finds them."""
+def _overlaps(scene: Scene, world: "engine.World") -> bool:
+    """Whether two bodies start deeper in each other than `DEEP`, as the first step of a world, taken here, finds them."""
     import engine
 
-    world = make_world(scene, engine_options(scene, settings))
     try:
         world.step(1)
     except (engine.Diverged, engine.NotSupported):

@@ -72,7 +72,7 @@ class Answer:
             return self.status == "passed"
         judged = ((check, *self.values[check.metric.name]) for check in case.checks if check.metric.name in self.values)
         return all(
-            check.passes(value - (off if check.metric.better == "lower" else 0.0), dt, substep=substep)
+            check.passes(value - (off if check.metric.better == "lower" else 0.0), dt, case.parameters, substep)
             for check, value, off in judged
         )
 
@@ -114,7 +114,7 @@ def compare(case: Case, dt: float, default: Sequence[Answer], tuned: Sequence[An
         ratio = before / after if after > 0 else (math.inf if before > 0 else 1.0)
     else:
         taken = max((one.substep for one in (*default, *tuned) if one.substep is not None), default=dt)
-        bounds = [check.bound(dt, substep=taken) for check in case.checks if check.metric.name == case.headline]
+        bounds = [check.bound(dt, case.parameters, taken) for check in case.checks if check.metric.name == case.headline]
         off = max(one.off for one in (*default, *tuned))
         floor = max(off, LEAST * case.scale, SHARE * max([0.0, *bounds]))
         ratio = max(after, floor) / max(before, floor)

@@ -1,6 +1,7 @@
 """What an engine answered: states, contacts and ray hits as plain arrays in the world frame."""
 
 from harness.trajectory.trajectory import (
+    UNSHARED,
     Contacts,
     Floats,
     Hits,
@@ -11,6 +12,7 @@ from harness.trajectory.trajectory import (
 )
 
 __all__ = [
+    "UNSHARED",
     "Contacts",
     "Floats",
     "Hits",

@@ -10,15 +10,19 @@ from numpy.typing import NDArray
 
 from harness.scene import Scene
 
-__all__ = ["Contacts", "Floats", "Hits", "Image", "Integers", "State", "Trajectory"]
+__all__ = ["UNSHARED", "Contacts", "Floats", "Hits", "Image", "Integers", "State", "Trajectory"]
 
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
 
+UNSHARED = 8192
+"""Numbers whose squares are added up in one thread: longer sums may be shared out over threads, which wait on busy cores."""
+
 
 def _finite(numbers: Floats) -> bool:
     """Is each finite? A finite sum of squares says so in one call; that of huge numbers is infinite, and says nothing."""
-    return math.isfinite(np.vdot(numbers, numbers)) or bool(np.isfinite(numbers).all())
+    few = numbers.size <= UNSHARED
+    return (few and math.isfinite(np.vdot(numbers, numbers))) or bool(np.isfinite(numbers).all())
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +59,13 @@ class State:
     @property
     def finite(self) -> bool:
         """Is every number finite?"""
-        return all(map(_finite, (self.p_WB, self.q_WB, self.v_WB, self.w_WB)))
+        return math.isfinite(self.size) or all(map(_finite, (self.p_WB, self.q_WB, self.v_WB, self.w_WB)))
+
+    @property
+    def size(self) -> float:
+        """The sum of the squares of all numbers, in SI units: where it is finite, so is each of them."""
+        p_WB, q_WB, v_WB, w_WB = self.p_WB, self.q_WB, self.v_WB, self.w_WB
+        return float(np.vdot(p_WB, p_WB) + np.vdot(q_WB, q_WB) + np.vdot(v_WB, v_WB) + np.vdot(w_WB, w_WB))
 
 
 @dataclass(frozen=True, slots=True)

@@ -111,7 +111,7 @@ def test_a_request_to_stop_leaves_a_valid_store_a_hint_and_no_child(
         signal.signal(signal.SIGINT, before)
     deadline = time.monotonic() + 200.0
     journal = out / "journal.jsonl"
-    # Once a second answer is there the first is written through; one that is being written when the request comes is taken back.
+    # At the second answer the first is written through; one that is being written when the request comes is taken back.
     while time.monotonic() < deadline and not (journal.is_file() and journal.read_bytes().count(b'"kind": "accuracy"') > 1):
         time.sleep(0.02)
     children = psutil.Process(process.pid).children(recursive=True)

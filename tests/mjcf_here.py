@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.intake.refusal import RobotError
 from harness.scene.importers import mjcf_compiler
-from harness.scene.importers.mjcf_model import Model, model_of, said_of
+from harness.scene.importers.mjcf_model import Model, look_for_misspelt, model_of, said_of
 from harness.scene.importers.mjcf_text import Prepared
 
 __all__ = ["compiled_here"]
@@ -27,9 +27,10 @@ def compiled_here(text: Prepared, file: str) -> Model:
             with warnings.catch_warnings(action="ignore"):
                 kept = mjcf_compiler.compiled()
         except Exception as error:
-            raise RobotError(said_of(f"{type(error).__name__}: {error}", text, file)) from None
+            raise RobotError(said_of(f"{type(error).__name__}: {error}", text, file, mjcf_compiler.schema())) from None
         finally:
             os.chdir(before)
+    look_for_misspelt(text, mjcf_compiler.schema())
     archive = io.BytesIO()
     np.savez(archive, allow_pickle=False, **kept)
     return model_of(archive.getvalue())

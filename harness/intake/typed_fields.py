@@ -7,12 +7,17 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
+from harness.intake.near_miss import did_you_mean
 from harness.intake.safe_text import quoted, readable
+from harness.intake.valid_keys import valid_keys
 
 __all__ = ["FieldError", "filled"]
 
 MOST = 20
 """Troubles of one file that are told; the others are counted."""
+
+UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
+"""What pydantic calls a key that a table does not have: of a dataclass, of a model."""
 
 T = TypeVar("T")
 Path = tuple[str | int, ...]
@@ -36,13 +41,20 @@ def filled(form: TypeAdapter[T], document: Any, source: str) -> T:
     except ValidationError as error:
         if any(problem["type"] == "json_invalid" for problem in error.errors(include_url=False)):
             raise _strange(document, source) from None
-        raise FieldError("\n".join(_lines(document, source, error))) from None
+        raise FieldError("\n".join(_lines(form, document, source, error))) from None
 
 
-def _lines(document: Any, source: str, error: ValidationError) -> Iterator[str]:
+def _lines(form: TypeAdapter[Any], document: Any, source: str, error: ValidationError) -> Iterator[str]:
     problems = error.errors(include_url=False)
-    for problem in problems[:MOST]:
+    told = problems[:MOST]
+    schema = form.json_schema() if any(problem["type"] in UNKNOWN for problem in told) else {}
+    for problem in told:
         location = _place(document, problem["loc"])
+        if problem["type"] in UNKNOWN:
+            keys = valid_keys(schema, problem["loc"][:-1])
+            hint = did_you_mean(str(problem["loc"][-1]), keys)
+            yield f"{source}: {location}: unknown, got {quoted(problem['input'])}, expected one of {', '.join(keys)}{hint}"
+            continue
         message = readable(problem["msg"].removeprefix("Value error, "), 600)
         got = problem["input"]
         fits = problem["type"] not in ("missing", "value_error") or not isinstance(got, dict)

@@ -138,16 +138,36 @@ TEXT: dict[str, Fault] = {
     "a number at the top": told("5", "got 5", ending="json"),
     "nothing at the top": told("null", "got nothing", ending="json"),
     "message of megabytes": told('[[bodies]]\nname = "' + "x" * 3_000_000 + '"', "bodies[0]", "name"),
-    "key of megabytes": told(BALL + '"' + "k" * 1_000_000 + '" = 1', "Unexpected keyword"),
+    "key of megabytes": told(BALL + '"' + "k" * 1_000_000 + '" = 1', "unknown, got 1, expected one of name, mass"),
     "100 000 troubles": told('{"bodies": [' + ",".join(["1"] * 100_000) + "]}", "more of this kind", ending="json"),
     "escape sequence in a value": told('[[bodies]]\nname = "b\\u001b[31m"', "printable", "\\x1b[31m"),
-    "escape sequence in a key": told(BALL + '"\\u001b]0;x\\u0007" = 1', "Unexpected keyword"),
+    "escape sequence in a key": told(BALL + '"\\u001b]0;x\\u0007" = 1', "unknown, got 1, expected one of name, mass"),
     "escape sequence in a parameter": study('parameters = { "\\u001b[2J" = [1] }', "printable"),
     "reversal of direction": told('[[bodies]]\nname = "b\\u202egnp"', "printable"),
     "an invisible sign in a key": told(BALL + '"ma\ufeffss" = 1.0', f"{BODY} ma\\ufeffss"),
     "line breaks in a name": told('[[bodies]]\nname = "b\\n\\n\\ngate: all passed"', "printable"),
 }
 VALUES: dict[str, Fault] = {
+    "a key misspelt": told(BALL + "mas = 1.0", f"{BODY} mas: unknown, got 1.0", "of name, mass, inertia", "did you mean mass?"),
+    "a key misspelt in a list": told(
+        BALL + "collision = [{ shape = { type = 'sphere', radius = 1.0 }, p_BC = [0, 0, 0] }]",
+        "collision[0] > p_BC: unknown",
+        "expected one of shape, p_BS, q_BS; did you mean p_BS?",
+    ),
+    "a key misspelt of one kind": told(
+        BALL + "collision = [{ shape = { type = 'sphere', radiu = 1.0 } }]",
+        "shape > radiu: unknown",
+        "expected one of radius, type; did you mean radius?",
+    ),
+    "a key misspelt of one kind that may be nothing": told(
+        BALL
+        + JOINT
+        + "type = 'revolute'\ndrive = { stiffness = 1.0, damping = 1.0, motion = { type = 'sinusoid', amp = 1.0 } }",
+        "drive > motion > amp: unknown",
+        "expected one of amplitude, frequency, phase, type",
+    ),
+    "a key misspelt at the top of a study": told("body = []", "body: unknown", "one of variants, name, title"),
+    "a key misspelt in a study": study("trakcs = ['default']", "experiments[0] 'e' > trakcs", "did you mean tracks?"),
     "true for a mass": told(BALL + "mass = true", f"{BODY} mass", "got true"),
     "a text for a mass": told(BALL + 'mass = "5"', f"{BODY} mass", "got '5'"),
     "a text for a coordinate": told(BALL + 'p_WB = [0.0, "1", 0.0]', f"{BODY} p_WB[1]", "got '1'"),

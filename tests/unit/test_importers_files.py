@@ -255,6 +255,21 @@ def test_an_error_of_the_compiler_is_told_with_the_line_of_the_file(tmp_path: Pa
         imported(tmp_path, text)
 
 
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ('<joint/>\n<gem size=".1"/>', r"expected one of .*geom, .*body, frame, replicate; did you mean <geom>\?$"),
+        ('<geom size=".1"/>\n<body><geom size=".1"/>\n<joint dampng="1"/></body>', r"damping, .*; did you mean damping\?$"),
+        ('<geom size=".1"/>\n<frame><gem size=".1"/></frame>', r"line 5: <gem>: .*of inertial, .*; did you mean <geom>\?$"),
+        ('<geom size=".1"/>\n<geom sise=".1"/>', r"expected one of .*size, .*; did you mean size\?$"),
+        ('<geom size="x"/>', r"bad format in attribute 'size' Element 'geom'$"),
+    ],
+)
+def test_what_the_compiler_does_not_know_is_told_with_what_it_does(tmp_path: Path, inside: str, words: str) -> None:
+    with pytest.raises(RobotError, match=words):
+        imported(tmp_path, mjcf(inside))
+
+
 def test_a_process_of_its_own_leaves_what_the_compiler_leaves_in_this_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -280,3 +295,28 @@ def test_a_process_of_its_own_leaves_what_the_compiler_leaves_in_this_one(
         np.testing.assert_array_equal(array, here.arrays[name], err_msg=name)
     with pytest.raises(RobotError, match="MuJoCo's compiler refuses it"):
         imported(tmp_path, mjcf('<joint name="j"/><joint name="j"/><geom size=".1"/>'))
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        (
+            '<frame>\n<joint dampng="1"/></frame>',
+            "line 5: <joint>: attribute 'dampng' is unknown, .*; did you mean damping\\?$",
+        ),
+        ('<frame><body><geom size=".1"/><joint dampng="1"/></body></frame>', "<joint>: attribute 'dampng' .* mean damping\\?$"),
+        ('<frame poss="0 0 1"/>', "<frame>: attribute 'poss' is unknown, expected one of childclass, .*; did you mean pos\\?$"),
+        ('<replicate count="2" sip="-"><site name="a"/></replicate>', "attribute 'sip' is unknown, .*; did you mean sep\\?$"),
+        ('<replicate count="2"><geom sise=".1" size=".1"/></replicate>', "attribute 'sise' is unknown, .* mean size\\?$"),
+    ],
+)
+def test_what_the_compiler_passes_over_in_a_frame_is_refused(tmp_path: Path, inside: str, words: str) -> None:
+    with pytest.raises(RobotError, match=words):
+        imported(tmp_path, mjcf(f'<geom size=".1"/>{inside}'))
+
+
+def test_a_sound_frame_is_read(tmp_path: Path) -> None:
+    framed = '<frame name="f" pos="0 0 1" euler="0 0 1"><geom size=".1"/><frame quat="1 0 0 0"><site name="s"/></frame></frame>'
+    copies = '<replicate count="2" offset="1 0 0"><geom size=".1"/></replicate>'
+    got = imported(tmp_path, mjcf(f'<joint/><geom size=".1"/>{framed}{copies}'))
+    assert len(got.scene.body("arm").collision) == 4

@@ -1,6 +1,5 @@
 """What a robot file does not say: the small `robot.plumb.toml` beside it, read as scene files are."""
 
-import difflib
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -10,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from harness.intake.documents import InputError, document, named
 from harness.intake.import_wishes import Drop, Root, Start
+from harness.intake.near_miss import did_you_mean
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
@@ -182,8 +182,7 @@ def _misspelt(table: Any, form: Any, within: str) -> str:
     valid = [field.name for field in fields(form)]
     for key in table:
         if key not in valid:
-            near = difflib.get_close_matches(str(key), valid, 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
+            hint = did_you_mean(str(key), valid)
             return f"{within}{quoted(key, 80)} is unknown, expected one of {', '.join(valid)}{hint}"
     return ""
 

@@ -1,4 +1,4 @@
-"""MuJoCo's own compiler in a process of its own: a folder with model.xml in, its compiled arrays or what it says out.
+"""MuJoCo's own compiler in a process of its own: a folder with model.xml in, out come its arrays, or what it says.
 
 Run as a file, not imported: nothing of ours is loaded, memory and time are bounded, and a crash of the compiler costs nothing
 but this process. Nothing is simulated here; the compiler stands where another format has a parser.
@@ -90,6 +90,15 @@ def compiled() -> dict[str, Any]:
     return kept
 
 
+def schema() -> str:
+    """What this compiler knows, as it prints it; nothing where there is none."""
+    try:
+        import mujoco
+    except ImportError:
+        return ""
+    return str(mujoco.mj_printSchema(False, False))
+
+
 def main(folder: str) -> None:
     """Compile what lies in a folder; out.npz or error.txt is there afterwards."""
     import os
@@ -105,6 +114,8 @@ def main(folder: str) -> None:
     except Exception as error:  # whatever the compiler raises is what it has to say
         Path("error.txt").write_text(f"{type(error).__name__}: {error}"[:20_000], encoding="utf-8", errors="replace")
         return
+    finally:
+        Path("schema.txt").write_text(schema(), encoding="utf-8")
     np.savez("out.npz", allow_pickle=False, **kept)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import one_line, readable
 from harness.scene.importers import mjcf_compiler
+from harness.scene.importers.mjcf_schema import expected, misspelt
 from harness.scene.importers.mjcf_text import Prepared
 
 __all__ = ["DEADLINE", "Model", "compile_apart", "model_of"]
@@ -75,11 +76,13 @@ def compile_apart(text: Prepared, file: str) -> Model:
             )
         except subprocess.TimeoutExpired:
             raise RobotError(f"{file}: MuJoCo's compiler did not end within {DEADLINE:g} s; expected a smaller model") from None
-        out, error = folder / "out.npz", folder / "error.txt"
+        out, error, known = folder / "out.npz", folder / "error.txt", folder / "schema.txt"
+        schema = known.read_text(encoding="utf-8") if known.is_file() else ""
         if out.is_file() and done.returncode == 0:
+            look_for_misspelt(text, schema)
             return model_of(out.read_bytes())
         if error.is_file():
-            raise RobotError(said_of(error.read_text(encoding="utf-8", errors="replace"), text, file))
+            raise RobotError(said_of(error.read_text(encoding="utf-8", errors="replace"), text, file, schema))
         raise RobotError(f"{file}: MuJoCo's compiler {_death(done.returncode, done.stderr)}")
 
 
@@ -90,14 +93,23 @@ def _death(code: int, stderr: bytes) -> str:
     return f"ended with code {code} and no model{': ' * bool(lines)}{lines}"
 
 
-def said_of(message: str, text: Prepared, file: str) -> str:
-    """The compiler's words with the line of the original in the place of that of the text that it was given."""
+def look_for_misspelt(text: Prepared, schema: str) -> None:
+    """Refuse what the compiler passes over without a word. Raises: RobotError."""
+    fault = misspelt(text.text, schema)
+    if fault is not None:
+        raise RobotError(f"{text.lines[fault[0] - 1]}: {fault[1]}")
+
+
+def said_of(message: str, text: Prepared, file: str, schema: str) -> str:
+    """The compiler's words with the line of the original in the place of that of the text that it was given, and with what
+    its schema knows there."""
     match = _LINE.search(message)
-    where = file
+    where, valid = file, ""
     if match is not None and 1 <= int(match[1]) <= len(text.lines):
         where = text.lines[int(match[1]) - 1]
+        valid = expected(message, text.text, int(match[1]), schema)
         message = message[: match.start()] + message[match.end() :]
     words = readable(" ".join(message.split()), 400)
     if "No module named 'mujoco'" in words:
         return f"{file}: MJCF is read by MuJoCo's own compiler, which is not installed; pip install mujoco"
-    return f"{where}: MuJoCo's compiler refuses it: {words}"
+    return f"{where}: MuJoCo's compiler refuses it: {words}{valid}"

@@ -1,11 +1,11 @@
 """A robot and what its user says of it: root, start, ranges, drives; what is neither expressed nor dropped is refused."""
 
-import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
 from harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from harness.intake.near_miss import did_you_mean
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
 from harness.scene import Motion, Samples
@@ -23,8 +23,7 @@ def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: st
     known = list(valid)
     for name in given:
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            hint = f"; did you mean {quoted(near[0], 80)}?" if near else ""
+            hint = did_you_mean(name, known, "'{}'")
             raise RobotError(
                 f"{source}: {what} {quoted(name, 80)} is not of the robot, expected one of {listed(known, 12) or 'none'}{hint}"
             )

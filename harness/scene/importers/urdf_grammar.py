@@ -3,12 +3,12 @@
 Source: ROS, urdf/XML (link, joint, transmission, gazebo); the elements of vendors' dialects stand apart.
 """
 
-import difflib
 import math
 from collections import Counter
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from harness.intake.near_miss import did_you_mean
 from harness.intake.safe_text import quoted
 from harness.scene.importers.xml_text import Element
 
@@ -162,8 +162,7 @@ def _checked(element: Element, left: "Counter[str]") -> Element:
             _check_dialect(child)
             left[foreign] += 1
         else:
-            near = difflib.get_close_matches(child.tag, known, 1)
-            hint = f"; did you mean <{near[0]}>?" if near else ""
+            hint = did_you_mean(child.tag, known, "<{}>")
             expected = f"one of {', '.join(known)}" if known else "no element"
             raise child.refuse(f"is unknown in <{element.tag}>, expected {expected}{hint}")
     for tag in ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry"):
@@ -206,10 +205,9 @@ def _check_attributes(element: Element) -> None:
             values = numbers(element, name, counts[name])
             _check_signs(element, name, values or ())
         elif name not in _TEXTS.get(tag, ()) and not name.startswith("xmlns") and ":" not in name and tag in _KNOWN:
-            near = difflib.get_close_matches(name, (*counts, *_TEXTS.get(tag, ())), 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            valid = ", ".join((*counts, *_TEXTS.get(tag, ()))) or "none"
-            raise element.refuse(f"attribute {quoted(name, 60)} is unknown, expected {valid}{hint}")
+            valid = (*counts, *_TEXTS.get(tag, ()))
+            hint = did_you_mean(name, valid)
+            raise element.refuse(f"attribute {quoted(name, 60)} is unknown, expected {', '.join(valid) or 'none'}{hint}")
     if tag == "joint" and element.attributes["type"] not in JOINT_TYPES:
         raise element.refuse(f"type is {quoted(element.attributes['type'])}, expected one of {', '.join(JOINT_TYPES)}")
     if tag == "limit":

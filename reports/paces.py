@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from harness.findings.prices import PER_SECOND, Point
 from reports.contents import cases, engines
 from reports.costs import titled
-from reports.own_scenes import by_case
 from reports.text import TIMES, amount
 from reports.work_precision import scenes
 
@@ -107,7 +106,7 @@ def _all(store: "Store") -> tuple[Paced, ...]:
     yard = {name for name, engine in engines(store).items() if engine["ours"]}
     made = []
     for scene in scenes(store):
-        if scene.unit != PER_SECOND or scene.case in by_case(store):
+        if scene.unit != PER_SECOND:
             continue
         title, asked = titled(store, scene.case, scene.where), list(dict.fromkeys(point.engine for point in scene.points))
         paces = {name: _cheapest([p for p in scene.points if p.engine == name], title) for name in asked}

@@ -1,9 +1,10 @@
 """What the page on selection shows: the answer at equal weights, and the evidence from which a browser works it out anew."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from glob import escape
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -12,8 +13,9 @@ from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_na
 from harness.findings.selection.evidence import BOUND, Datum
 from harness.findings.selection.words import headline
 from reports.contents import FAMILIES, cases
+from reports.own_scenes import by_case
 from reports.paces import Pace, pace_of
-from reports.text import settings_text
+from reports.text import settings_text, slug
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -104,7 +106,7 @@ class Choice:
 @dataclass(frozen=True)
 class Need:
     """A purpose in the shortest: what it is, the answer with its doubt, who stands first with which settings and at which cost,
-    on how many cases."""
+    on how many cases. own: is it a scene of the user's own, and nothing else?"""
 
     name: str
     title: str
@@ -112,15 +114,19 @@ class Need:
     answer: str
     choices: tuple[Choice, ...]
     cases: int
+    own: bool = False
 
 
+OWN = (
+    "All that this scene was asked counts alike: who ends where the others do, what a per cent of error costs, who ends at all."
+)
 FEWEST = 3
 """Cases of a purpose below which nothing is said of it."""
 
 
 @lru_cache(maxsize=1)
 def needs(store: "Store") -> list[Need]:
-    """The built-in purposes of which the run has cases enough."""
+    """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
     about = store.catalogue.get("engines", {})
 
     def titled(name: str) -> str:
@@ -134,7 +140,16 @@ def needs(store: "Store") -> list[Need]:
             continue
         first = tuple(_choice(store, answer, place.engine) for place in answer.rank.places if place.number == 1)
         found.append(Need(name, preset.title, preset.why, headline(answer, titled), first, len(answer.evidence.cases)))
-    return found
+    return [*(own for case in by_case(store) if (own := _own_need(store, case, titled)) is not None), *found]
+
+
+def _own_need(store: "Store", case: str, titled: Callable[[str], str]) -> Need | None:
+    """The purpose of a scene of the user's own: itself."""
+    answer = choose(store, Wish(cases={escape(case): 1.0}), draws=2000)
+    if answer.rank is None:
+        return None
+    first = tuple(_choice(store, answer, place.engine) for place in answer.rank.places if place.number == 1)
+    return Need(slug(case), str(cases(store)[case]["title"]), OWN, headline(answer, titled), first, 1, own=True)
 
 
 def _choice(store: "Store", answer: Answer, engine: str) -> Choice:

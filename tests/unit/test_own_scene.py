@@ -1,6 +1,7 @@
 """A scene of one's own, carried out: verdicts, errors beside costs, words at the end, and a page as good as the others."""
 
 import json
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -13,6 +14,9 @@ from harness.cli.own_scene import closing_count, closing_words
 from harness.findings import tables
 from harness.findings.agreement import agreements, balances, errors_of, outlooks
 from harness.findings.prices import Prices
+from harness.findings.selection import Wish, choose
+from harness.findings.selection.evidence import DECADES
+from harness.findings.selection.words import headline
 from harness.run.campaign import carry_out
 from harness.scene import Body, Scene, sphere_inertia
 from harness.scene.file import dump_toml
@@ -106,6 +110,24 @@ def test_errors_from_the_agreed_limit_have_prices(thrown: Done) -> None:
     assert len([price for price in prices if price.cheapest]) == 1
 
 
+def test_what_is_bounded_at_the_coarsest_step_asked_for_is_a_price(thrown: Done) -> None:
+    """An error that the coarsest step of both does not reach: nobody asked for a coarser one, so what that costs decides."""
+    listed = {price.engine: price for price in Prices(thrown.store).prices if price.target == 1e-1}
+    assert {price.verdict for price in listed.values()} == {"at most"}
+    cheapest, dearest = sorted(listed, key=lambda name: listed[name].cost or 0.0)
+    found = choose(thrown.store, Wish(max_error=1e-1, weights={"accuracy": 0.0}), draws=500)
+    assert found.rank is not None
+    assert [(place.engine, place.number) for place in found.rank.places] == [(cheapest, 1), (dearest, 2)]
+    assert found.evidence.tracks == {name: price.track for name, price in listed.items()}
+    ratio = (listed[dearest].cost or 0.0) / (listed[cheapest].cost or 1.0)
+    for engine, score in ((cheapest, 1.0), (dearest, max(0.0, 1 - math.log10(ratio) / DECADES))):
+        datum = found.evidence.table["price", thrown.case, engine]
+        assert not datum.bounded
+        assert datum.value == pytest.approx(score)
+        assert "at most" not in datum.says
+    assert "too few" not in headline(found, str)
+
+
 def test_the_run_ends_with_verdicts_and_never_with_a_bare_passed(thrown: Done) -> None:
     said = closing_words(thrown.store)
     assert "agree on one limit to the end" in said[0]
@@ -130,6 +152,9 @@ def test_the_page_is_as_good_as_the_others(thrown: Done) -> None:
         assert title in text
     assert "distance from the limit [of its size]" in text
     index = (report / "index.html").read_text()
+    assert re.search(r'id="which".*<h3>My thrown ball</h3>.*first, in', index, re.DOTALL)
+    assert re.search(r'id="cost".*real time.*at [^<]* error', index, re.DOTALL)
+    assert "cases passed" not in index
     for told in (text, index):
         shown = re.sub(r"<script.*?</script>", "", told, flags=re.DOTALL)
         assert "agrees" in shown

@@ -5,11 +5,13 @@ Errors and prices are compared by their logarithms: a hundred times the bound, o
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, TypeVar
 
+from harness.findings.agreement import AGREED_TRUTH
 from harness.findings.limits_found import searches
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
@@ -60,7 +62,7 @@ class Evidence:
     """All of it. engines: in the store's order. cases: that count, to weights. families: of these. tracks: on which each engine
     is judged, the better of its own. table: criterion, case and engine to what is known, where it is known of all engines.
     incomplete: criterion and case where it is not. covered: of each engine the share of all pairs of which something is known.
-    costs: prices by case and engine."""
+    costs: prices by case and engine. own: the cases that are scenes of the user's own."""
 
     engines: tuple[str, ...] = ()
     cases: Mapping[str, float] = field(default_factory=dict)
@@ -70,6 +72,7 @@ class Evidence:
     incomplete: tuple[tuple[str, str], ...] = ()
     covered: Mapping[str, float] = field(default_factory=dict)
     costs: Mapping[tuple[str, str], Price] = field(default_factory=dict)
+    own: frozenset[str] = frozenset()
 
 
 def _useful(times: float) -> float:
@@ -183,7 +186,10 @@ def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
 
 
 def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tuple[str, str], Price]:
-    """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes."""
+    """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes.
+
+    The coarsest step of a scene of the user's own is theirs: what an engine costs there, all at the same step, is its price."""
+    own = _own(store)
     data: dict[tuple[str, str], Price] = {}
     listed = [price for price in priced(store).prices if price.case in cases and price.unit == PER_SECOND]
     targets = sorted({price.target for price in listed}, key=lambda t: abs(math.log(t / target)))
@@ -191,17 +197,25 @@ def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tup
         if price.target == targets[0] and price.verdict != "not clocked":
             known = data.get((price.case, price.engine))
             if known is None or price.cost is None or (known.cost is not None and price.cost > known.cost):
-                data[price.case, price.engine] = price
+                asked = price.verdict == BOUND and price.case in own
+                data[price.case, price.engine] = replace(price, verdict="priced") if asked else price
     return data
 
 
-def _better_track(engine: str, by_track: Mapping[tuple[str, str, str], Datum], cases: Mapping[str, float]) -> str:
-    """Of an engine's tracks the one that errs less over all cases; the tuned one where they are level, which is for that."""
+def _better_track(
+    engine: str,
+    by_track: Mapping[tuple[str, str, str], Datum],
+    cases: Mapping[str, float],
+    costs: Mapping[tuple[str, str], Price],
+) -> str:
+    """Of an engine's tracks the one that errs less over all cases; where they are level, that of most of its prices; the tuned
+    one where these are level too, which is for that."""
     totals: dict[str, float] = {}
     for (case, name, track), datum in by_track.items():
         if name == engine:
             totals[track] = totals.get(track, 0.0) + cases[case] * datum.value
-    return max(sorted(totals, reverse=True), key=lambda track: totals[track], default="")
+    priced_on = Counter(price.track for (_, name), price in costs.items() if name == engine and price.cost is not None)
+    return max(sorted(totals, reverse=True), key=lambda track: (totals[track], priced_on[track]), default="")
 
 
 def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
@@ -211,7 +225,8 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
     families = {case: str(catalogue.get(case, {}).get("family") or case.partition("_")[0]) for case in named}
     cases = {case: weight for case in named if (weight := wish.weight_of_case(case, families[case])) > 0}
     accuracy, robustness = _of_cases(_accuracy(store), cases), _of_cases(_robustness(store), cases)
-    tracks = {engine: _better_track(engine, accuracy, cases) for engine in engines}
+    costs = {key: price for key, price in _prices(store, cases, wish.max_error).items() if key[1] in engines}
+    tracks = {engine: _better_track(engine, accuracy, cases, costs) for engine in engines}
     found: dict[tuple[str, str, str], Datum] = {}
     for criterion, by_track in (("accuracy", accuracy), ("robustness", robustness)):
         for (case, engine, track), datum in by_track.items():
@@ -220,7 +235,6 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
     for criterion, by_engine in (("limits", _limits(store)), ("determinism", _determinism(store))):
         here = _of_cases(by_engine, cases)
         found |= {(criterion, case, engine): datum for (case, engine), datum in here.items() if engine in tracks}
-    costs = {key: price for key, price in _prices(store, cases, wish.max_error).items() if key[1] in tracks}
     found |= _capability(store, cases, tracks) | _of_prices(costs)
     table, incomplete = _complete(found, engines)
     return Evidence(
@@ -232,6 +246,13 @@ def gather(store: Store, wish: Wish, engines: Sequence[str]) -> Evidence:
         incomplete=incomplete,
         covered=_covered(found, engines),
         costs=costs,
+        own=_own(store) & cases.keys(),
+    )
+
+
+def _own(store: Store) -> frozenset[str]:
+    return frozenset(
+        str(name) for name, about in store.catalogue.get("cases", {}).items() if about.get("truth") == AGREED_TRUTH
     )
 
 

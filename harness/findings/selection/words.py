@@ -22,9 +22,11 @@ FEW = 8
 
 
 def headline(answer: Answer, titled: Titled) -> str:
-    """Who is first, how surely, who shares the place, and on how few cases. Args: titled: an engine's name to its title."""
+    """Who is first, how surely, who shares the place, and on how few cases, where they stand for others than the user's own.
+
+    Args: titled: an engine's name to its title."""
     first, count = _first(answer, titled), len(answer.evidence.cases)
-    if answer.rank is None or count >= FEW:
+    if answer.rank is None or count >= FEW or answer.evidence.cases.keys() <= answer.evidence.own:
         return first
     return f"{first} It leans on {count} {'case' if count == 1 else 'cases'} alone: too few for a share to mean much."
 

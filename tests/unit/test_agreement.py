@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from harness.findings.agreement import Agreement, Side, ways
-from harness.findings.agreement.words import scene_words, side_sentence
+from harness.findings.agreement.words import STILL, scene_words, side_sentence
 from harness.trajectory import Trajectory
 from harness.trajectory.parting import apart
 from tests.own_limits import (
@@ -221,3 +221,11 @@ def test_too_few_steps_are_said_so() -> None:
     found = agreement(pendulum(), 1.0, engines=("mujoco",), ladder=(1 / 240, 1 / 480))
     assert found.sides[0].word == "cannot"
     assert "2 steps answered, 3 are needed" in found.sides[0].why
+
+
+def test_what_hangs_still_is_said_to_and_what_swings_is_not() -> None:
+    hanging, swinging = agreement(pendulum(start=0.0), 0.5), agreement(pendulum(), 0.5)
+    assert hanging.still
+    assert STILL in scene_words(hanging, {})
+    assert not swinging.still
+    assert STILL not in scene_words(swinging, {})

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+import numpy as np
+
 from harness.search.own_limits import OwnLimit
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.parting import Extent
@@ -11,6 +13,10 @@ __all__ = ["Agreement", "Difference", "Side", "Word"]
 
 Word: TypeAlias = Literal["agrees", "converges elsewhere", "converges", "does not converge", "diverged", "cannot"]
 """'converges' alone where no limit is agreed that it could stand by or against."""
+
+
+ROUNDING = 1e-12
+"""Share of the size below which a way is rounding: 1e4 steps of one part in 1e16 each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +84,18 @@ class Agreement:
     def members(self, camp: str) -> tuple[Side, ...]:
         """Those that stand in a camp, undecided ones left out."""
         return tuple(side for side in self.sides if side.camps == (camp,))
+
+    @property
+    def still(self) -> bool:
+        """Is the agreed limit that nothing moves? No body then leaves its place, or turns, by more than the limit is known to."""
+        if self.limit is None:
+            return False
+        least = max(self.bar or 0.0, ROUNDING) * self.scale.largest
+        moved = np.linalg.norm(self.limit.p_WB - self.limit.p_WB[:1], axis=-1).max(initial=0.0)
+        # Of two unit quaternions the scalar product is the cosine of half the angle between them.
+        cosine = np.abs(np.sum(self.limit.q_WB * self.limit.q_WB[:1], axis=-1)).min(initial=1.0)
+        turned = 2.0 * np.arccos(min(1.0, float(cosine)))
+        return bool(moved <= least and turned <= max(self.bar or 0.0, np.sqrt(ROUNDING)))
 
     @property
     def camps(self) -> tuple[str, ...]:

@@ -87,9 +87,14 @@ def side_words(side: Side, agreement: Agreement) -> str:
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
 
 
+STILL = "Nothing moves in it, so that engines have little to differ in: --scenario swing or sweep moves a robot's joints."
+
+
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
-    """The headline, and the differences between camps."""
+    """The headline, whether nothing moves, and the differences between camps."""
     lines = [headline(agreement, titles)]
+    if agreement.still:
+        lines.append(STILL)
     for gap in agreement.differences:
         if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
             here, there = (_called(agreement, letter, titles) for letter in (gap.one, gap.other))

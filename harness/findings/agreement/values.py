@@ -87,7 +87,7 @@ class Agreement:
 
     @property
     def still(self) -> bool:
-        """Is the agreed limit that nothing moves? No body then leaves its place, or turns, by more than the limit is known to."""
+        """Is the agreed limit that nothing moves? No body then leaves its place, or turns, by more than the limit's bar."""
         if self.limit is None:
             return False
         least = max(self.bar or 0.0, ROUNDING) * self.scale.largest

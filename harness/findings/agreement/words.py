@@ -15,10 +15,12 @@ def share(value: float) -> str:
 
 
 def metres(value: float, agreement: Agreement) -> str:
-    """A share of the size as a length: '5.63 µm'; '' where wholes have sizes of their own."""
+    """A share of the size as a length: '5.63 µm', 'under 1 nm'; '' where wholes have sizes of their own."""
     if not value or not len(agreement.scale.size) or agreement.scale.size.min() < 0.999 * agreement.scale.largest:
         return ""
     way = value * agreement.scale.largest
+    if way < 1e-9:
+        return "under 1 nm"
     units = ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
     by, unit = next(((by, unit) for by, unit in units if way * by >= 1), units[-1])
     return f"{way * by:.3g} {unit}"

@@ -29,9 +29,8 @@ def closing_count(store: "Store") -> str:
 
 
 def closing_words(store: "Store") -> list[str]:
-    """The sentences: the verdicts on all engines, then what of the scene's effects it needs."""
-    sentences = []
-    for name in ("agreement", "effects"):
-        table = tables.table(name)
-        sentences += tables.sentences(table, table.rows(store))
-    return sentences
+    """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
+    from harness.findings.agreement.costs import cost_words
+
+    verdicts, effects = (tables.sentences(table, table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
+    return [*verdicts, *cost_words(store), *effects]

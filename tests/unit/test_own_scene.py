@@ -132,6 +132,11 @@ def test_the_run_ends_with_verdicts_and_never_with_a_bare_passed(thrown: Done) -
     said = closing_words(thrown.store)
     assert "agree on one limit to the end" in said[0]
     assert sum(": agrees (order " in sentence for sentence in said) == 4
+    (costs,) = [sentence for sentence in said if "times real time" in sentence.lower()]
+    listed = {price.engine: price for price in Prices(thrown.store).prices if price.target == 1e-2}
+    paced = sorted(listed.values(), key=lambda price: price.cost or 0.0)
+    told = re.findall(r"([\d.e+]+) \((\w+), dt 1/(\d+) s\)", costs)
+    assert told == [(f"{1 / (price.cost or 1.0):.3g}", price.track, f"{1 / (price.dt or 1.0):.4g}") for price in paced]
     for sentence in (*said, closing_count(thrown.store)):
         assert "passed" not in sentence
     assert closing_count(thrown.store) == "16 trials: 16 finite"

@@ -1,0 +1,48 @@
+"""What a per cent of error costs each engine in a scene of one's own, in a sentence; none where no limit is agreed."""
+
+from collections.abc import Mapping
+
+from harness.findings.agreement.found import agreements
+from harness.findings.agreement.values import Agreement
+from harness.findings.priced import priced
+from harness.findings.prices import PER_SECOND, Price
+from harness.findings.where import STEP, in_words
+from harness.store.store import Store
+
+__all__ = ["WITHIN", "cost_words"]
+
+WITHIN = 1e-2
+"""Of the size of what moves; the target of the price list."""
+
+
+def cost_words(store: Store) -> list[str]:
+    """One sentence a scene, the cheapest engine first and our own at the end, as times real time at the settings that do."""
+    engines = store.catalogue.get("engines", {})
+    titles = {name: str(about.get("title") or name) for name, about in engines.items()}
+    ours = {name for name, about in engines.items() if about.get("ours")}
+    return [sentence for one in agreements(store) if one.agreed and (sentence := _sentence(store, one, titles, ours))]
+
+
+def _sentence(store: Store, agreement: Agreement, titles: Mapping[str, str], ours: set[str]) -> str:
+    asked = [
+        price
+        for price in priced(store).prices
+        if (price.case, price.where) == (agreement.case, agreement.where)
+        and price.unit == PER_SECOND
+        and abs(price.target / WITHIN - 1) < 1e-9
+    ]
+    paced = sorted((price for price in asked if price.cost), key=lambda price: price.cost or 0.0)
+    ranked = [price for price in paced if price.engine not in ours]
+    if not ranked:
+        return ""
+    words = ", ".join(f"{titles.get(price.engine, price.engine)} {_pace(price)}" for price in ranked)
+    words += "".join(f"; {titles.get(p.engine, p.engine)}, the yardstick, {_pace(p)}" for p in paced if p.engine in ours)
+    lacking = [titles.get(price.engine, price.engine) for price in asked if not price.cost and price.engine not in ours]
+    words += f"; not {' nor '.join(lacking)}" if lacking else ""
+    until = "" if agreement.until >= 0.999 * agreement.duration else f" up to {agreement.until:.3g} s"
+    return f"Times real time on one core at an error of {100 * WITHIN:g} % or less{until}: {words}."
+
+
+def _pace(price: Price) -> str:
+    step = "" if price.dt is None else f", {in_words({STEP: price.dt})}"
+    return f"{1 / (price.cost or 1.0):.3g} ({price.track}{step})"

@@ -11,10 +11,12 @@ from reports.palette import Look
 from reports.recordings.rotation import Floats
 from reports.text import amount, power
 
-__all__ = ["Panel", "Stroke", "apart", "overview"]
+__all__ = ["Panel", "Stroke", "apart", "labelled", "overview"]
 
 POINTS = 160
 """Most points of a line; of each stretch its smallest and largest value stay."""
+MOST_DIGITS = 9
+"""Of a label, beyond which it would leave the frame."""
 DECADES = 9
 """Most powers of ten of one axis: what lies below is drawn on its lower edge."""
 
@@ -124,13 +126,14 @@ class _Scale:
 
     def panel(self, title: str, strokes: tuple[Stroke, ...], band: str, limit: float | None, alt: str) -> Panel:
         """The frame around what was drawn."""
-        across = tuple((self.x(t), amount(t)) for t in _round_steps(0.0, self.end, 4 if self.width > 300 else 2))
+        across = tuple((self.x(t), label) for t, label in labelled(_round_steps(0.0, self.end, 4 if self.width > 300 else 2)))
         if self.logarithmic:
             powers = range(round(math.log10(self.low)), round(math.log10(self.high)) + 1)
             every = max(1, math.ceil(len(powers) / 4))
             up = tuple((self.y(10.0**k), power(k)) for k in powers if (powers[-1] - k) % every == 0)
         else:
-            up = tuple((self.y(v), amount(v)) for v in _round_steps(self.low, self.high, 4 if self.height > 150 else 3))
+            steps = _round_steps(self.low, self.high, 4 if self.height > 150 else 3)
+            up = tuple((self.y(v), label) for v, label in labelled(steps))
         return Panel(title, self.width, self.height, self.box, across, up, strokes, band, limit, alt)
 
 
@@ -190,3 +193,12 @@ def _round_steps(low: float, high: float, count: int) -> list[float]:
     step = next(step * decade for step in (1.0, 2.0, 2.5, 5.0, 10.0) if step * decade >= rough * 0.999)
     first = math.ceil(low / step - 1e-9)
     return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)]
+
+
+def labelled(steps: Sequence[float]) -> list[tuple[float, str]]:
+    """Steps with as many digits as tell them apart and in their place: of 1.38, 1.385 and 1.39 four, three where those do."""
+    apart = 1e-3 * (steps[1] - steps[0]) if len(steps) > 1 else math.inf
+    digits = next(
+        (n for n in range(3, MOST_DIGITS) if all(abs(float(f"{v:.{n - 1}e}") - v) <= apart for v in steps)), MOST_DIGITS
+    )
+    return [(v, amount(v, digits)) for v in steps]

@@ -13,6 +13,7 @@ from harness.store.record import Measurement
 from harness.store.store import Store
 from harness.trajectory import Trajectory
 from reports.html import rendered, write_report
+from reports.motion_chart import labelled
 from reports.recordings.moment import about, moment_recording
 from reports.recordings.runs import stage_of
 from reports.sights import Sight, sight
@@ -133,3 +134,16 @@ def test_what_was_kept_by_its_hash_alone_or_is_gone_is_said_in_a_line(folder: Pa
     assert "no longer in trajectories/" in " ".join(sight(store, "gone").missing)
     assert "left a trajectory" in " ".join(sight(store, "none").missing)
     assert sight(store, "slide").thumb is None
+
+
+@pytest.mark.parametrize(
+    ("steps", "labels"),
+    [
+        ([1.38, 1.385, 1.39], ["1.38", "1.385", "1.39"]),
+        ([0.0, 2.5, 5.0], ["0", "2.5", "5"]),
+        ([1000.1, 1000.15], ["1000.1", "1000.15"]),
+        ([1e-5, 2e-5], ["10⁻⁵", "2×10⁻⁵"]),
+    ],
+)
+def test_labels_of_an_axis_stand_for_their_ticks(steps: list[float], labels: list[str]) -> None:
+    assert [label for _, label in labelled(steps)] == labels

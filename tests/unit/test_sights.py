@@ -142,7 +142,7 @@ def test_what_was_kept_by_its_hash_alone_or_is_gone_is_said_in_a_line(folder: Pa
         ([1.38, 1.385, 1.39], ["1.38", "1.385", "1.39"]),
         ([0.0, 2.5, 5.0], ["0", "2.5", "5"]),
         ([1000.1, 1000.15], ["1000.1", "1000.15"]),
-        ([1e-5, 2e-5], ["10⁻⁵", "2×10⁻⁵"]),
+        ([1e-5, 2e-5], ["10⁻⁵", "2\N{MULTIPLICATION SIGN}10⁻⁵"]),
     ],
 )
 def test_labels_of_an_axis_stand_for_their_ticks(steps: list[float], labels: list[str]) -> None:

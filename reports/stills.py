@@ -17,14 +17,14 @@ from reports.drawn.picture import picture
 from reports.drawn.solids import Solid, solids_of
 from reports.drawn.stage_set import stage_set
 from reports.drawn.view import Spheres, View, framed
-from reports.recordings.camera import half_sides, reach
+from reports.recordings.camera import anchors_of, around_held, half_sides, held_by, reach
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
 from reports.recordings.truth import told_places, truth_at
 
 __all__ = ["Film", "Row", "Still", "film", "thumbnail"]
 
-DRAWN_BY = "6"
+DRAWN_BY = "7"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""
 SIZE, FRAME = (264, 176), (168, 126)
 """Pixels across and up, of a thumbnail and of one moment of a strip."""
@@ -111,7 +111,7 @@ def thumbnail(stage: Stage) -> Still | None:
     motion = _told(stage, moments) or _run(stage, 0, moments)
     low, high, larger = _framing(stage, [motion])
     travelled = _travelled(stage, motion)
-    view = framed(low, high, *SIZE, _spheres(stage, [motion], larger))
+    view = framed(low, high, *SIZE, _spheres(stage, [motion], larger, (low, high)))
     shown = range(len(motion.p)) if travelled and len(stage.moving) <= 12 else (0,)
     return _still(stage, f"The scene of {stage.case.get('title') or stage.name}", [[motion.p[k] for k in shown]],
                   [[motion.q[k] for k in shown]], view, larger)  # fmt: skip
@@ -125,7 +125,7 @@ def film(stage: Stage) -> Film | None:
     told = _told(stage, moments)
     motions = [_run(stage, k, moments) for k in range(len(stage.runs))]
     low, high, larger = _framing(stage, [told] if told else motions)
-    view = framed(low, high, *FRAME, () if told else _spheres(stage, motions, larger))
+    view = framed(low, high, *FRAME, () if told else _spheres(stage, motions, larger, (low, high)))
     near = ALIKE * view.pixel * view.width
     groups: list[_Group] = [(told, True, [])] if told else []
     for run, motion in zip(stage.runs, motions, strict=True):
@@ -202,9 +202,7 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
     lows = [(motion.p[:, places] - sizes[:, None]).min(axis=(0, 1)) for motion in motions]
     highs = [(motion.p[:, places] + sizes[:, None]).max(axis=(0, 1)) for motion in motions]
     low, high = np.median(lows, axis=0), np.median(highs, axis=0)
-    for joint in stage.scene.get("joints", []):
-        if joint["parent"] == "world" and "anchor_W" in joint:
-            low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])
+    low, high = around_held(stage, low, high)
     if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])) or sizes.max() <= 1e-6:
         for body in stage.bodies:  # what a scan sees is part of the show, and all of it where what moves has no shape
             sides = half_sides(body)
@@ -215,19 +213,18 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
     return low - (larger - 1.0) * sizes.max(), high + (larger - 1.0) * sizes.max(), larger
 
 
-def _spheres(stage: Stage, motions: Sequence[_Motion], larger: float) -> Spheres:
-    """Of the bodies that move, and where they hang on the world; none where what stands around is part of the show."""
+def _spheres(stage: Stage, motions: Sequence[_Motion], larger: float, box: tuple[Floats, Floats]) -> Spheres:
+    """Of the bodies that move, where they hang on the world and what holds them there; none where what stands around is part of
+    the show."""
     if stage.truth or not len(stage.moving) or any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
         return ()
     places = [int(k) for k in stage.moving]
     sizes = larger * np.array([reach(stage.bodies[k]) for k in places])
-    joints = [joint for joint in stage.scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
-    anchors = np.array([joint["anchor_W"] for joint in joints], dtype=np.float64).reshape(-1, 3)
-    radii = np.zeros(len(anchors))
+    anchors, (held, radii) = anchors_of(stage), held_by(stage, *box)
     return [
         (
-            np.concatenate([motion.p[:, places].reshape(-1, 3), anchors]),
-            np.concatenate([np.tile(sizes, len(motion.p)), radii]),
+            np.concatenate([motion.p[:, places].reshape(-1, 3), anchors, held]),
+            np.concatenate([np.tile(sizes, len(motion.p)), np.zeros(len(anchors)), radii]),
         )
         for motion in motions
     ]

@@ -1,7 +1,7 @@
 """Where to look from: the part of the world that a case plays in, and an eye that sees its motion broadside."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,26 +43,62 @@ class Framing:
 
 def reach(body: Mapping[str, Any]) -> float:
     """Radius [m] about the centre of mass within which the body's bounded shapes lie."""
-    largest = 0.0
+    return max((radius + math.hypot(*placed.get("p_BS", (0.0, 0.0, 0.0))) for placed, radius in _bounded(body)), default=0.0)
+
+
+def _bounded(body: Mapping[str, Any]) -> Iterator[tuple[Mapping[str, Any], float]]:
+    """The shapes of a body that have an end, each with its radius [m] about the middle of its frame."""
     for placed in placed_shapes(body):
         shape = placed["shape"]
         match shape["type"]:
             case "sphere":
-                size = shape["radius"]
+                yield placed, shape["radius"]
             case "box":
-                size = math.hypot(*shape["half_extents"])
+                yield placed, math.hypot(*shape["half_extents"])
             case "ellipsoid":
-                size = max(shape["semi_axes"])
+                yield placed, max(shape["semi_axes"])
             case "cylinder":
-                size = math.hypot(shape["radius"], shape["half_length"])
+                yield placed, math.hypot(shape["radius"], shape["half_length"])
             case "capsule":
-                size = shape["radius"] + shape["half_length"]
+                yield placed, shape["radius"] + shape["half_length"]
             case "convex_hull" | "triangle_mesh":
-                size = float(np.linalg.norm(np.asarray(shape["vertices"]), axis=1).max())
-            case _:
-                continue
-        largest = max(largest, math.hypot(*placed.get("p_BS", (0.0, 0.0, 0.0))) + size)
-    return largest
+                yield placed, float(np.linalg.norm(np.asarray(shape["vertices"]), axis=1).max())
+
+
+def held_by(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """What holds a machine whose joints hang on the world: centres (n, 3) and radii (n,) [m] of spheres about fixed shapes.
+
+    Those that are no larger than the box of what moves, between `low` and `high`, and no farther from such a joint than that is
+    large: the trunk of a robot that is welded to the world, and no wall behind it.
+    """
+    size = float(np.linalg.norm(high - low))
+    anchors = anchors_of(stage)
+    spheres = [
+        (
+            np.asarray(body["p_WB"])
+            + rotate(np.asarray(body.get("q_WB", UNTURNED)), np.asarray(placed.get("p_BS", (0, 0, 0)), float)),
+            r,
+        )
+        for body in stage.bodies
+        if body["motion"] == "static"
+        for placed, r in _bounded(body)
+        if 2.0 * r <= size
+    ]
+    near = [(c, r) for c, r in spheres if len(anchors) and np.linalg.norm(anchors - c, axis=1).min() - r <= size / 2.0]
+    return np.array([c for c, _ in near]).reshape(-1, 3), np.array([r for _, r in near])
+
+
+def anchors_of(stage: Stage) -> Floats:
+    """Where joints hang on the world, (n, 3) m."""
+    joints = [joint for joint in stage.scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
+    return np.array([joint["anchor_W"] for joint in joints], dtype=np.float64).reshape(-1, 3)
+
+
+def around_held(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """The box of what moves, grown around where joints hang it on the world and what holds it there."""
+    centres, radii = held_by(stage, low, high)
+    points = np.concatenate([anchors_of(stage), centres - radii[:, None], centres + radii[:, None], [low, high]])
+    return points.min(axis=0), points.max(axis=0)
 
 
 def bounds(paths: Sequence[Floats], sizes: Floats) -> tuple[Floats, Floats]:
@@ -93,9 +129,7 @@ def framing(stage: Stage) -> Framing:
     if not places or not paths:
         return Framing(np.zeros(3), 1.0, np.array([2.0, -2.0, 1.5]), np.zeros(3), -1.0, 1.0)
     low, high = bounds(paths, np.array([reach(stage.bodies[index]) for index in places]))
-    for joint in stage.scene.get("joints", []):
-        if joint["parent"] == "world" and "anchor_W" in joint:
-            low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])
+    low, high = around_held(stage, low, high)
     if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
         # What a scan sees is part of the show.
         for body in stage.bodies:

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.scene import Body, Plane, Scene, Sphere, Surface
+from harness.scene import Body, Plane, Revolute, Scene, Sphere, Surface
 from harness.store.record import Measurement
 from harness.store.store import Store
 from harness.trajectory import Trajectory
 from reports.html import rendered, write_report
 from reports.motion_chart import labelled
+from reports.recordings.camera import around_held
 from reports.recordings.moment import about, moment_recording
 from reports.recordings.runs import stage_of
 from reports.sights import Sight, sight
@@ -147,3 +148,20 @@ def test_what_was_kept_by_its_hash_alone_or_is_gone_is_said_in_a_line(folder: Pa
 )
 def test_labels_of_an_axis_stand_for_their_ticks(steps: list[float], labels: list[str]) -> None:
     assert [label for _, label in labelled(steps)] == labels
+
+
+def test_what_holds_a_machine_is_in_the_frame_and_the_wall_behind_it_is_not(tmp_path: Path) -> None:
+    """A head on a trunk that the world holds, an arm that hangs on the world beside it, and a wall farther off."""
+    trunk = (*placed(Sphere(radius=0.1), p_BS=(0.0, 0.0, 1.9)), *placed(Sphere(radius=0.05), p_BS=(0.0, 0.0, 9.0)))
+    arm = Body(name="arm", collision=placed(Sphere(radius=0.5)), p_WB=(0.0, 0.0, 1.0))
+    joint = Revolute(name="j", parent="world", child="arm", anchor_W=(0.0, 0.0, 1.5), axis_W=(0.0, 1.0, 0.0))
+    held = Scene(bodies=(Body(name="trunk", motion="static", collision=trunk), arm), joints=(joint,), surfaces=(Surface(),))
+    low, high = np.array((-0.5, -0.5, 0.5)), np.array((0.5, 0.5, 1.5))
+    answer = Trajectory.of(TIMES, 2)
+    answer.p_WB[:, 1], answer.q_WB[:] = arm.p_WB, arm.q_WB
+    folder = Folder(tmp_path)
+    folder.add(record("held", "bullet"), answer, held)
+    folder.write(held={"title": "Held"})
+    stage = stage_of(Store(tmp_path), "held")
+    assert around_held(stage, low, high)[0] == pytest.approx(low)
+    assert around_held(stage, low, high)[1] == pytest.approx((0.5, 0.5, 2.0))

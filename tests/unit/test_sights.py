@@ -160,7 +160,7 @@ def test_what_holds_a_machine_is_in_the_frame_and_the_wall_behind_it_is_not(tmp_
     answer = Trajectory.of(TIMES, 2)
     answer.p_WB[:, 1], answer.q_WB[:] = arm.p_WB, arm.q_WB
     folder = Folder(tmp_path)
-    folder.add(record("held", "bullet"), answer, held)
+    folder.add(record("held", "bullet"), held, answer)
     folder.write(held={"title": "Held"})
     stage = stage_of(Store(tmp_path), "held")
     assert around_held(stage, low, high)[0] == pytest.approx(low)

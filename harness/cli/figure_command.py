@@ -22,7 +22,11 @@ __all__ = ["figure"]
 )
 @click.option("--format", "form", type=click.Choice(["svg", "pdf", "png"]), default="pdf", show_default=True)
 @click.option(
-    "--width", type=click.IntRange(100, 4000), default=640, show_default=True, help="Of the frame: points of 1/72 inch in a PDF, else pixels."
+    "--width",
+    type=click.IntRange(100, 4000),
+    default=640,
+    show_default=True,
+    help="Of the frame: in a PDF points of 1/72 inch, else pixels.",
 )
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="The folder for the files.")
 def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:

@@ -54,7 +54,7 @@ def _order(report: Path) -> list[Path]:
 
 def print_report(store: "Store", report: Path, out: Path) -> Path:
     """Write the PDF of the pages in `report`; returns its path. Raises: NotPrinted, OSError."""
-    program = browser()
+    program, report = browser(), report.resolve()  # a browser takes addresses from the root alone
     sheets = [Sheet(path.stem, path.read_text(encoding="utf-8")) for path in _order(report)]
     title = f"Plumbline: {store.study.get('title') or store.study.get('name') or 'report'}"
     page, profile = report / f".print.{os.getpid()}.html", report / f".print.{os.getpid()}"

@@ -1,11 +1,13 @@
 """The report on paper: one page of all pages whose links stay within it, and a word where no browser prints it."""
 
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
 from harness.store.store import Store
+from reports import build, print_report
 from reports.html import rendered
 from reports.one_page import Sheet, joined
 from reports.printing import NotPrinted, browser
@@ -71,3 +73,21 @@ def test_where_no_browser_prints_the_command_says_what_to_do(
     assert done.stdout.splitlines() == [str(folder / "report" / "index.html")]
     assert "install Chromium, Chrome or Edge" in done.stderr
     assert not (folder / "report" / "report.pdf").exists()
+
+
+def test_a_folder_named_from_here_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a stand-in that writes down what it was asked to print, and where."""
+    program = tmp_path / "browser"
+    program.write_text(
+        f"#!{sys.executable}\nimport sys\n"
+        "(out,) = (word.partition('=')[2] for word in sys.argv if word.startswith('--print-to-pdf='))\n"
+        "open(out, 'w').write('%PDF-' + sys.argv[-1])\n"
+    )
+    program.chmod(0o755)
+    write_run_folder(tmp_path / "run", only=("stack_tower",))
+    monkeypatch.setenv("PLUMBLINE_CHROMIUM", str(program))
+    monkeypatch.chdir(tmp_path)
+    build(Path("run"))
+    printed_to = print_report(Path("run"))
+    assert printed_to == Path("run/report/report.pdf")
+    assert printed_to.read_text().startswith(f"%PDF-{(tmp_path / 'run' / 'report').as_uri()}/.print.")

@@ -57,16 +57,16 @@ def print_csv(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
     writer.writerows([csv_cell(row[column]) for column in columns] for row in rows)
 
 
-def print_markdown(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
-    """A table in Markdown."""
+def print_markdown(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+    """A table in Markdown, numbers to three digits, columns of numbers flush right."""
     print("| " + " | ".join(map(markdown_cell, columns)) + " |")
-    print("|---" * len(columns) + "|")
+    print("|" + "".join("--:|" if number else "---|" for number in _numeric(columns, rows)))
     for row in rows:
-        print("| " + " | ".join(markdown_cell(row[column]) for column in columns) + " |")
+        print("| " + " | ".join(map(_markdown_value, row)) + " |")
 
 
 DIGITS = 3
-"""Of a number in a paper."""
+"""Of a number in a paper or a note."""
 
 
 def print_latex(columns: Sequence[str], rows: Sequence[Sequence[object]], source: Sequence[tuple[str, str]]) -> None:
@@ -74,7 +74,7 @@ def print_latex(columns: Sequence[str], rows: Sequence[Sequence[object]], source
 
     Args: source: what it was made from, as comments above it.
     """
-    numeric = [bool(rows) and all(_is_number(row[k]) or row[k] in (None, "") for row in rows) for k in range(len(columns))]
+    numeric = _numeric(columns, rows)
     for name, value in source:
         print(f"% {one_line(name, LONGEST)}: {one_line(value, LONGEST)}")
     print(r"% \usepackage{booktabs}")
@@ -88,8 +88,25 @@ def print_latex(columns: Sequence[str], rows: Sequence[Sequence[object]], source
     print(r"\end{tabular}")
 
 
+def _numeric(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> list[bool]:
+    """Which columns hold numbers alone, and gaps."""
+    return [bool(rows) and all(_is_number(row[k]) or row[k] in (None, "") for row in rows) for k in range(len(columns))]
+
+
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float | Span) and not isinstance(value, bool)
+
+
+def _markdown_value(value: object) -> str:
+    match value:
+        case None:
+            return "-"
+        case Span(low, high):
+            return f"{low:.{DIGITS}g} to {high:.{DIGITS}g}"
+        case float():
+            return f"{value:.{DIGITS}g}"
+        case _:
+            return markdown_cell(value)
 
 
 def _latex_value(value: object) -> str:

@@ -49,18 +49,18 @@ def show(folder: Path, table: str, form: str) -> None:
         print_json(rows)
     elif form == "csv":
         print_csv(columns, rows)
-    elif form == "markdown":
-        print_markdown(columns, rows)
-    elif form == "latex":
-        from reports.citation import citation
-
+    elif form in ("markdown", "latex"):
         printed = paper_table(store, table, rows)
-        if printed is not None:
-            print_latex(*printed, citation(store))
-        elif worked_out is None:
-            print_latex(columns, [[row[c] for c in columns] for row in rows], citation(store))
+        if printed is None and worked_out is not None:
+            printed = worked_out.BRIEF, [list(worked_out.brief(row)) for row in rows]
+        if printed is None:
+            printed = columns, [[row[c] for c in columns] for row in rows]
+        if form == "markdown":
+            print_markdown(*printed)
         else:
-            print_latex(worked_out.BRIEF, [list(worked_out.brief(row)) for row in rows], citation(store))
+            from reports.citation import citation
+
+            print_latex(*printed, citation(store))
     elif worked_out is not None:
         print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
         for sentence in tables.sentences(worked_out, rows):

@@ -129,7 +129,7 @@ def printed(capsys: pytest.CaptureFixture[str]) -> dict[str, Printed]:
         "terminal": through(lambda text: print_table(text, (text, "value"), [(text, -1.5)])),
         "CSV": through(lambda text: print_csv(("name", "value"), row(text))),
         "CSV heading": through(lambda text: print_csv((text,), [{text: 1}])),
-        "Markdown": through(lambda text: print_markdown(("name", "value"), row(text))),
+        "Markdown": through(lambda text: print_markdown(("name", "value"), [(text, -1.5)])),
         "JSON": through(lambda text: print_json(row(text))),
     }
 

@@ -7,6 +7,7 @@ import json
 import pytest
 
 from harness.cli.listing import print_csv, print_json, print_markdown, print_table
+from harness.cli.paper_tables import Span
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -38,7 +39,7 @@ def test_no_cell_is_a_formula(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_markdown_keeps_one_row_a_line_and_no_markup(capsys: pytest.CaptureFixture[str]) -> None:
-    print_markdown(("name", "value"), ROWS)
+    print_markdown(("name", "value"), [tuple(row.values()) for row in ROWS])
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 2 + len(HOSTILE)
     assert all(line.replace("\\|", "").count("|") == 3 for line in lines)
@@ -50,3 +51,14 @@ def test_json_is_strict_and_a_number_that_is_not_finite_is_null(capsys: pytest.C
     rows = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(name))
     assert [row["name"] for row in rows[:-1]] == list(HOSTILE)
     assert rows[-1] == {"name": "n", "value": None, "parts": [None, {"x": None}]}
+
+
+def test_numbers_in_markdown_have_three_digits_and_stand_flush_right(capsys: pytest.CaptureFixture[str]) -> None:
+    print_markdown(("name", "cost", "from"), [("a", 0.000319074, Span(1.0, 2.5e6)), ("b", None, None), ("c", 12, None)])
+    assert capsys.readouterr().out.splitlines() == [
+        "| name | cost | from |",
+        "|---|--:|--:|",
+        "| a | 0.000319 | 1 to 2.5e+06 |",
+        "| b | - | - |",
+        "| c | 12 | - |",
+    ]

@@ -17,6 +17,7 @@ from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from harness.case import Case
 from harness.case.own_titles import OWN
 from harness.intake.mendable import Mendable
+from harness.intake.near_miss import did_you_mean
 from harness.intake.strangers import points, trouble
 from harness.metric import Metric
 from harness.scene import Scene
@@ -86,7 +87,9 @@ def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | typ
     else:
         point = points(f"plumbline.{kind}").get(name)
         if point is None:
-            raise PluginError(f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}")
+            raise PluginError(
+                f"{kind[:-1]} '{name}': not found, expected one of {', '.join(names(kind))}{did_you_mean(name, names(kind))}"
+            )
         if reason := trouble(point):
             raise PluginError(f"{kind[:-1]} '{name}': {reason}")
         constructed, where = point.load(), point.value

@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass as validated
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.intake.documents import InputError, document, named
+from harness.intake.near_miss import did_you_mean
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
 from harness.scene.values import FROZEN, Name
@@ -74,6 +75,7 @@ def load_study(name: str) -> Study:
     else:
         raise StudyError(
             f"study {quoted(name)}: no such study or file, expected one of {', '.join(built_in)}, or a path ending in .toml"
+            f"{did_you_mean(name, built_in)}"
         )
     try:
         return filled(TypeAdapter(Study), document(path), named(path))

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.intake.documents import named
+from harness.intake.near_miss import did_you_mean
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted, readable
 from harness.scene.importers import mjcf_actuators, mjcf_cameras, mjcf_contacts, mjcf_sensors, mjcf_shapes, mjcf_tendons
@@ -106,6 +107,7 @@ def _start(model: Model, keyframe: str | None, source: str) -> _Start:
     if keyframe not in known:
         raise RobotError(
             f"{source}: keyframe {quoted(keyframe, 80)} is not in the file, expected one of {listed(known, 8) or 'none'}"
+            f"{did_you_mean(keyframe, known)}"
         )
     k = known.index(keyframe)
     return _Start(model.key_qpos[k], model.key_qvel[k], model.key_ctrl[k])

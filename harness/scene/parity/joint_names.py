@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from harness.intake.documents import InputError, document, named
+from harness.intake.near_miss import did_you_mean
 from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
 from harness.scene.parity.facts import RobotFacts
@@ -26,7 +27,8 @@ def joint_names(path: Path, a: RobotFacts, b: RobotFacts) -> dict[str, str]:
             known = [joint.name for joint in robot.joints]
             if not isinstance(name, str) or name not in known:
                 shown = quoted(str(name), 80)
-                raise RobotError(f"{where}: joints > {shown} is no joint of {side}, expected one of {listed(known, 12)}")
+                hint = did_you_mean(str(name), known)
+                raise RobotError(f"{where}: joints > {shown} is no joint of {side}, expected one of {listed(known, 12)}{hint}")
         if name_B in names:
             raise RobotError(f"{where}: joints > {quoted(name_B, 80)} of B is given twice, expected once")
         names[name_B] = name_A

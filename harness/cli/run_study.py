@@ -16,7 +16,7 @@ from harness.cli.installed import left_out
 from harness.cli.options import limited
 from harness.cli.own_import import refuse_two_frictions, scene_to_run
 from harness.cli.own_scene import closing_count, closing_words
-from harness.cli.robot_options import NAMES, is_scene, robot_options, run_options
+from harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from harness.cli.support import support_lines
 from harness.intake.safe_text import quoted
 
@@ -159,7 +159,7 @@ def run(
     **robot: Any,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
-    own = is_scene(study)
+    own, of_robot = is_scene(study), is_robot(Path(study))
     if own:
         study = scene_to_run(study, out or Path("build") / "scene", robot)
     elif any(robot.values()) or budget is not None:
@@ -177,7 +177,7 @@ def run(
     if own:
         refuse_two_frictions(study, next(iter(chosen.values())).scene(), adapters)
     folder = out or Path("build") / plan.name
-    for sentence in support_lines(chosen, adapters):
+    for sentence in support_lines(chosen, adapters, of_robot):
         say(sentence, err=True)
     try:
         how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None

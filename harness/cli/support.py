@@ -10,12 +10,15 @@ if TYPE_CHECKING:
 __all__ = ["support_lines"]
 
 
-def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]") -> list[str]:
+def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]", droppable: bool = False) -> list[str]:
     """By the features that scenes use and adapters claim; building one may still be refused, which is then its outcome.
 
     Reasons stand once, with the number of cases that each keeps from running.
+
+    Args: droppable: is the one scene of a robot's file, of which `--drop` can leave out what an engine lacks?
     """
     from harness.adapter.features import features_of
+    from harness.case.undropped import KINDS
     from harness.study.plugins import version_of
 
     used = {name: features_of(case.scene(**case.parameters)) for name, case in cases.items()}
@@ -33,7 +36,9 @@ def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]"
                 counts[word] = counts.get(word, 0) + 1
         ranked = sorted(counts.items(), key=lambda pair: (-pair[1], pair[0]))
         if len(cases) == 1:
-            lines.append(f"{name} {version}: " + ("runs" if runs else f"cannot: it lacks {', '.join(counts)}"))
+            drops = " ".join(f"--drop {KINDS[word]}" for word in counts if word in KINDS)
+            without = f"; it runs with {drops}" if droppable and counts.keys() <= KINDS.keys() else ""
+            lines.append(f"{name} {version}: " + ("runs" if runs else f"cannot: it lacks {', '.join(counts)}{without}"))
         else:
             without = ", ".join(f"{word} ({count})" for word, count in ranked)
             lines.append(f"{name} {version}: runs {runs} of {len(cases)} cases" + (f"; lacks {without}" if without else ""))

@@ -18,6 +18,19 @@ def test_one_scene_runs_or_cannot_with_the_reason() -> None:
     assert second.endswith(": cannot: it lacks rolling_friction")
 
 
+def test_what_a_robot_s_user_can_leave_out_is_said_by_its_option() -> None:
+    case, adapter = plugins.case("joint_pendulum"), plugins.adapter("reference")
+    (joint,) = case.scene(**case.parameters).joints
+    heavy = replace(case.scene(**case.parameters), joints=(replace(joint, armature=0.1, friction_loss=0.1),))
+    robot = {case.name: replace(case, scene=lambda **_: heavy)}
+    lame = {"lame": replace(adapter, features=adapter.features & ~(Feature.ARMATURE | Feature.FRICTION_LOSS))}
+    (line,) = support_lines(robot, lame, droppable=True)
+    assert line.endswith(": cannot: it lacks armature, friction_loss; it runs with --drop armature --drop friction_loss")
+    assert support_lines(robot, lame)[0].endswith("it lacks armature, friction_loss")
+    worse = {"lame": replace(lame["lame"], features=lame["lame"].features & ~Feature.REVOLUTE)}
+    assert "--drop" not in support_lines(robot, worse, droppable=True)[0]
+
+
 def test_of_many_scenes_counts_are_said_and_each_reason_once() -> None:
     names = ("flight_projectile", "friction_rolling_resistance", "stack_tower", "joint_pendulum")
     cases = {name: plugins.case(name) for name in names}

@@ -53,12 +53,9 @@ class Scene:
 @lru_cache(maxsize=1)
 def scenes(store: "Store") -> tuple[Scene, ...]:
     """All scenes in which something was clocked that has an error."""
-    by_scene: dict[tuple[str, str], list[Point]] = {}
-    for point in priced(store).points:
-        by_scene.setdefault((point.case, point.where), []).append(point)
     listed: list[Scene] = []
     for case, where, trials in priced(store).groups():
-        points = by_scene.get((case, where), [])
+        points = priced(store).by_scene.get((case, where), [])
         if any(point.clocked for point in points):
             earlier = sum(scene.case == case for scene in listed)
             name = f"case-{slug(case)}-price" + (f"-{earlier}" if earlier else "")

@@ -214,6 +214,14 @@ class Prices:
         )
 
     @cached_property
+    def by_scene(self) -> Mapping[tuple[str, str], list[Point]]:
+        """The points of each case at one set of parameters."""
+        scenes: dict[tuple[str, str], list[Point]] = {}
+        for point in self.points:
+            scenes.setdefault((point.case, point.where), []).append(point)
+        return scenes
+
+    @cached_property
     def prices(self) -> tuple[Price, ...]:
         """One for each case, target and engine."""
         prices: list[Price] = []
@@ -224,7 +232,7 @@ class Prices:
 
     def _of_case(self, case: str, where: str, trials: pd.DataFrame) -> Iterator[Price]:
         unit = unit_of(trials)
-        here = [point for point in self.points if (point.case, point.where) == (case, where)]
+        here = self.by_scene.get((case, where), [])
         draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
         lists = {
             engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(trials["engine"])

@@ -176,7 +176,7 @@ class Store:
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)
 
-    @property
+    @cached_property
     def trials(self) -> pd.DataFrame:
         """One row a trial."""
         trials = self._read["trials"]
@@ -243,6 +243,15 @@ class Store:
         """The study file of the run."""
         return read_plain(self.folder / "study.toml")
 
+    @cached_property
+    def _not_kept(self) -> Mapping[str, str]:
+        """A trial of each trajectory of which the hash alone was kept, by that hash; '' of those that were kept."""
+        table = self.trials
+        first: dict[str, str] = {}
+        for name, trial, kept in zip(table["trajectory_hash"], table["trial"], table["trajectory_kept"], strict=True):
+            first[name] = "" if kept else first.get(name, str(trial))
+        return first
+
     def trajectory(self, trajectory_hash: str, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
         """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON).
 
@@ -252,10 +261,8 @@ class Store:
         try:
             return read_arrays(path, only)
         except FileNotFoundError as error:
-            named = self.trials["trajectory_hash"] == trajectory_hash
-            by_hash = self.trials.loc[named, ["trial", "trajectory_kept"]]
-            if len(by_hash) and not by_hash["trajectory_kept"].any():
-                again = f"plumbline reproduce {self.folder} {by_hash['trial'].iloc[0]} runs it again"
+            if trial := self._not_kept.get(trajectory_hash):
+                again = f"plumbline reproduce {self.folder} {trial} runs it again"
                 raise NotKept(f"{path}: kept by its hash alone; {again}") from error
             raise StoreError(f"{path}: missing; --resume makes it anew") from error
         except (Damaged, OSError) as error:

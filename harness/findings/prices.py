@@ -27,6 +27,7 @@ from harness.findings.where import in_words, other_values
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.statistics.order import fit_order
 from harness.statistics.pareto import on_front, price, prices_of_draws
+from harness.store.rows import records
 from harness.store.store import Store
 from harness.trajectory import Floats
 
@@ -141,7 +142,7 @@ class Prices:
             zip(self._store.asked["trial"], (self._headline(case) for case in self._store.asked["case"]), strict=True)
         )
         headlines: dict[str, tuple[float, float]] = {}
-        for row in self._store.measurements.to_dict("records"):
+        for row in records(self._store.measurements):
             if row["metric"] == wanted.get(row["trial"]) and row["trial"] not in headlines:
                 headlines[row["trial"]] = (abs(number(row["value"])), number(row.get("truth_error", 0.0)))
         return headlines | {trial: (errors.error, errors.off) for trial, errors in errors_of(self._store).items()}
@@ -171,7 +172,7 @@ class Prices:
         """Every trial that has an error and any cost, case by case and engine by engine."""
         points: list[Point] = []
         for case, where, trials in self.groups():
-            here = [point for row in trials.to_dict("records") if (point := self._point(case, where, row)) is not None]
+            here = [point for row in records(trials) if (point := self._point(case, where, row)) is not None]
             clocked = [point for point in here if point.clocked]
             best = marked(clocked)
             fronts: set[str] = set()

@@ -122,7 +122,8 @@ def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
 
 def _off_mean(values: np.ndarray) -> np.ndarray:
     """What is left without the mean; for the few numbers of a ladder `mean` takes longer than the sum."""
-    return values - np.add.reduce(values) / len(values)
+    left: np.ndarray = values - np.add.reduce(values) / len(values)
+    return left
 
 
 def criterion(x: np.ndarray, y: np.ndarray, k: int) -> float:

@@ -19,6 +19,7 @@ from harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Writt
 from harness.store.notices import StoredNotice
 from harness.store.older_schemas import base_of_track, notices_in_sentences
 from harness.store.record import Measurement, Record, Sample
+from harness.store.rows import records
 from harness.store.seal import Damaged, check_seal, sealed_json
 from harness.store.stored_tables import read_tables
 
@@ -217,6 +218,14 @@ class Store:
     def measurements(self) -> pd.DataFrame:
         """One row a metric of a trial."""
         return self._read["measurements"]
+
+    @cached_property
+    def measured(self) -> Mapping[str, Sequence[Mapping[str, Any]]]:
+        """The rows of `measurements` of each trial."""
+        rows: dict[str, list[Mapping[str, Any]]] = {}
+        for row in records(self.measurements):
+            rows.setdefault(row["trial"], []).append(row)
+        return rows
 
     @property
     def samples(self) -> pd.DataFrame:

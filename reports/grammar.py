@@ -21,8 +21,10 @@ Channel = Mapping[str, Any]
 
 
 def channel(said: str, /, **more: Any) -> Channel:
-    """A channel for a field and its kind, 'error:Q', with what else is said of it."""
+    """A channel for a field and its kind, 'error:Q', with what else is said of it. Raises: ValueError, without a kind."""
     name, _, kind = said.rpartition(":")
+    if not name or kind not in KINDS:
+        raise ValueError(f"channel {said!r}: expected a field and its kind, one of {', '.join(KINDS)}, as in 'error:Q'")
     return {"field": name, "type": KINDS[kind], **more}
 
 

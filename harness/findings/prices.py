@@ -24,7 +24,7 @@ from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
 from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
-from harness.statistics.bootstrap import interval_of_drawn
+from harness.statistics.bootstrap import interval_of_drawn, medians
 from harness.statistics.order import fit_order
 from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.rows import records
@@ -397,12 +397,3 @@ class List:
         group = self._groups[int(np.nanargmin(self._middles[:, k]))]
         under = min((p for p in group if p.error <= target), key=lambda p: p.cost)
         return under, min((p for p in group if p.error > target), key=lambda p: p.error, default=None)
-
-
-def medians(values: Floats) -> Floats:
-    """The median of the numbers in each row, nan where a row has none: shape (n, m) to (n,)."""
-    ordered = np.sort(values, axis=1)  # nan last
-    count, rows = np.isfinite(values).sum(axis=1), np.arange(len(values))
-    lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
-    middle: Floats = 0.5 * (lower + upper)
-    return middle

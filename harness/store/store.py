@@ -177,7 +177,7 @@ class Store:
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)
 
-    @cached_property
+    @property
     def trials(self) -> pd.DataFrame:
         """One row a trial."""
         trials = self._read["trials"]

@@ -67,6 +67,7 @@ def _answers(store: "Store", trials: pd.DataFrame) -> pd.DataFrame:
     return rows
 
 
+@lru_cache(maxsize=4096)
 def stepless(settings: str) -> str:
     """Settings without the time step, in one spelling."""
     try:

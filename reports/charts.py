@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from harness.metric.titles import metric_title
 from reports.contents import cases
 from reports.figure import Figure, thin
-from reports.marks import HOVER, LANE, POINT, Marks, chart, decades, finished, lane_names, lane_texts, logarithmic, ticks
+from reports.grammar import channel, chart, fixed
+from reports.marks import HOVER, LANE, POINT, Marks, decades, finished, lane_names, lane_texts, logarithmic, ticks
 from reports.points import points
 from reports.status import outcome
 from reports.text import amount, visible
@@ -68,13 +69,11 @@ def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], 
 
 def layered(store: "Store", drawn: list[Row], y_title: str, *, bounds: Sequence[Any]) -> Row:
     """Lines, ranges, points and edges over one pair of axes."""
-    import altair as alt  # late: half a second that only a report needs
-
     placed = [row for row in drawn if row["edge"] == "none"]
     placed = [row for line in grouped(placed, ("series",)).values() for row in thin(line, "dt", "error")]
     style = Marks(store, drawn)
-    x = logarithmic(alt.X, "dt", STEP, ticks(drawn, "dt"))
-    y = logarithmic(alt.Y, "error", y_title, decades(row["error"] for row in placed))
+    x = logarithmic("dt", STEP, ticks(drawn, "dt"))
+    y = logarithmic("error", y_title, decades(row["error"] for row in placed))
     marks = style.channels()
     layers: list[Any] = []
     if len(bounds) > 0:
@@ -82,16 +81,16 @@ def layered(store: "Store", drawn: list[Row], y_title: str, *, bounds: Sequence[
     lines = medians(placed)
     layers.append(
         chart(lines)
-        .mark_line(strokeWidth=1.6)
+        .marked("line", strokeWidth=1.6)
         .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash())
     )
     if seeds := spans(placed):
-        least = alt.Y("least:Q", title=y_title)
-        layers.append(chart(seeds).mark_rule(strokeWidth=1.4).encode(x=x, y=least, y2="most:Q", color=style.colour()))
-    layers.append(chart(placed).mark_point(**POINT).encode(x=x, y=y, **marks))
+        least = channel("least:Q", title=y_title)
+        layers.append(chart(seeds).marked("rule", strokeWidth=1.4).encode(x=x, y=least, y2="most:Q", color=style.colour()))
+    layers.append(chart(placed).marked("point", **POINT).encode(x=x, y=y, **marks))
     exact = [row for row in drawn if row["edge"] == "exact"]
     if exact:
-        layers.append(chart(exact).mark_point(**POINT).encode(x=x, y=alt.value("height"), **marks))
+        layers.append(chart(exact).marked("point", **POINT).encode(x=x, y=fixed("height"), **marks))
     return finished([*layers, *outcome_lanes(drawn, x, style)], height=320)
 
 
@@ -100,7 +99,7 @@ def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
     steps = chart([{"dt": dt, "error": bound} for dt, bound in bounds])
     several = len({dt for dt, _ in bounds}) > 1
     grey: Row = {"color": "#8a93a0", "strokeWidth": 1.5}
-    return (steps.mark_line(**grey) if several else steps.mark_tick(**grey, width=60)).encode(x=x, y=y)
+    return (steps.marked("line", **grey) if several else steps.marked("tick", **grey, width=60)).encode(x=x, y=y)
 
 
 def outcome_lanes(drawn: Sequence[Row], x: Any, style: "Marks") -> list[Any]:
@@ -140,8 +139,6 @@ def across_cases(
 
     Exact answers stand on the left edge; what has no number stands as its outcome right of the frame.
     """
-    import altair as alt
-
     titles = {key: visible(case["title"])[:60] for key, case in cases(store).items()}
     drawn = points(store, rows)
     merged: list[Row] = []
@@ -155,18 +152,18 @@ def across_cases(
         return None
     style = Marks(store, drawn)
     labelled = list(dict.fromkeys(row["case"] for row in [*merged, *silent]))
-    x = logarithmic(alt.X, field, title, decades(row[field] for row in merged))
-    axis = alt.Axis(grid=True, labelLimit=170, ticks=False)
-    y = alt.Y("case:N", title=None, scale=alt.Scale(domain=labelled), axis=axis)
-    layers = [chart(merged).mark_point(**POINT).encode(x=x, y=y, **style.channels())]
+    x = logarithmic(field, title, decades(row[field] for row in merged))
+    axis = {"grid": True, "labelLimit": 170, "ticks": False}
+    y = channel("case:N", title=None, scale={"domain": labelled}, axis=axis)
+    layers = [chart(merged).marked("point", **POINT).encode(x=x, y=y, **style.channels())]
     if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:
-        layers.append(chart(exact).mark_point(**POINT).encode(x=alt.value(0), y=y, **style.channels()))
-    shown: Row = {"text": alt.Text("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
+        layers.append(chart(exact).marked("point", **POINT).encode(x=fixed(0), y=y, **style.channels()))
+    shown: Row = {"text": channel("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
     beside = list(grouped((row for row in silent if not answered(row, field)), ("case",)).values())
     for column in range(max(map(len, beside), default=0)):
         edge = chart([outcomes[column] for outcomes in beside if column < len(outcomes)])
-        edge = edge.mark_text(fontSize=12, fontWeight=700, dx=12 + 13 * column)
-        layers.append(edge.encode(x=alt.value("width"), y=y, **shown))
+        edge = edge.marked("text", fontSize=12, fontWeight=700, dx=12 + 13 * column)
+        layers.append(edge.encode(x=fixed("width"), y=y, **shown))
     spec = finished(layers, height=30 + 22 * len(labelled))
     return Figure(name, title, caption, spec, *beside_each_other([*merged, *silent], style.engines, field), how)
 

@@ -7,7 +7,8 @@ from harness.findings.costs import Cost, Sweep, growth
 from harness.findings.tables.scaling import Scaling
 from reports.contents import cases
 from reports.figure import Figure
-from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart, fixed
+from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount, visible
 
@@ -60,14 +61,12 @@ def drawn(store: "Store", row: Cost) -> Row:
 
 def hover(*more: tuple[str, str]) -> list[Any]:
     """What hovering over a row shows."""
-    import altair as alt  # late: half a second that only a report needs
-
     words = [("engine", "engine"), ("setting", "setting"), ("scene", "scene"), ("status", "outcome")]
     numbers = [("cpu", "CPU time [µs]"), ("low", "95 % from"), ("high", "to"), *more]
     return [
-        *(alt.Tooltip(f"{key}:N", title=title) for key, title in words),
-        *(alt.Tooltip(f"{key}:Q", title=title, format=".4~g") for key, title in numbers),
-        alt.Tooltip("trial:N", title="trial"),
+        *(channel(f"{key}:N", title=title) for key, title in words),
+        *(channel(f"{key}:Q", title=title, format=".4~g") for key, title in numbers),
+        channel("trial:N", title="trial"),
     ]
 
 
@@ -78,15 +77,13 @@ def growths(store: "Store", scaling: Scaling) -> list[Figure]:
 
 def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     """Price against the parameter of a sweep, both logarithmic."""
-    import altair as alt
-
     rows = [drawn(store, row) | {"size": float(row.parameters[sweep.parameter])} for row in sweep.rows]
     style = Marks(store, rows)
     sizes = sorted({row["size"] for row in rows})
     across: Row = {"values": sizes, "format": ",~r", "labelOverlap": "greedy"}
-    x = logarithmic(alt.X, "size", f"{visible(sweep.parameter)[:30]}", across)
+    x = logarithmic("size", f"{visible(sweep.parameter)[:30]}", across)
     unit = UNITS.get(sweep.unit, sweep.unit)
-    y = logarithmic(alt.Y, "cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
+    y = logarithmic("cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
     best = [row for row in rows if row["best"]]
     slopes: list[Row] = []
     for engine in dict.fromkeys(row.engine for row in sweep.rows):
@@ -97,14 +94,14 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
             slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
     channels = style.channels() | {"tooltip": hover(("size", sweep.parameter))}
     layers = [
-        chart(best).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
-        chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
+        chart(best).marked("line", strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
+        chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
     ]
     if slopes:
         # Beside the lines the labels of engines that are equally fast would cover each other.
-        lane = alt.Y("lane:Q", scale=None, axis=None)
-        text = chart(slopes).mark_text(align="left", baseline="middle", fontSize=11, fontWeight=600)
-        layers.append(text.encode(x=alt.value(12), y=lane, text="label:N", color=style.colour()))
+        lane = channel("lane:Q", scale=None, axis=None)
+        text = chart(slopes).marked("text", align="left", baseline="middle", fontSize=11, fontWeight=600)
+        layers.append(text.encode(x=fixed(12), y=lane, text="label:N", color=style.colour()))
     caption = "Down is cheaper. In the corner the exponent of each line: 1 means that twice the size cost twice the time."
     how = (
         "Each point is one engine under one group of settings, open for the vendor's defaults; the line joins the fastest "
@@ -121,8 +118,6 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
 
 def standings(store: "Store", scaling: Scaling) -> Figure | None:
     """Each engine's fastest setting in every scene, as a multiple of the fastest of all."""
-    import altair as alt
-
     rows = [
         drawn(store, row) | {"times": row.to_fastest.value, "times_low": row.to_fastest.low, "times_high": row.to_fastest.high}
         for row in scaling.costs
@@ -132,17 +127,17 @@ def standings(store: "Store", scaling: Scaling) -> Figure | None:
         return None
     style = Marks(store, rows)
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    x = logarithmic(alt.X, "times", "times the CPU time of the fastest", decades(row["times"] for row in rows))
+    x = logarithmic("times", "times the CPU time of the fastest", decades(row["times"] for row in rows))
     # A scene on two lines, its title and what sets it apart, leaves room for the marks on a phone.
     comma = "indexof(datum.label, ', ')"
     lines = f"{comma} < 0 ? datum.label : [slice(datum.label, 0, {comma}), slice(datum.label, {comma} + 2)]"
-    axis = alt.Axis(grid=True, labelLimit=150, ticks=False, labelExpr=lines)
-    y = alt.Y("scene:N", title=None, scale=alt.Scale(domain=scenes), axis=axis)
+    axis = {"grid": True, "labelLimit": 150, "ticks": False, "labelExpr": lines}
+    y = channel("scene:N", title=None, scale={"domain": scenes}, axis=axis)
     channels = style.channels() | {"tooltip": hover(("times", "over the fastest"))}
-    low = alt.X("times_low:Q")
+    low = channel("times_low:Q")
     layers = [
-        chart(rows).mark_rule(strokeWidth=1.4).encode(x=low, x2="times_high:Q", y=y, color=style.colour()),
-        chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
+        chart(rows).marked("rule", strokeWidth=1.4).encode(x=low, x2="times_high:Q", y=y, color=style.colour()),
+        chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
     ]
     caption = "CPU time over that of the fastest engine of the scene: 1 is the fastest."
     how = (
@@ -173,18 +168,16 @@ def qualities(store: "Store", scaling: Scaling) -> list[Figure]:
 
 def quality_chart(store: "Store", costs: Sequence[Cost], index: int) -> Figure:
     """Penetration against price in one scene, both logarithmic."""
-    import altair as alt
-
     rows = [drawn(store, row) for row in costs]
     style = Marks(store, rows)
     unit = UNITS.get(costs[0].unit, costs[0].unit)
-    x = logarithmic(alt.X, "cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
-    y = logarithmic(alt.Y, "penetration", "penetration [µm]", decades(row["penetration"] for row in rows))
+    x = logarithmic("cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
+    y = logarithmic("penetration", "penetration [µm]", decades(row["penetration"] for row in rows))
     channels = style.channels() | {"tooltip": hover(("penetration", "penetration [µm]"), ("residual", "moves [µm/s]"))}
-    low = alt.X("low:Q", title=f"CPU time per {unit} [µs]")
+    low = channel("low:Q", title=f"CPU time per {unit} [µs]")
     layers = [
-        chart(rows).mark_rule(strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()),
-        chart(rows).mark_point(**POINT).encode(x=x, y=y, **channels),
+        chart(rows).marked("rule", strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()),
+        chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
     ]
     caption = "The lower left corner is best: cheap, and no body stands in another."
     how = "Each point is one group of settings, open for the vendor's defaults; hovering names it, with what still moves."

@@ -4,7 +4,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 
@@ -24,10 +24,11 @@ FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|cs
 def rendered(store: Store) -> Mapping[str, str | bytes]:
     """The texts and pictures of all pages by file name; a page that fails is one that says so.
 
-    Pictures are drawn by libraries that let go of the interpreter, and so in a thread beside the pages that follow.
+    Pictures are drawn by libraries that let go of the interpreter, and so in a thread beside the pages that follow. Those that
+    no menu lists are the pages of cases: they have nearly all pictures, and come first.
     """
     texts: dict[str, str | bytes] = {}
-    registered = pages()
+    registered = sorted(pages(), key=lambda page: page.listed)
     taken: set[str] = set()
     with ThreadPoolExecutor(1, "pictures") as beside:
         made: list[tuple[Page, Mapping[str, _Waiting]]] = []
@@ -49,12 +50,13 @@ _Waiting = str | bytes | Future[str | bytes]
 
 def _made(page: Page, store: Store, others: Collection[str], beside: Executor) -> Mapping[str, _Waiting]:
     """The files of a page, pictures on their way."""
+    report, made = store.folder / "report", {}
     try:
-        files = _texts(page, store, others)
+        for name, file in _files(page, store, others):
+            made[name] = file if isinstance(file, str | bytes) else beside.submit(file.kept, report)
     except Exception as error:
         return _instead(page, store, error)
-    report = store.folder / "report"
-    return {name: file if isinstance(file, str | bytes) else beside.submit(file.kept, report) for name, file in files.items()}
+    return made
 
 
 def _instead(page: Page, store: Store, error: Exception) -> Mapping[str, str]:
@@ -62,16 +64,16 @@ def _instead(page: Page, store: Store, error: Exception) -> Mapping[str, str]:
     return failed(page.name, page.title, f"{type(error).__name__}: {error}", store)
 
 
-def _texts(page: Page, store: Store, others: Collection[str]) -> Mapping[str, Rendered]:
-    """The texts of a page. Raises: ValueError, of a file outside the report, of an unknown kind, or of another page."""
+def _files(page: Page, store: Store, others: Collection[str]) -> Iterator[tuple[str, Rendered]]:
+    """The files of a page as they come. Raises: ValueError, of one outside the report, of unknown kind, or another page's."""
     page.concerns(store)
     made = page.render(store)
-    for name in made:
+    for name, file in made.items() if isinstance(made, Mapping) else made:
         if not FILE_NAME.fullmatch(name):
             raise ValueError(f"file {name!r}, expected a plain name, at most one folder deep")
         if name in others:
             raise ValueError(f"file {name!r} is another page's")
-    return made
+        yield name, file
 
 
 def write_report(folder: Path) -> Path:

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from reports.grammar import Channel, channel, chart, fixed, layered
 from reports.palette import looks
 from reports.points import labels
 from reports.text import amount
@@ -18,7 +19,6 @@ __all__ = [
     "POINT",
     "TRACKS",
     "Marks",
-    "chart",
     "decades",
     "finished",
     "lane_names",
@@ -62,88 +62,61 @@ class Marks:
         self.paths = [look.path for _, look in shown]
         self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (track != "default", track))
 
-    def colour(self, channel: str = "color") -> Any:
-        """Colour of the engine."""
-        import altair as alt
-
-        kind = {"color": alt.Color, "stroke": alt.Stroke}[channel]
-        return kind("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.colours))
+    def colour(self) -> Channel:
+        """Colour of the engine, of what is filled and of lines."""
+        return channel("engine:N", title=None, scale={"domain": self.engines, "range": self.colours})
 
     def dash(self) -> Any:
         """Dashes of the track: whole lines for tuned."""
-        import altair as alt
-
         dashes = [[1, 0] if track != "default" else [4, 3] for track in self.tracks]
         # A legend of the many settings of a sweep would be longer than the chart; hovering names them.
-        legend = alt.Legend(values=[track for track in self.tracks if track in TRACKS] or self.tracks[:2])
-        return alt.StrokeDash("track:N", title=None, legend=legend, scale=alt.Scale(domain=self.tracks, range=dashes))
+        legend = {"values": [track for track in self.tracks if track in TRACKS] or self.tracks[:2]}
+        return channel("track:N", title=None, legend=legend, scale={"domain": self.tracks, "range": dashes})
 
     def tooltip(self) -> list[Any]:
         """What hovering shows."""
-        import altair as alt
-
         return [
-            alt.Tooltip(f"{key}:Q", title=title, format=".3~g") if key in NUMBERS else alt.Tooltip(f"{key}:N", title=title)
+            channel(f"{key}:Q", title=title, format=".3~g") if key in NUMBERS else channel(f"{key}:N", title=title)
             for key, title in HOVER.items()
         ]
 
     def channels(self) -> Row:
         """All channels of a point."""
-        import altair as alt
-
         filled = [0.0001 if track == "default" else 1 for track in self.tracks]
         return {
             "color": self.colour(),
-            "stroke": self.colour("stroke"),
-            "shape": alt.Shape("engine:N", title=None, scale=alt.Scale(domain=self.engines, range=self.paths)),
-            "fillOpacity": alt.FillOpacity("track:O", title=None, scale=alt.Scale(domain=self.tracks, range=filled)),
+            "stroke": self.colour(),
+            "shape": channel("engine:N", title=None, scale={"domain": self.engines, "range": self.paths}),
+            "fillOpacity": channel("track:O", title=None, scale={"domain": self.tracks, "range": filled}),
             "tooltip": self.tooltip(),
         }
 
 
-def chart(values: Sequence[Row]) -> Any:
-    """A chart of rows that travel inside the specification."""
-    import altair as alt
-
-    # A tuple, for Altair copies the rows of a list again with every layer that is laid over another.
-    return alt.Chart({"values": tuple(values)})
-
-
-def logarithmic(kind: Any, field: str, title: str, values: Row) -> Any:
+def logarithmic(field: str, title: str, values: Row) -> Channel:
     """A logarithmic axis with room for marks at its ends."""
-    import altair as alt
-
-    return kind(f"{field}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=alt.Axis(**values))
+    return channel(f"{field}:Q", title=title, scale={"type": "log", "nice": False, "padding": 14}, axis=values)
 
 
 def lane_texts(rows: Sequence[Row], field: str, x: Any, style: Marks, tooltip: Any, **words: Any) -> list[Any]:
     """What became of trials without a point, above the frame at each row's lane; no layer where there is none."""
-    import altair as alt
-
     if not rows:
         return []
-    text = chart(rows).mark_text(fontSize=13, fontWeight=700, **words)
-    lane = alt.Y("lane:Q", scale=None, axis=None)
-    return [text.encode(x=x, y=lane, text=alt.Text(f"{field}:N"), color=style.colour(), tooltip=tooltip)]
+    text = chart(rows).marked("text", fontSize=13, fontWeight=700, **words)
+    lane = channel("lane:Q", scale=None, axis=None)
+    return [text.encode(x=x, y=lane, text=channel(f"{field}:N"), color=style.colour(), tooltip=tooltip)]
 
 
 def lane_names(rows: Sequence[Row]) -> list[Any]:
     """The label of each lane, left of the frame."""
-    import altair as alt
-
     if not rows:
         return []
-    label = chart(rows).mark_text(align="right", dx=-8, fontSize=10, color="#8a93a0", limit=130)
-    return [label.encode(x=alt.value(0), y=alt.Y("lane:Q", scale=None, axis=None), text="label:N")]
+    label = chart(rows).marked("text", align="right", dx=-8, fontSize=10, color="#8a93a0", limit=130)
+    return [label.encode(x=fixed(0), y=channel("lane:Q", scale=None, axis=None), text="label:N")]
 
 
 def finished(layers: Sequence[Any], height: int) -> Row:
     """One specification, as wide as the page lets it."""
-    import altair as alt
-
-    # To check the schema takes about as long as to draw: the tests do it, for the charts of every kind of page.
-    spec: Row = alt.layer(*layers).properties(width="container", height=height).to_dict(validate=False)
-    spec["datasets"] = {name: list(values) for name, values in spec["datasets"].items()}
+    spec = layered(layers, width="container", height=height)
     spec["config"] = {
         "legend": {
             "orient": "top",

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 from harness.findings.sensor_readings.findings import Finding
 from reports.figure import Figure
-from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart
+from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.signals import named
 from reports.text import amount, slug, visible
@@ -59,26 +60,22 @@ def _layers(
     style = Marks(store, rows)
     layers = []
     if "low" in law[0]:
-        layers.append(chart(law).mark_area(opacity=0.28, color=LAW).encode(x=x, y=y("low"), y2="high:Q"))
-    layers.append(chart(law).mark_line(strokeWidth=2.2, color=LAW).encode(x=x, y=y("law")))
+        layers.append(chart(law).marked("area", opacity=0.28, color=LAW).encode(x=x, y=y("low"), y2="high:Q"))
+    layers.append(chart(law).marked("line", strokeWidth=2.2, color=LAW).encode(x=x, y=y("law")))
     if joined:
-        line = chart(rows).mark_line(strokeWidth=1.2)
+        line = chart(rows).marked("line", strokeWidth=1.2)
         layers.append(line.encode(x=x, y=y("value"), detail="series:N", color=style.colour(), strokeDash=style.dash()))
     channels = style.channels() | {"tooltip": list(tooltips)}
-    layers.append(chart(rows).mark_point(**POINT | {"size": 42}).encode(x=x, y=y("value"), **channels))
+    layers.append(chart(rows).marked("point", **POINT | {"size": 42}).encode(x=x, y=y("value"), **channels))
     return layers
 
 
 def _tooltips(*numbers: tuple[str, str]) -> list[Any]:
-    import altair as alt  # late: half a second that only a report needs
-
-    words = [alt.Tooltip("engine:N"), alt.Tooltip("track:N")]
-    return [*words, *(alt.Tooltip(f"{f}:Q", title=t, format=".4~g") for f, t in numbers), alt.Tooltip("trial:N")]
+    words = [channel("engine:N"), channel("track:N")]
+    return [*words, *(channel(f"{f}:Q", title=t, format=".4~g") for f, t in numbers), channel("trial:N")]
 
 
 def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
-    import altair as alt
-
     first, known = group[0], group[0].noise.law
     rows: list[Row] = []
     law: list[Row] = []
@@ -91,11 +88,11 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
         mine = [dict(zip(("tau", "value", "law", "low", "high"), map(float, point), strict=True)) for point in points]
         law = law or mine
         rows += [_said(store, finding) | point for point in mine]
-    x = logarithmic(alt.X, "tau", "averaging time [s]", decades(row["tau"] for row in rows))
+    x = logarithmic("tau", "averaging time [s]", decades(row["tau"] for row in rows))
     span = decades(row[key] for row in rows for key in ("value", "low", "high"))
 
     def y(field: str) -> Any:
-        return logarithmic(alt.Y, field, f"Allan deviation [{first.unit}]", span)
+        return logarithmic(field, f"Allan deviation [{first.unit}]", span)
 
     tooltips = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
     caption = "Overlapping Allan deviation of the noise against its law, in grey."
@@ -111,8 +108,6 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
 
 
 def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
-    import altair as alt
-
     first = group[0]
     rows: list[Row] = []
     law: list[Row] = []
@@ -126,10 +121,10 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
         ]
         law = law or mine
         rows += [_said(store, finding) | point | {"count": h.count, "beyond": h.beyond} for point in mine]
-    x = alt.X("at:Q", title="range error over its standard deviation by law", scale=alt.Scale(domain=[-4, 4], nice=False))
+    x = channel("at:Q", title="range error over its standard deviation by law", scale={"domain": [-4, 4], "nice": False})
 
     def y(field: str) -> Any:
-        return alt.Y(f"{field}:Q", title="density")
+        return channel(f"{field}:Q", title="density")
 
     tooltips = _tooltips(("at", "error, in sigmas"), ("value", "found"), ("law", "normal law"), ("count", "returns"))
     caption = "Errors of all returned ranges, each over the standard deviation that the law gives it."
@@ -144,8 +139,6 @@ def _histogram(store: "Store", group: Sequence[Finding]) -> Figure:
 
 
 def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
-    import altair as alt
-
     first = group[0]
     rows: list[Row] = []
     law: list[Row] = []
@@ -158,11 +151,11 @@ def _depth(store: "Store", group: Sequence[Finding]) -> Figure:
         mine = [dict(zip(("depth", "value", "least", "most", "law"), map(float, point), strict=True)) for point in points]
         law = law or [{key: point[key] for key in ("depth", "law")} for point in mine]
         rows += [_said(store, finding) | point for point in mine]
-    x = alt.X("depth:Q", title="depth [m]", scale=alt.Scale(zero=False, padding=14))
+    x = channel("depth:Q", title="depth [m]", scale={"zero": False, "padding": 14})
     span = decades(row["value"] for row in rows)
 
     def y(field: str) -> Any:
-        return logarithmic(alt.Y, field, "spread of the depth error [m]", span)
+        return logarithmic(field, "spread of the depth error [m]", span)
 
     tooltips = _tooltips(
         ("depth", "depth [m]"), ("value", "found [m]"), ("law", "by law [m]"), ("least", "95 % from"), ("most", "to")

@@ -10,7 +10,8 @@ from harness.findings.agreement import Agreement, agreements, omission_words, om
 from harness.findings.agreement.words import scene_words, side_words
 from reports.contents import engines
 from reports.figure import Figure, thin
-from reports.marks import Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart
+from reports.marks import Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.status import FINITE, VERDICTS, Outcome, outcome
 from reports.text import amount, slug, visible
@@ -122,8 +123,6 @@ def parting_chart(store: "Store", agreement: Agreement) -> Figure | None:
 def _over_time(
     store: "Store", drawn: Sequence[Row], name: str, title: str, words: tuple[str, str], line: float | None
 ) -> Figure | None:
-    import altair as alt  # late: half a second that only a report needs
-
     if not drawn:
         return None
     style = Marks(store, drawn)
@@ -131,27 +130,27 @@ def _over_time(
     for row in drawn:
         series.setdefault(row["series"], []).append(row)
     placed = [row for curve in series.values() for row in thin(curve, "time", "share", 400)]
-    x = alt.X("time:Q", title=TIME, axis=alt.Axis(grid=True, tickCount=6))
-    y = logarithmic(alt.Y, "share", "share of the size", decades([row["share"] for row in placed]))
+    x = channel("time:Q", title=TIME, axis={"grid": True, "tickCount": 6})
+    y = logarithmic("share", "share of the size", decades([row["share"] for row in placed]))
     tooltips = [
-        alt.Tooltip("engine:N"),
-        alt.Tooltip("track:N"),
-        alt.Tooltip("time:Q", format=".3f"),
-        alt.Tooltip("share:Q", format=".3~e"),
+        channel("engine:N"),
+        channel("track:N"),
+        channel("time:Q", format=".3f"),
+        channel("share:Q", format=".3~e"),
     ]
     layers: list[Any] = []
     if line is not None and line > 0:
         ends = [min(row["time"] for row in placed), max(row["time"] for row in placed)]
         rule = chart([{"time": end, "share": max(line, LEAST)} for end in ends])
-        layers.append(rule.mark_line(color="#8a93a0", strokeWidth=1.5).encode(x=x, y=y))
+        layers.append(rule.marked("line", color="#8a93a0", strokeWidth=1.5).encode(x=x, y=y))
     layers.append(
         chart(placed)
-        .mark_line(strokeWidth=1.6)
+        .marked("line", strokeWidth=1.6)
         .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash(), tooltip=tooltips)
     )
     marked = [curve[k] for curve in series.values() for k in sorted({len(curve) // 3, 2 * len(curve) // 3, len(curve) - 1})]
     channels = style.channels() | {"tooltip": tooltips}
-    layers.append(chart(marked).mark_point(filled=True, size=55, strokeWidth=1.6, opacity=1).encode(x=x, y=y, **channels))
+    layers.append(chart(marked).marked("point", filled=True, size=55, strokeWidth=1.6, opacity=1).encode(x=x, y=y, **channels))
     cells = [[row["engine"], row["track"], amount(row["time"]), amount(row["share"])] for row in marked]
     caption, how = words
     columns = ("engine", "track", TIME, "share of the size")

@@ -3,7 +3,7 @@
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -38,14 +38,15 @@ class Page:
     Terms:
         name: unique; its main file is `<name>.html`. title: in the navigation. order: place there, smallest first.
         render: the store to texts by file name relative to the report's folder, the page itself and whatever it links to;
-        to bytes where these are pictures, and to a `Picture` where one is drawn while the next pages are made.
+        to bytes where these are pictures, and to a `Picture` where one is drawn while the next pages are made. Files may be
+        handed on as they come, as pairs of name and file: pictures that come early are drawn while the page is still made.
         listed: does it stand in the navigation? concerns: has it anything to say of this store? Without, it is left out.
     """
 
     name: str
     title: str
     order: int
-    render: Callable[["Store"], Mapping[str, "Rendered"]]
+    render: Callable[["Store"], "Mapping[str, Rendered] | Iterable[tuple[str, Rendered]]"]
     listed: bool = True
     concerns: Callable[["Store"], bool] = lambda _: True
 

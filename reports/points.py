@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from harness.store.rows import records
 from reports.contents import engines
 from reports.status import outcome
 from reports.text import visible
@@ -47,7 +48,7 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
     """
     names = labels(store)
     drawn = []
-    for row in rows.to_dict("records"):
+    for row in records(rows):
         error, cpu = number(row["error"]), number(row["cpu_per_sim_s"])
         cpu = cpu if cpu is not None and cpu > 0 else None
         low, high = number(row["cpu_low"]), number(row["cpu_high"])

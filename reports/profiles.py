@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 from harness.findings.tables.profile import FACTOR, TIME, Share
 from reports.costs import titled
 from reports.figure import Figure
-from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart
+from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount
 
@@ -21,8 +22,6 @@ AXES = {FACTOR: "times the CPU time of the fastest", TIME: "CPU time per simulat
 
 def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure | None:
     """One line an engine, with the band that leaving one case out spans; None without a share."""
-    import altair as alt  # late: half a second that only a report needs
-
     reached = {share.within for share in shares if share.limit == limit and share.share > 0}
     rows: list[Row] = [
         {
@@ -42,24 +41,26 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
         return None
     factor = limit == FACTOR
     style = Marks(store, rows)
-    x = logarithmic(alt.X, "within", AXES[limit], decades(row["within"] for row in rows))
-    scale = alt.Scale(domain=[0, 1], nice=False, padding=6)
-    y = alt.Y("share:Q", title="share of the cases", scale=scale, axis=alt.Axis(format=".0%"))
-    low = alt.Y("low:Q", title="share of the cases", scale=scale)
-    shape = alt.Shape("engine:N", title=None, scale=alt.Scale(domain=style.engines, range=style.paths))
+    x = logarithmic("within", AXES[limit], decades(row["within"] for row in rows))
+    scale = {"domain": [0, 1], "nice": False, "padding": 6}
+    y = channel("share:Q", title="share of the cases", scale=scale, axis={"format": ".0%"})
+    low = channel("low:Q", title="share of the cases", scale=scale)
+    shape = channel("engine:N", title=None, scale={"domain": style.engines, "range": style.paths})
     tooltips = [
-        alt.Tooltip("engine:N"),
-        alt.Tooltip("within:Q", title=AXES[limit], format=".3~g"),
-        alt.Tooltip("share:Q", format=".1%"),
-        alt.Tooltip("low:Q", title="least, one case left out", format=".1%"),
-        alt.Tooltip("without_low:N", title="without"),
-        alt.Tooltip("high:Q", title="most, one case left out", format=".1%"),
-        alt.Tooltip("without_high:N", title="without "),
+        channel("engine:N"),
+        channel("within:Q", title=AXES[limit], format=".3~g"),
+        channel("share:Q", format=".1%"),
+        channel("low:Q", title="least, one case left out", format=".1%"),
+        channel("without_low:N", title="without"),
+        channel("high:Q", title="most, one case left out", format=".1%"),
+        channel("without_high:N", title="without "),
     ]
     layers = [
-        chart(rows).mark_line(strokeWidth=1.8).encode(x=x, y=y, detail="engine:N", color=style.colour()),
-        chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, color=style.colour(), shape=shape, tooltip=tooltips),
-        chart(rows).mark_area(opacity=0.18).encode(x=x, y=low, y2="high:Q", detail="engine:N", color=style.colour()),
+        chart(rows).marked("line", strokeWidth=1.8).encode(x=x, y=y, detail="engine:N", color=style.colour()),
+        chart(rows)
+        .marked("point", **POINT | {"size": 45})
+        .encode(x=x, y=y, color=style.colour(), shape=shape, tooltip=tooltips),
+        chart(rows).marked("area", opacity=0.18).encode(x=x, y=low, y2="high:Q", detail="engine:N", color=style.colour()),
     ]
     pairs = max(share.pairs for share in shares if share.limit == limit)
     caption = (

@@ -14,7 +14,8 @@ from harness.metric.titles import metric_title
 from reports.contents import cases
 from reports.disputes import disputed
 from reports.figure import Figure
-from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart
+from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount, slug
 
@@ -186,8 +187,6 @@ def maps(store: "Store", searches: Sequence[Search]) -> list[Figure]:
 
 
 def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
-    import altair as alt  # late: half a second that only a report needs
-
     first = group[0]
     rest = sorted({(_rest(search), search.parts) for search in group})
     figures = []
@@ -226,27 +225,27 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
         title_x = "time step [ms]" if name == STEP else name.replace("_", " ")
         unit = "" if first.unit == "1" else f" [{first.unit}]"
         title_y = f"{first.axis.replace('_', ' ')}{unit}"
-        x = logarithmic(alt.X, "beside", title_x, decades(row["beside"] for row in rows))
+        x = logarithmic("beside", title_x, decades(row["beside"] for row in rows))
         spread = [row[key] for row in rows for key in ("held", "broke")]
-        y = logarithmic(alt.Y, "held", title_y, decades(spread))
+        y = logarithmic("held", title_y, decades(spread))
         shown = [
-            alt.Tooltip("engine:N"),
-            alt.Tooltip("track:N"),
-            alt.Tooltip("beside:Q", title=title_x, format=".3~g"),
-            alt.Tooltip("held:Q", title="all starts held", format=".3~g"),
-            alt.Tooltip("broke:Q", title="not all held", format=".3~g"),
-            alt.Tooltip("signs:N", title="broke by"),
-            alt.Tooltip("verdict:N"),
+            channel("engine:N"),
+            channel("track:N"),
+            channel("beside:Q", title=title_x, format=".3~g"),
+            channel("held:Q", title="all starts held", format=".3~g"),
+            channel("broke:Q", title="not all held", format=".3~g"),
+            channel("signs:N", title="broke by"),
+            channel("verdict:N"),
         ]
         channels = style.channels() | {"tooltip": shown}
         layers = [
             chart(rows)
-            .mark_line(strokeWidth=1.6)
+            .marked("line", strokeWidth=1.6)
             .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash()),
             chart([row for row in rows if row["mark"] == "limit"])
-            .mark_rule(strokeWidth=3, opacity=0.35)
+            .marked("rule", strokeWidth=3, opacity=0.35)
             .encode(x=x, y=y, y2="broke:Q", color=style.colour()),
-            chart(rows).mark_point(**POINT | {"size": 60}).encode(x=x, y=y, **channels),
+            chart(rows).marked("point", **POINT | {"size": 60}).encode(x=x, y=y, **channels),
         ]
         title = cases(store)[first.case]["title"] + (f", {other}" if other else "")
         figures.append(

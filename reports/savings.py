@@ -8,7 +8,8 @@ from harness.case.own_titles import called
 from harness.findings.tables.effects import Verdict
 from reports.contents import cases
 from reports.figure import Figure
-from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart
+from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount
 
@@ -26,8 +27,6 @@ def _priced(verdicts: Sequence[Verdict]) -> list[Verdict]:
 
 def savings_chart(store: "Store", verdicts: Sequence[Verdict]) -> Figure | None:
     """The cost of everything on over that of each scene as it is, engine under engine; None where nothing was clocked."""
-    import altair as alt  # late: half a second that only a report needs
-
     rows: list[Row] = [
         {
             "engine": labels(store)[verdict.engine],
@@ -44,21 +43,23 @@ def savings_chart(store: "Store", verdicts: Sequence[Verdict]) -> Figure | None:
         return None
     style = Marks(store, rows)
     spread = [row[key] for row in rows for key in ("low", "high")]
-    x = logarithmic(alt.X, "cost", "CPU time, everything on over the scene as it is", decades(spread))
-    y = alt.Y("engine:N", title=None, sort=style.engines, axis=alt.Axis(labelLimit=210))
+    x = logarithmic("cost", "CPU time, everything on over the scene as it is", decades(spread))
+    y = channel("engine:N", title=None, sort=style.engines, axis={"labelLimit": 210})
     tooltips = [
-        alt.Tooltip("case:N", title="scene"),
-        alt.Tooltip("engine:N"),
-        alt.Tooltip("cost:Q", title="ratio", format=".3~g"),
-        alt.Tooltip("low:Q", title="95 % from", format=".3~g"),
-        alt.Tooltip("high:Q", title="to", format=".3~g"),
-        alt.Tooltip("trial:N"),
+        channel("case:N", title="scene"),
+        channel("engine:N"),
+        channel("cost:Q", title="ratio", format=".3~g"),
+        channel("low:Q", title="95 % from", format=".3~g"),
+        channel("high:Q", title="to", format=".3~g"),
+        channel("trial:N"),
     ]
-    shift = alt.YOffset("case:N", scale=alt.Scale(paddingOuter=0.2))
+    shift = channel("case:N", scale={"paddingOuter": 0.2})
     layers = [
-        chart(rows).mark_rule(opacity=0.35).encode(x=alt.X("low:Q"), x2="high:Q", y=y, yOffset=shift, color=style.colour()),
         chart(rows)
-        .mark_point(**POINT | {"size": 40})
+        .marked("rule", opacity=0.35)
+        .encode(x=channel("low:Q"), x2="high:Q", y=y, yOffset=shift, color=style.colour()),
+        chart(rows)
+        .marked("point", **POINT | {"size": 40})
         .encode(x=x, y=y, yOffset=shift, **(style.channels() | {"tooltip": tooltips})),
     ]
     caption = "CPU time of a step with everything on, over that of the scene as it is: at 1 nothing is saved."

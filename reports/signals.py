@@ -7,7 +7,8 @@ from harness.findings.sensor_readings.findings import Finding
 from harness.metric.titles import metric_title
 from reports.costs import titled
 from reports.figure import Figure
-from reports.marks import POINT, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart, fixed
+from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.status import outcome
 from reports.text import amount, slug, visible
@@ -59,39 +60,37 @@ def error_charts(store: "Store", findings: Sequence[Finding]) -> list[Figure]:
 
 
 def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figure:
-    import altair as alt  # late: half a second that only a report needs
-
     style = Marks(store, rows)
     signals = list(dict.fromkeys(row["signal"] for row in rows))
     finite = [row for row in rows if row["error"] == row["error"] and 0 < row["error"] < float("inf")]
     bounds = [dict(pair) for pair in {(("signal", r["signal"]), ("bound", r["bound"])) for r in rows if r["bound"]}]
     spread = [row["error"] for row in finite] + [row["bound"] for row in bounds]
     across = f"error of the ideal signal [{unit}]"
-    x = logarithmic(alt.X, "error", across, decades(spread))
-    y = alt.Y("signal:N", title=None, scale=alt.Scale(domain=signals), axis=alt.Axis(**LINES))
-    beside = alt.YOffset("engine:N", scale=alt.Scale(domain=style.engines))
+    x = logarithmic("error", across, decades(spread))
+    y = channel("signal:N", title=None, scale={"domain": signals}, axis=LINES)
+    beside = channel("engine:N", scale={"domain": style.engines})
     tooltips = [
-        alt.Tooltip("signal:N"),
-        alt.Tooltip("engine:N"),
-        alt.Tooltip("track:N"),
-        alt.Tooltip("metric:N"),
-        alt.Tooltip("error:Q", title=f"error [{unit}]", format=".4~g"),
-        alt.Tooltip("median:Q", title="median", format=".4~g"),
-        alt.Tooltip("bound:Q", format=".4~g"),
-        alt.Tooltip("verdict:N"),
-        alt.Tooltip("reason:N"),
-        alt.Tooltip("trial:N"),
+        channel("signal:N"),
+        channel("engine:N"),
+        channel("track:N"),
+        channel("metric:N"),
+        channel("error:Q", title=f"error [{unit}]", format=".4~g"),
+        channel("median:Q", title="median", format=".4~g"),
+        channel("bound:Q", format=".4~g"),
+        channel("verdict:N"),
+        channel("reason:N"),
+        channel("trial:N"),
     ]
     channels = style.channels() | {"tooltip": tooltips}
     layers = []
     if bounds:
         grey: Row = {"color": "#8a93a0", "thickness": 2.5, "orient": "vertical", "size": 34}
-        layers.append(chart(bounds).mark_tick(**grey).encode(x=alt.X("bound:Q", title=across), y=y))
-    layers.append(chart(finite).mark_point(**POINT).encode(x=x, y=y, yOffset=beside, **channels))
-    for edge, at in (("exact", alt.value(0)), ("lost", alt.value("width"))):
+        layers.append(chart(bounds).marked("tick", **grey).encode(x=channel("bound:Q", title=across), y=y))
+    layers.append(chart(finite).marked("point", **POINT).encode(x=x, y=y, yOffset=beside, **channels))
+    for edge, at in (("exact", fixed(0)), ("lost", fixed("width"))):
         placed = [row for row in rows if (row["error"] == 0 if edge == "exact" else not row["error"] < float("inf"))]
         if placed:
-            layers.append(chart(placed).mark_point(**POINT).encode(x=at, y=y, yOffset=beside, **channels))
+            layers.append(chart(placed).marked("point", **POINT).encode(x=at, y=y, yOffset=beside, **channels))
     caption = "How far each engine's signal without noise lies from the truth; right of the grey stroke a check fails."
     how = (
         "Each mark is one engine, open for the vendor's defaults, by the statistic that the case judges. The grey stroke is "
@@ -108,8 +107,6 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
 
 def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
     """Rays a CPU second, bare and with all that makes a reading of them; None where nothing was clocked."""
-    import altair as alt
-
     rows: list[Row] = []
     for finding in findings:
         same = {
@@ -135,17 +132,17 @@ def rays_chart(store: "Store", findings: Sequence[Finding]) -> Figure | None:
     labelled = [f"{scene}: {kind}" for scene in scenes for kind in kinds]
     rows = [row | {"label": f"{row['scene']}: {row['kind']}"} for row in rows]
     labelled = [label for label in labelled if any(row["label"] == label for row in rows)]
-    x = logarithmic(alt.X, "rate", "rays a CPU second", decades(row["rate"] for row in rows))
-    y = alt.Y("label:N", title=None, scale=alt.Scale(domain=labelled), axis=alt.Axis(**LINES))
+    x = logarithmic("rate", "rays a CPU second", decades(row["rate"] for row in rows))
+    y = channel("label:N", title=None, scale={"domain": labelled}, axis=LINES)
     tooltips = [
-        alt.Tooltip("scene:N"),
-        alt.Tooltip("kind:N", title="rays"),
-        alt.Tooltip("engine:N"),
-        alt.Tooltip("track:N"),
-        alt.Tooltip("rate:Q", title="a CPU second", format=".3~s"),
-        alt.Tooltip("trial:N"),
+        channel("scene:N"),
+        channel("kind:N", title="rays"),
+        channel("engine:N"),
+        channel("track:N"),
+        channel("rate:Q", title="a CPU second", format=".3~s"),
+        channel("trial:N"),
     ]
-    layer = chart(rows).mark_point(**POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
+    layer = chart(rows).marked("point", **POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
     caption = "Beams of range finders and pixels of cameras, on one thread. Farther right is cheaper."
     how = (
         "Bare rays are cast and no more; what is read has been stepped for, cast, made into ranges, depths and intensities, "

@@ -8,7 +8,8 @@ from harness.findings.tables.steps import Step
 from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure
-from reports.marks import POINT, TRACKS, Marks, chart, decades, finished, logarithmic
+from reports.grammar import channel, chart
+from reports.marks import POINT, TRACKS, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount
 
@@ -70,8 +71,6 @@ def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
 
 def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
     """The share of scenes within one per cent over the time step, default and tuned; None where nothing stays within it."""
-    import altair as alt  # late: half a second that only a report needs
-
     rows: list[Row] = []
     for engine, track in dict.fromkeys((step.engine, step.track) for step in steps if step.track in TRACKS):
         mine = [step for step in steps if (step.engine, step.track) == (engine, track)]
@@ -80,16 +79,16 @@ def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
     if not rows:
         return None
     style = Marks(store, rows)
-    x = logarithmic(alt.X, "dt", "time step [ms]", decades(row["dt"] for row in rows))
-    scale = alt.Scale(domain=[0, 1], nice=False, padding=6)
-    y = alt.Y("share:Q", title="share of the scenes within 1 %", scale=scale, axis=alt.Axis(format=".0%"))
-    tooltips = [alt.Tooltip("engine:N"), alt.Tooltip("track:N"), alt.Tooltip("dt:Q", title="time step [ms]", format=".3~g")]
-    tooltips += [alt.Tooltip("share:Q", format=".1%"), alt.Tooltip("run:Q", title="scenes left")]
+    x = logarithmic("dt", "time step [ms]", decades(row["dt"] for row in rows))
+    scale = {"domain": [0, 1], "nice": False, "padding": 6}
+    y = channel("share:Q", title="share of the scenes within 1 %", scale=scale, axis={"format": ".0%"})
+    tooltips = [channel("engine:N"), channel("track:N"), channel("dt:Q", title="time step [ms]", format=".3~g")]
+    tooltips += [channel("share:Q", format=".1%"), channel("run:Q", title="scenes left")]
     channels = style.channels() | {"tooltip": tooltips}
-    line = chart(rows).mark_line(strokeWidth=1.6, interpolate="step-before")
+    line = chart(rows).marked("line", strokeWidth=1.6, interpolate="step-before")
     layers = [
         line.encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash()),
-        chart(rows).mark_point(**POINT | {"size": 45}).encode(x=x, y=y, **channels),
+        chart(rows).marked("point", **POINT | {"size": 45}).encode(x=x, y=y, **channels),
     ]
     caption = "Higher and farther right is better: an engine that may take larger steps."
     how = (

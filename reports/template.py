@@ -50,7 +50,7 @@ def ticked(text: str) -> Markup:
 
 def cleaned(value: Any) -> Any:
     """What every expression of a template goes through before it is escaped."""
-    return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+    return visible(value) if isinstance(value, str) and type(value) is not Markup else value
 
 
 @cache

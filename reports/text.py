@@ -4,6 +4,7 @@ import json
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import PurePath
 from typing import Any
 
@@ -36,6 +37,8 @@ SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def visible(text: str) -> str:
     """The text with control and direction-changing characters spelled out, and its tail cut off."""
+    if len(text) <= LONGEST and text.isprintable():
+        return text  # nearly all, and a report asks it of a million
     tail = "" if len(text) <= LONGEST else f" … ({len(text) - LONGEST} characters more)"
     return safe_text.visible(text[:LONGEST]) + tail
 
@@ -110,11 +113,19 @@ def slug(name: str) -> str:
 
 def settings_text(settings: str | Mapping[str, Any]) -> str:
     """Settings on one line: 'dt 1/240 s, iterations 50, options.cone elliptic'; the source is left to its own column."""
-    if isinstance(settings, str):
-        try:
-            settings = json.loads(settings)
-        except ValueError:
-            return settings if isinstance(settings, str) else ""
+    return _settings_of_json(settings) if isinstance(settings, str) else _settings_line(settings)
+
+
+@lru_cache(maxsize=4096)
+def _settings_of_json(text: str) -> str:
+    """The same of settings as a table has them: trials share theirs with many others."""
+    try:
+        return _settings_line(json.loads(text))
+    except ValueError:
+        return text
+
+
+def _settings_line(settings: Any) -> str:
     if not isinstance(settings, Mapping):
         return str(settings)
     flat: list[str] = []

@@ -12,7 +12,8 @@ import numpy as np
 from harness.history.night_readings import NightOf
 from harness.history.panels import Panel
 from reports.figure import Figure
-from reports.marks import POINT, chart, finished
+from reports.grammar import channel, chart
+from reports.marks import POINT, finished
 from reports.palette import Look
 from reports.text import amount, plural, slug, visible
 
@@ -27,8 +28,6 @@ WIDE, HIGH, LEFT, TOP, BOTTOM = 220.0, 88.0, 34.0, 6.0, 70.0
 
 def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mapping[str, Look], title: str) -> Figure | None:
     """The index of one panel, or of several, over the nights; None where none was clocked."""
-    import altair as alt  # late: half a second that only a report needs
-
     days = [_day(night.stamp) for night in nights]
     points: list[Row] = []
     stretches: list[Row] = []
@@ -48,32 +47,34 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     if not points:
         return None
     names = list(dict.fromkeys(row["engine"] for row in points))
-    colour = alt.Color("engine:N", title=None, scale=alt.Scale(domain=names, range=[looks[name].colour for name in names]),
-                       legend=None if len(names) == 1 else alt.Legend())  # fmt: skip
-    shape = alt.Shape("engine:N", title=None, scale=alt.Scale(domain=names, range=[looks[name].path for name in names]),
-                      legend=None if len(names) == 1 else alt.Legend())  # fmt: skip
-    x = alt.X("night:T", title=None, axis=alt.Axis(format="%d %b %y", labelOverlap="greedy", tickCount=6, labelFlush=True))
+    colour = channel("engine:N", title=None, scale={"domain": names, "range": [looks[name].colour for name in names]},
+                       legend=None if len(names) == 1 else {})  # fmt: skip
+    shape = channel("engine:N", title=None, scale={"domain": names, "range": [looks[name].path for name in names]},
+                      legend=None if len(names) == 1 else {})  # fmt: skip
+    x = channel(
+        "night:T", title=None, axis={"format": "%d %b %y", "labelOverlap": "greedy", "tickCount": 6, "labelFlush": True}
+    )
     inside = [row[key] for row in stretches for key in ("low", "high")] + [row["index"] for row in points]
     low, high = max(min(inside), 0.2), min(max(inside), 5.0)
-    scale = alt.Scale(type="log", domain=[low / 1.01, high * 1.01], clamp=True, nice=False)
+    scale = {"type": "log", "domain": [low / 1.01, high * 1.01], "clamp": True, "nice": False}
 
     def y(field: str) -> Any:
-        return alt.Y(f"{field}:Q", title="price over its first level", scale=scale, axis=alt.Axis(format=".3~g", tickCount=5))
+        return channel(f"{field}:Q", title="price over its first level", scale=scale, axis={"format": ".3~g", "tickCount": 5})
 
-    tooltip = [alt.Tooltip("engine:N"), alt.Tooltip("version:N"), alt.Tooltip("night:T", format="%d %b %Y %H:%M"),
-               alt.Tooltip("index:Q", title="over the first level", format=".4~g")]  # fmt: skip
+    tooltip = [channel("engine:N"), channel("version:N"), channel("night:T", format="%d %b %Y %H:%M"),
+               channel("index:Q", title="over the first level", format=".4~g")]  # fmt: skip
     layers: list[Any] = []
     if len(panels) == 1:
-        layers.append(chart(stretches).mark_area(opacity=0.22, color=NEUTRAL).encode(x=x, y=y("low"), y2="high:Q",
+        layers.append(chart(stretches).marked("area", opacity=0.22, color=NEUTRAL).encode(x=x, y=y("low"), y2="high:Q",
                                                                                      detail="stretch:N"))  # fmt: skip
-    layers.append(chart(stretches).mark_line(strokeWidth=2).encode(x=x, y=y("level"), detail="stretch:N", color=colour))
+    layers.append(chart(stretches).marked("line", strokeWidth=2).encode(x=x, y=y("level"), detail="stretch:N", color=colour))
     small = POINT | {"size": 26, "opacity": 0.75, "clip": True}
-    layers.append(chart(points).mark_point(**small).encode(x=x, y=y("index"), color=colour, shape=shape, tooltip=tooltip))
+    layers.append(chart(points).marked("point", **small).encode(x=x, y=y("index"), color=colour, shape=shape, tooltip=tooltip))
     for kind, dashes in (("step", [1, 0]), ("segment", [3, 3])):
         mine = [row for row in rules if row["kind"] == kind]
         if mine:
-            said = [alt.Tooltip("what:N", title=kind), alt.Tooltip("night:T", format="%d %b %Y %H:%M")]
-            line = chart(mine).mark_rule(strokeDash=dashes, strokeWidth=1.4, color=NEUTRAL)
+            said = [channel("what:N", title=kind), channel("night:T", format="%d %b %Y %H:%M")]
+            line = chart(mine).marked("rule", strokeDash=dashes, strokeWidth=1.4, color=NEUTRAL)
             layers.append(line.encode(x=x, tooltip=said))
     columns = ("engine", "night", "version", "over the first level")
     cells = [[row["engine"], row["night"], row["version"], amount(row["index"], 4)] for row in points]

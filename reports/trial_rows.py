@@ -92,5 +92,19 @@ def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([csv_cell(str(name)) for name in table.columns])
-    writer.writerows([csv_cell("" if _missing(value) else value) for value in row] for row in table.to_numpy(object))
+    writer.writerows(zip(*(_cells(table.iloc[:, k]) for k in range(table.shape[1])), strict=True))
     return text.getvalue()
+
+
+def _cells(column: "pd.Series[Any]") -> list[Any]:
+    """A column for a CSV file; a word is looked at once, however often it stands there."""
+    words: dict[str, Any] = {}
+    cells: list[Any] = []
+    for value in column.to_numpy(object):
+        if isinstance(value, str):
+            if value not in words:
+                words[value] = csv_cell(value)
+            cells.append(words[value])
+        else:
+            cells.append(csv_cell("" if _missing(value) else value))
+    return cells

@@ -14,7 +14,8 @@ from harness.findings.prices import LEAST, PER_SECOND, Point, unit_of
 from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure, thin
-from reports.marks import LANE, POINT, TRACKS, Marks, chart, decades, finished, lane_names, lane_texts, logarithmic
+from reports.grammar import channel, chart, fixed
+from reports.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
 from reports.palette import looks
 from reports.points import labels
 from reports.status import outcome
@@ -52,12 +53,9 @@ class Scene:
 @lru_cache(maxsize=1)
 def scenes(store: "Store") -> tuple[Scene, ...]:
     """All scenes in which something was clocked that has an error."""
-    by_scene: dict[tuple[str, str], list[Point]] = {}
-    for point in priced(store).points:
-        by_scene.setdefault((point.case, point.where), []).append(point)
     listed: list[Scene] = []
     for case, where, trials in priced(store).groups():
-        points = by_scene.get((case, where), [])
+        points = priced(store).by_scene.get((case, where), [])
         if any(point.clocked for point in points):
             earlier = sum(scene.case == case for scene in listed)
             name = f"case-{slug(case)}-price" + (f"-{earlier}" if earlier else "")
@@ -91,8 +89,6 @@ def drawn(store: "Store", point: Point) -> Row:
 
 def hover(unit: str) -> list[Any]:
     """What hovering over a point shows."""
-    import altair as alt  # late: half a second that only a report needs
-
     words = {"engine": "engine", "setting": "setting", "status": "outcome", "timing": "timing", "trial": "trial"}
     numbers = {
         "dt": "time step [ms]",
@@ -103,8 +99,8 @@ def hover(unit: str) -> list[Any]:
         "low": "95 % from [s]",
         "high": "to [s]",
     }
-    quantities = [alt.Tooltip(f"{key}:Q", title=title, format=".3~g") for key, title in numbers.items()]
-    named = [alt.Tooltip(f"{key}:N", title=title) for key, title in words.items()]
+    quantities = [channel(f"{key}:Q", title=title, format=".3~g") for key, title in numbers.items()]
+    named = [channel(f"{key}:N", title=title) for key, title in words.items()]
     return [*named[:2], *quantities, *named[2:]]
 
 
@@ -115,8 +111,6 @@ def cost_title(unit: str) -> str:
 
 def work_precision(store: "Store", scene: Scene) -> Figure:
     """Speed, or a cost that is not per simulated second, over error; every trial is a point, or stands above the frame."""
-    import altair as alt
-
     rows = [drawn(store, point) for point in scene.points]
     clocked = [row for row, point in zip(rows, scene.points, strict=True) if point.clocked]
     rough = [row for row, point in zip(rows, scene.points, strict=True) if not point.clocked]
@@ -128,26 +122,26 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
     paced = scene.unit == PER_SECOND
     error, title_y = "error, as a share of the case's scale", "times real time" if paced else cost_title(scene.unit)
     up, below, above = ("pace", "slow", "fast") if paced else ("cost", "low", "high")
-    x = logarithmic(alt.X, "error", error, decades(row["error"] for row in rows))
-    y = logarithmic(alt.Y, up, title_y, decades(row[up] for row in rows))
+    x = logarithmic("error", error, decades(row["error"] for row in rows))
+    y = logarithmic(up, title_y, decades(row[up] for row in rows))
     channels = style.channels() | {"tooltip": hover(scene.unit)}
     bar: Row = {"strokeWidth": 1.3, "clip": True}
     layers = [
-        chart(best).mark_point(filled=False, size=260, strokeWidth=5, opacity=0.35, stroke="#8a93a0").encode(x=x, y=y),
-        chart(front).mark_line(strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
+        chart(best).marked("point", filled=False, size=260, strokeWidth=5, opacity=0.35, stroke="#8a93a0").encode(x=x, y=y),
+        chart(front).marked("line", strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
         chart(clocked)
-        .mark_rule(**bar)
-        .encode(x=x, y=alt.Y(f"{below}:Q", title=title_y), y2=f"{above}:Q", color=style.colour()),
+        .marked("rule", **bar)
+        .encode(x=x, y=channel(f"{below}:Q", title=title_y), y2=f"{above}:Q", color=style.colour()),
     ]
     if doubtful := [row for row in rows if row["off"] > 0]:
-        least = alt.X("least:Q", title=error)
-        layers.append(chart(doubtful).mark_rule(**bar).encode(x=least, x2="most:Q", y=y, color=style.colour()))
-    layers.append(chart(thin(clocked, "error", up)).mark_point(**POINT | {"size": 55}).encode(x=x, y=y, **channels))
+        least = channel("least:Q", title=error)
+        layers.append(chart(doubtful).marked("rule", **bar).encode(x=least, x2="most:Q", y=y, color=style.colour()))
+    layers.append(chart(thin(clocked, "error", up)).marked("point", **POINT | {"size": 55}).encode(x=x, y=y, **channels))
     if rough:
-        faint = chart(thin(rough, "error", up)).mark_point(filled=False, size=22, strokeWidth=1.2, opacity=0.55)
+        faint = chart(thin(rough, "error", up)).marked("point", filled=False, size=22, strokeWidth=1.2, opacity=0.55)
         layers.append(faint.encode(x=x, y=y, **{k: channels[k] for k in ("color", "shape", "tooltip")}))
-    tooltips = [alt.Tooltip("engine:N"), alt.Tooltip("reason:N")]
-    layers += [*lane_texts(lanes, "text", alt.value("width"), style, tooltips, align="right"), *lane_names(lanes)]
+    tooltips = [channel("engine:N"), channel("reason:N")]
+    layers += [*lane_texts(lanes, "text", fixed("width"), style, tooltips, align="right"), *lane_names(lanes)]
     caption = f"The {'upper' if paced else 'lower'} left corner is best: accurate and {'fast' if paced else 'cheap'}."
     how = (
         "Each point is one trial, open for the vendor's defaults; lines join "

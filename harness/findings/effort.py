@@ -1,11 +1,12 @@
 """How many settings were tried for each case on each engine, and why a search for more of them ended."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import pandas as pd
 
 from harness.search.front import RUNS
+from harness.store.rows import records
 from harness.store.store import Store
 from harness.study.stored_study import experiments_of
 
@@ -35,11 +36,14 @@ def efforts(store: Store, trials: pd.DataFrame) -> dict[str, Effort]:
     """By engine, of the trials of one case at one set of parameters."""
     rooms = {experiment.name: experiment.sweep for experiment in experiments_of(store)}
     by_engine = {}
-    for engine, mine in trials.groupby("engine", sort=False):
-        room = max((rooms.get(name, 0) for name in mine["experiment"]), default=0)
-        answers = set(mine["trajectory_hash"].dropna())
-        beyond = len(answers - set(mine.loc[mine["round"] == 0, "trajectory_hash"]))
-        spent = beyond >= room or (mine["round"] > 0).sum() >= RUNS * room
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for row in records(trials[["engine", "experiment", "trajectory_hash", "round"]]):
+        groups.setdefault(str(row["engine"]), []).append(row)
+    for engine, mine in groups.items():
+        room = max(rooms.get(row["experiment"], 0) for row in mine)
+        answers = {row["trajectory_hash"] for row in mine if isinstance(row["trajectory_hash"], str)}
+        beyond = len(answers - {row["trajectory_hash"] for row in mine if row["round"] == 0})
+        spent = beyond >= room or sum(row["round"] > 0 for row in mine) >= RUNS * room
         ended: Ended = "no search" if not room else "all points spent" if spent else "nothing left to try"
-        by_engine[str(engine)] = Effort(tried=len(answers), beyond=beyond, room=room, ended=ended)
+        by_engine[engine] = Effort(tried=len(answers), beyond=beyond, room=room, ended=ended)
     return by_engine

@@ -170,6 +170,9 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     sub-step the one that comes down to the error in the coarsest steps that were run.
     """
     pairs: dict[tuple[str, str, float], list[Price]] = {}
+    by_scene: dict[tuple[str, str], list[Point]] = {}
+    for point in points:
+        by_scene.setdefault((point.case, point.where), []).append(point)
     for price in prices:
         pairs.setdefault((price.case, price.where, price.target), []).append(price)
     leads = []
@@ -181,7 +184,7 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
                 if at == "equal time":
                     extents = {price.engine: _cheapness(price) for price in asked if price.engine in engines and price.cost}
                 else:
-                    extents = _coarsest([p for p in points if (p.case, p.where) == (case, where)], target, engines)
+                    extents = _coarsest(by_scene.get((case, where), ()), target, engines)
                 if extents:
                     groups.append((leaders(extents), engines))
             leads += _count("pairs", (at, ""), ours, groups)

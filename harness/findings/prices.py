@@ -24,9 +24,10 @@ from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
 from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
-from harness.statistics.bootstrap import interval_of_drawn
+from harness.statistics.bootstrap import interval_of_drawn, medians
 from harness.statistics.order import fit_order
 from harness.statistics.pareto import on_front, price, prices_of_draws
+from harness.store.rows import records
 from harness.store.store import Store
 from harness.trajectory import Floats
 
@@ -141,7 +142,7 @@ class Prices:
             zip(self._store.asked["trial"], (self._headline(case) for case in self._store.asked["case"]), strict=True)
         )
         headlines: dict[str, tuple[float, float]] = {}
-        for row in self._store.measurements.to_dict("records"):
+        for row in records(self._store.measurements):
             if row["metric"] == wanted.get(row["trial"]) and row["trial"] not in headlines:
                 headlines[row["trial"]] = (abs(number(row["value"])), number(row.get("truth_error", 0.0)))
         return headlines | {trial: (errors.error, errors.off) for trial, errors in errors_of(self._store).items()}
@@ -171,7 +172,7 @@ class Prices:
         """Every trial that has an error and any cost, case by case and engine by engine."""
         points: list[Point] = []
         for case, where, trials in self.groups():
-            here = [point for row in trials.to_dict("records") if (point := self._point(case, where, row)) is not None]
+            here = [point for row in records(trials) if (point := self._point(case, where, row)) is not None]
             clocked = [point for point in here if point.clocked]
             best = marked(clocked)
             fronts: set[str] = set()
@@ -214,6 +215,14 @@ class Prices:
         )
 
     @cached_property
+    def by_scene(self) -> Mapping[tuple[str, str], list[Point]]:
+        """The points of each case at one set of parameters."""
+        scenes: dict[tuple[str, str], list[Point]] = {}
+        for point in self.points:
+            scenes.setdefault((point.case, point.where), []).append(point)
+        return scenes
+
+    @cached_property
     def prices(self) -> tuple[Price, ...]:
         """One for each case, target and engine."""
         prices: list[Price] = []
@@ -224,7 +233,7 @@ class Prices:
 
     def _of_case(self, case: str, where: str, trials: pd.DataFrame) -> Iterator[Price]:
         unit = unit_of(trials)
-        here = [point for point in self.points if (point.case, point.where) == (case, where)]
+        here = self.by_scene.get((case, where), [])
         draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
         lists = {
             engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(trials["engine"])
@@ -388,12 +397,3 @@ class List:
         group = self._groups[int(np.nanargmin(self._middles[:, k]))]
         under = min((p for p in group if p.error <= target), key=lambda p: p.cost)
         return under, min((p for p in group if p.error > target), key=lambda p: p.error, default=None)
-
-
-def medians(values: Floats) -> Floats:
-    """The median of the numbers in each row, nan where a row has none: shape (n, m) to (n,)."""
-    ordered = np.sort(values, axis=1)  # nan last
-    count, rows = np.isfinite(values).sum(axis=1), np.arange(len(values))
-    lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
-    middle: Floats = 0.5 * (lower + upper)
-    return middle

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from harness.statistics.ratio import Ratio, ratio
+from harness.store.rows import records
 from harness.store.store import Store
 
 __all__ = ["Block", "BlockSample", "Clock", "ratio_in_blocks", "samples_by_block"]
@@ -39,7 +40,7 @@ class BlockSample:
 def samples_by_block(store: Store) -> Mapping[str, Mapping[Block, BlockSample]]:
     """By trial; a trial that was not clocked has none."""
     samples: dict[str, dict[Block, BlockSample]] = {}
-    for row in store.samples.to_dict("records"):
+    for row in records(store.samples):
         units = int(row["units"]) if pd.notna(row.get("units")) else 1
         samples.setdefault(str(row["trial"]), {})[row["process"], row["block"]] = BlockSample(
             count=int(row["steps"]) * units, units=units, cpu=float(row["cpu"]), wall=float(row.get("wall", math.nan))

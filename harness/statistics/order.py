@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -72,19 +72,18 @@ def fit_order(dt: Sequence[float], error: Sequence[float]) -> Order | None:
 @lru_cache(maxsize=4096)
 def _fitted(dt: tuple[float, ...], error: tuple[float, ...]) -> Order | None:
     """As `fit_order`, once: a report asks for the order of the same ladder for each target that it foresees."""
-    from scipy import stats  # late: a listing must not pay for it
-
     steps, errors = np.asarray(dt, dtype=np.float64), np.asarray(error, dtype=np.float64)
     keep = np.isfinite(steps) & np.isfinite(errors) & (steps > 0) & (errors > 0)
     down = np.argsort(-steps[keep], kind="stable")
     x, y = np.log(steps[keep][down]), np.log(errors[keep][down])
     n = len(x)
-    splits = [k for k in range(FEWEST, n + 1) if k != n - 1 and len(np.unique(x[:k])) >= FEWEST]  # one point is no floor
+    distinct = np.cumsum(np.diff(x, prepend=np.inf) != 0.0)
+    splits = [k for k in range(FEWEST, n + 1) if k != n - 1 and distinct[k - 1] >= FEWEST]  # one point is no floor
     if not splits:
         return None
     best = min(splits, key=lambda k: criterion(x, y, k))
     slope, spread = _line(x[:best], y[:best])
-    half = spread * float(stats.t.ppf(0.975, best - 2))
+    half = spread * _student(best - 2)
     return Order(
         order=slope,
         low=slope - half,
@@ -98,25 +97,41 @@ def _fitted(dt: tuple[float, ...], error: tuple[float, ...]) -> Order | None:
     )
 
 
+@cache
+def _student(freedom: int) -> float:
+    """The 97.5th percentile of Student's t: half of a 95 % interval in standard errors."""
+    from scipy.special import stdtrit  # late: a listing must not pay for it, and `scipy.stats` costs half a second more
+
+    return float(stdtrit(freedom, 0.975))
+
+
 def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     """Slope of the line of least squares through three points or more, and its standard error.
 
     The arithmetic is that of `scipy.stats.linregress`, whose test of the slope against 0, which nobody asks for, takes longer
-    than all the rest.
+    than all the rest, and of `numpy.cov`, which asks more of its arguments than it computes.
     """
-    xx, xy, _, yy = np.cov(x, y, bias=True).flat
+    both = np.array((x, y))
+    both -= np.add.reduce(both, axis=1, keepdims=True) / len(x)
+    (xx, xy), (_, yy) = np.dot(both, both.T) * (1 / len(x))
     if yy == 0.0 or np.ptp(y) == 0.0:  # equal errors have a slope of zero, exactly
         return float(xy / xx), 0.0
     r = min(1.0, max(-1.0, float(xy / np.sqrt(xx * yy))))
     return float(xy / xx), float(np.sqrt((1 - r**2) * yy / xx / (len(x) - 2)))
 
 
+def _off_mean(values: np.ndarray) -> np.ndarray:
+    """What is left without the mean; for the few numbers of a ladder `mean` takes longer than the sum."""
+    left: np.ndarray = values - np.add.reduce(values) / len(values)
+    return left
+
+
 def criterion(x: np.ndarray, y: np.ndarray, k: int) -> float:
     """Schwarz's criterion of a line through the first k points and a constant through the others; the lower, the better."""
     n = len(x)
-    across, up = x[:k] - x[:k].mean(), y[:k] - y[:k].mean()
+    across, up = _off_mean(x[:k]), _off_mean(y[:k])
     off_line = up - across * (np.dot(across, up) / np.dot(across, across))
-    squares = float(np.dot(off_line, off_line)) + float(np.sum((y[k:] - y[k:].mean()) ** 2) if k < n else 0.0)
+    squares = float(np.dot(off_line, off_line)) + (float(np.add.reduce(_off_mean(y[k:]) ** 2)) if k < n else 0.0)
     # A spread below one per cent of the error is not told from none: without this, two exact points outbid any slope.
     variance = max(squares / n, 1e-4)
     unknowns = 2 + (2 if k < n else 0)  # slope and height; height and place of the floor
@@ -160,7 +175,7 @@ def fit_slope(time: Sequence[float], value: Sequence[float]) -> Slope | None:
     x = np.array([block.mean() for block in np.array_split(t, BLOCKS)])
     means = np.array([block.mean() for block in np.array_split(y, BLOCKS)])
     fit = stats.linregress(x, means)
-    half = float(fit.stderr) * float(stats.t.ppf(0.975, BLOCKS - 2)) if np.ptp(means) > 0 else 0.0
+    half = float(fit.stderr) * _student(BLOCKS - 2) if np.ptp(means) > 0 else 0.0
     slope = float(fit.slope)
     swing = float(np.ptp(y - slope * t))
     far = abs(slope) * float(t[-1] - t[0])

@@ -19,6 +19,7 @@ from harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Writt
 from harness.store.notices import StoredNotice
 from harness.store.older_schemas import base_of_track, notices_in_sentences
 from harness.store.record import Measurement, Record, Sample
+from harness.store.rows import records
 from harness.store.seal import Damaged, check_seal, sealed_json
 from harness.store.stored_tables import read_tables
 
@@ -218,6 +219,14 @@ class Store:
         """One row a metric of a trial."""
         return self._read["measurements"]
 
+    @cached_property
+    def measured(self) -> Mapping[str, Sequence[Mapping[str, Any]]]:
+        """The rows of `measurements` of each trial."""
+        rows: dict[str, list[Mapping[str, Any]]] = {}
+        for row in records(self.measurements):
+            rows.setdefault(row["trial"], []).append(row)
+        return rows
+
     @property
     def samples(self) -> pd.DataFrame:
         """One row a timing sample."""
@@ -243,6 +252,15 @@ class Store:
         """The study file of the run."""
         return read_plain(self.folder / "study.toml")
 
+    @cached_property
+    def _not_kept(self) -> Mapping[str, str]:
+        """A trial of each trajectory of which the hash alone was kept, by that hash; '' of those that were kept."""
+        table = self.trials
+        first: dict[str, str] = {}
+        for name, trial, kept in zip(table["trajectory_hash"], table["trial"], table["trajectory_kept"], strict=True):
+            first[name] = "" if kept else first.get(name, str(trial))
+        return first
+
     def trajectory(self, trajectory_hash: str, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
         """The arrays of one trajectory: time, p_WB, ..., truth_p_WB, ..., contacts_..., stream:..., scene (JSON).
 
@@ -252,10 +270,8 @@ class Store:
         try:
             return read_arrays(path, only)
         except FileNotFoundError as error:
-            named = self.trials["trajectory_hash"] == trajectory_hash
-            by_hash = self.trials.loc[named, ["trial", "trajectory_kept"]]
-            if len(by_hash) and not by_hash["trajectory_kept"].any():
-                again = f"plumbline reproduce {self.folder} {by_hash['trial'].iloc[0]} runs it again"
+            if trial := self._not_kept.get(trajectory_hash):
+                again = f"plumbline reproduce {self.folder} {trial} runs it again"
                 raise NotKept(f"{path}: kept by its hash alone; {again}") from error
             raise StoreError(f"{path}: missing; --resume makes it anew") from error
         except (Damaged, OSError) as error:

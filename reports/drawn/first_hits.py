@@ -1,6 +1,6 @@
 """What parallel rays meet first: depth, normal and paint at each pixel of a view, over all solids."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +23,8 @@ class Hits:
     paint: Floats
 
 
-def first_hits(view: View, solids: Sequence[Solid]) -> Hits:
-    """All solids through the middles of the pixels."""
+def first_hits(view: View, solids: Sequence[Solid], shaded: bool = True) -> Hits:
+    """All solids through the middles of the pixels. Args: shaded: without, normals and paints stay zero: for shadows."""
     size = (view.height, view.width)
     hits = Hits(np.full(size, -np.inf), np.zeros((*size, 3)), np.zeros((*size, 3)))
     across = (np.arange(view.width) + 0.5 - view.width / 2) * view.pixel
@@ -33,29 +33,56 @@ def first_hits(view: View, solids: Sequence[Solid]) -> Hits:
         if solid.shape["type"] == "triangle_mesh":
             splatted(view, solid, hits.height, hits.normal, hits.paint)
         else:
-            _cast(view, solid, across, up, hits)
+            _cast(view, solid, across, up, hits, shaded)
     return hits
 
 
-def _cast(view: View, solid: Solid, across: Floats, up: Floats, hits: Hits) -> None:
+def _cast(view: View, solid: Solid, across: Floats, up: Floats, hits: Hits, shaded: bool) -> None:
     centre, R_VS = view.seen(solid.p), view.R @ solid.R
     left, right, top, bottom = _window(solid, centre, R_VS, across, up)
     if left >= right or top >= bottom:
         return
-    x, y = np.meshgrid(across[left:right] - centre[0], up[top:bottom] - centre[1])
-    o = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1) @ R_VS
-    met = entered(solid.shape, o, -R_VS[2])
+    room = np.s_[top:bottom, left:right]
+    x, y = across[left:right] - centre[0], up[top:bottom, None] - centre[1]
+    met = _ball(float(solid.shape["radius"]), x, y) if solid.shape["type"] == "sphere" else _entered(solid, R_VS, x, y)
     if met is None:
         return
     t, normal = met
-    height = (centre[2] - t).reshape(x.shape)
-    room = np.s_[top:bottom, left:right]
+    height = centre[2] - t
     nearer = height > hits.height[room]
-    turned = normal @ R_VS.T
-    turned /= np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
     hits.height[room][nearer] = height[nearer]
-    hits.normal[room][nearer] = turned.reshape(*x.shape, 3)[nearer]
-    hits.paint[room][nearer] = solid.paint
+    if shaded:
+        turned = normal(nearer)
+        turned /= np.maximum(np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None], 1e-300)
+        hits.normal[room][nearer] = turned
+        hits.paint[room][nearer] = solid.paint
+
+
+_Met = tuple[Floats, Callable[[Floats], Floats]]
+"""Distances (h, w) m from the plane of the middle, and what gives normals (k, 3) in the view at chosen places (h, w)."""
+
+
+def _ball(radius: float, x: Floats, y: Floats) -> _Met:
+    """A sphere looks the same from everywhere: what lies over (x, y) m of its middle, x (w,) and y (h, 1)."""
+    over = radius * radius - x * x - y * y
+    high = np.sqrt(np.maximum(over, 0.0))
+
+    def normal(at: Floats) -> Floats:
+        return np.stack([np.broadcast_to(x, at.shape)[at], np.broadcast_to(y, at.shape)[at], high[at]], axis=1)
+
+    return np.where(over < 0, np.inf, -high), normal
+
+
+def _entered(solid: Solid, R_VS: Floats, x: Floats, y: Floats) -> _Met | None:
+    """Any other convex solid."""
+    size = (len(y), len(x))
+    o = np.empty((*size, 3))
+    o[..., 0], o[..., 1], o[..., 2] = x, y, 0.0
+    met = entered(solid.shape, o.reshape(-1, 3) @ R_VS, -R_VS[2])
+    if met is None:
+        return None
+    t, normal = met
+    return t.reshape(size), lambda at: normal[at.ravel()] @ R_VS.T
 
 
 def _window(solid: Solid, centre: Floats, R_VS: Floats, across: Floats, up: Floats) -> tuple[int, int, int, int]:

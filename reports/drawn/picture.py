@@ -25,7 +25,7 @@ SHADOW_ALPHA = 0.42
 def picture(backdrop: Backdrop, solids: Sequence[Solid]) -> NDArray[np.uint8]:
     """Pixels (h, w, 4) of colour and opacity, as a screen shows them."""
     fine, sun = backdrop.fine, backdrop.sun
-    hits, lit_from = first_hits(fine, solids), first_hits(sun, solids).height
+    hits, lit_from = first_hits(fine, solids), first_hits(sun, solids, shaded=False).height
     met = np.isfinite(hits.height)
     dark = SHADOW_ALPHA * _shadow(backdrop, lit_from)
     alpha = 1.0 - (1.0 - backdrop.tint) * (1.0 - dark)
@@ -74,9 +74,10 @@ def _lit(hits: Hits, met: Floats, normal: Floats, towards: Floats, sunny: Floats
 
 def _coarse(colour: Floats, alpha: Floats) -> NDArray[np.uint8]:
     """Means over each pixel's samples. Args: colour (h, w, 3): linear light times opacity."""
-    high, wide = alpha.shape[0] // GRAIN, alpha.shape[1] // GRAIN
-    covered = alpha.reshape(high, GRAIN, wide, GRAIN).mean(axis=(1, 3))
-    painted = colour.reshape(high, GRAIN, wide, GRAIN, 3).mean(axis=(1, 3))
+    covered, painted = (
+        np.add.reduce([samples[v::GRAIN, u::GRAIN] for v in range(GRAIN) for u in range(GRAIN)]) / GRAIN**2
+        for samples in (alpha, colour)
+    )
     shown = srgb(painted / np.maximum(covered, 1e-9)[..., None])
     pixels: NDArray[np.uint8] = np.concatenate([shown, np.rint(255 * covered).astype(np.uint8)[..., None]], axis=-1)
     return pixels

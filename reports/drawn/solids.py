@@ -41,33 +41,35 @@ def solids_of(
     bodies: Sequence[Mapping[str, Any]], p_WB: Floats, q_WB: Floats, *, fade: float = 0.0, larger: float = 1.0
 ) -> list[Solid]:
     """Shapes of what moves, at poses (n, 3) m and (n, 4). Args: fade: 0 as they are, 1 palest; larger: how many times."""
-    placed: list[Solid] = []
-    for k, body in enumerate(bodies):
-        if body["motion"] != "static":
-            paint = _paint(body, k)
-            placed += _placed(body, p_WB[k], q_WB[k], paint + fade * PALE * (1.0 - paint), larger)
-    return placed
+    moving = [k for k, body in enumerate(bodies) if body["motion"] != "static"]
+    paints = [_paint(bodies[k], k) for k in moving]
+    paints = [paint + fade * PALE * (1.0 - paint) for paint in paints]
+    return _placed([bodies[k] for k in moving], p_WB[moving], q_WB[moving], paints, larger)
 
 
 def fixed_solids(bodies: Sequence[Mapping[str, Any]]) -> list[Solid]:
     """Bounded shapes of what never moves."""
-    return [
-        solid
-        for k, body in enumerate(bodies)
-        if body["motion"] == "static"
-        for solid in _placed(body, np.asarray(body.get("p_WB", (0.0, 0.0, 0.0))), np.asarray(body.get("q_WB", (1.0, 0, 0, 0))),
-                             _paint(body, k), 1.0)
-    ]  # fmt: skip
+    places = [k for k, body in enumerate(bodies) if body["motion"] == "static"]
+    fixed, paints = [bodies[k] for k in places], [_paint(bodies[k], k) for k in places]
+    p_WB = np.array([body.get("p_WB", (0.0, 0.0, 0.0)) for body in fixed], dtype=np.float64)
+    q_WB = np.array([body.get("q_WB", (1.0, 0.0, 0.0, 0.0)) for body in fixed], dtype=np.float64)
+    return _placed(fixed, p_WB, q_WB, paints, 1.0)
 
 
-def _placed(body: Mapping[str, Any], p_WB: Floats, q_WB: Floats, paint: Floats, larger: float) -> list[Solid]:
-    placed: list[Solid] = []
-    for shape in placed_shapes(body):
-        if shape["shape"]["type"] != "plane":
-            q = product(q_WB, np.asarray(shape.get("q_BS", (1.0, 0.0, 0.0, 0.0)), dtype=np.float64))
-            p = p_WB + rotate(q_WB, larger * np.asarray(shape.get("p_BS", (0.0, 0.0, 0.0)), dtype=np.float64))
-            placed.append(Solid(_scaled(shape["shape"], larger), p, rotate(np.broadcast_to(q, (3, 4)), np.eye(3)).T, paint))
-    return placed
+def _placed(
+    bodies: Sequence[Mapping[str, Any]], p_WB: Floats, q_WB: Floats, paints: Sequence[Floats], larger: float
+) -> list[Solid]:
+    """The shapes of bodies (n) with an end, at poses (n, 3) m and (n, 4), all turned at once."""
+    found = [(k, s) for k, body in enumerate(bodies) for s in placed_shapes(body) if s["shape"]["type"] != "plane"]
+    if not found:
+        return []
+    of = [k for k, _ in found]
+    p_BS = np.array([shape.get("p_BS", (0.0, 0.0, 0.0)) for _, shape in found], dtype=np.float64)
+    q_BS = np.array([shape.get("q_BS", (1.0, 0.0, 0.0, 0.0)) for _, shape in found], dtype=np.float64)
+    q_WS = product(q_WB[of], q_BS)
+    p_WS = p_WB[of] + rotate(q_WB[of], larger * p_BS)
+    axes = rotate(np.broadcast_to(q_WS[:, None], (len(found), 3, 4)), np.eye(3))
+    return [Solid(_scaled(shape["shape"], larger), p_WS[k], axes[k].T, paints[body]) for k, (body, shape) in enumerate(found)]
 
 
 def _paint(body: Mapping[str, Any], place: int) -> Floats:

@@ -4,16 +4,18 @@ Scenes of one's own, whose truth engines have to agree on, have a page of their 
 """
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
 from harness.findings.emulations import whose
 from harness.findings.tables.orders import Convergence, convergences
+from harness.store.rows import records
 from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
 from reports.departures import departures
 from reports.disputes import disputed, told
+from reports.figure import Figure
 from reports.known_findings import of_case
 from reports.laws import laws_of_case
 from reports.leads import leads
@@ -30,35 +32,37 @@ from reports.verdict import verdicts
 from reports.work_precision import scenes, work_precision
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from harness.store.store import Store
 
 __all__ = ["PAGE"]
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
-    """For each case its page, its charts and its trials as CSV."""
-    files: dict[str, Rendered] = {}
-    rows, cells, known, ladders = answers(store, store.trials), verdicts(store), cases(store), convergences(store)
-    plain_rows = set(store.asked["trial"])
-    prices = price_list(store) if scenes(store) else []
-    names = [name for name in known if name not in by_case(store)]
+def render(store: "Store") -> Iterator[tuple[str, Rendered]]:
+    """For each case its page, its charts and its trials as CSV; first the charts that rest on little."""
+    known = cases(store)
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
+    asked, names = set(store.asked["trial"]), [name for name in known if name not in by_case(store)]
+    answered = answers(store, store.trials)
+    rows = {name: in_order(answered[answered["case"] == name], sides) for name in names}
+    steps = {name: chart for name in names if (chart := _by_step(store, name, rows[name], asked)) is not None}
+    yield from ((chart.path, chart) for chart in steps.values())
+    cells, ladders = verdicts(store), convergences(store)
+    prices = price_list(store) if scenes(store) else []
     for index, name in enumerate(names):
-        case, mine = known[name], in_order(rows[rows["case"] == name], sides)
+        case, mine = known[name], rows[name]
         measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
         values: dict[str, dict[str, Any]] = {}
-        for row in measured.to_dict("records"):
+        for row in records(measured):
             values.setdefault(row["trial"], {})[row["metric"]] = row
         plain = slug(name)
-        unit = next((str(unit) for unit in mine["unit"].dropna()), "1")
-        by_step = error_by_step(store, mine[mine["trial"].isin(plain_rows)], f"case-{plain}", case["headline"], unit)
-        figures = [by_step] if by_step is not None else []
-        figures += [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
+        priced = [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
         listed = [line for line in prices if line.case == name]
         recording = store.folder / "recordings" / file_name(name)
-        files[f"trials/{plain}.csv"] = as_csv(mine, measured)
-        files |= {figure.path: figure for figure in figures}
-        files[case_file(name)] = fill(
+        yield from ((figure.path, figure) for figure in priced)
+        yield f"trials/{plain}.csv", as_csv(mine, measured)
+        page = fill(
             "case.html",
             store,
             title=case["title"],
@@ -66,7 +70,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             family=FAMILIES.get(case["family"], case["family"]),
             before=known[names[index - 1]] if index else None,
             after=known[names[index + 1]] if index + 1 < len(names) else None,
-            figures=figures,
+            figures=[*([steps[name]] if name in steps else []), *priced],
             seen=sight(store, name),
             thumbs=thumbnails(store),
             prices=listed,
@@ -83,14 +87,20 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             disputes=told(store, name),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
-            trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],
+            trials=[trial(store, row, values.get(row["trial"], {})) for row in records(mine)],
             departures=departures(mine),
             shown=outcome,
             csv=f"trials/{plain}.csv",
             recording=f"../recordings/{file_name(name)}" if is_file(recording) else None,
             view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
         )
-    return files
+        yield case_file(name), page
+
+
+def _by_step(store: "Store", name: str, rows: "pd.DataFrame", asked: Collection[str]) -> Figure | None:
+    """The chart of a case's errors; asked: the trials that put it as it is."""
+    unit = next((str(unit) for unit in rows["unit"].dropna()), "1")
+    return error_by_step(store, rows[rows["trial"].isin(asked)], f"case-{slug(name)}", cases(store)[name]["headline"], unit)
 
 
 def orders(ladders: list[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:

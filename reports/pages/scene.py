@@ -11,6 +11,7 @@ from harness.findings.agreement.words import metres
 from harness.findings.tables import agreement as agreement_table
 from harness.findings.tables import fidelity as fidelity_table
 from harness.store.imported_scenes import kept_by
+from harness.store.rows import records
 from reports.answers import answers
 from reports.charts import error_by_step
 from reports.contents import FAMILIES, cases, engines, tracks
@@ -64,7 +65,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
         measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
         values: dict[str, dict[str, Any]] = {}
-        for row in measured.to_dict("records"):
+        for row in records(measured):
             values.setdefault(row["trial"], {})[row["metric"]] = row
         ladder = mine[
             mine["trial"].isin(
@@ -105,7 +106,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             several=len({line.title for line in listed}) > 1,
             laws=laws_of_case(store, case),
             metrics=list(dict.fromkeys(measured["metric"])) if len(measured) else [],
-            trials=[trial(store, row, values.get(row["trial"], {})) for row in mine.to_dict("records")],
+            trials=[trial(store, row, values.get(row["trial"], {})) for row in records(mine)],
             departures=departures(mine),
             shown=shown,
             meant={FINITE.name: FINITE} | {name: status for name, status in STATUSES.items() if name != "passed"},

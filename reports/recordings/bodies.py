@@ -14,7 +14,7 @@ from reports.recordings.timeline import checked, columns
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["log_moving", "log_paths", "log_stage"]
+__all__ = ["log_moving", "log_paths", "log_stage", "sharing"]
 
 GRID_LINES = 10
 """Lines of a ground plane's grid on each side of its middle."""
@@ -29,23 +29,28 @@ def poses(batch: Batch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
     return (p, q) if batch.centred else compose(p, q, batch.p_BS, batch.q_BS)
 
 
+def sharing(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[Batch]:
+    """The bodies at these places, those that move: of one kind of shape they share a path, since a row has a number, two times
+    and two offsets of its own."""
+    return batches(bodies, places, most=1)
+
+
 def log_moving(
     rec: "rr.RecordingStream",
     root: str,
-    bodies: Sequence[Mapping[str, Any]],
-    places: Sequence[int],
+    bodies: Sequence[Batch],
     arrays: Mapping[str, Floats],
     steps: Floats,
     paint: Paint,
 ) -> None:
-    """Log the bodies at these places below `root`: shapes once, as is what neither moves nor turns; poses in columns.
+    """Log bodies that move below `root`: shapes once, as is what neither moves nor turns; poses in columns.
 
-    Bodies that move share the path of their kind of shape, since a row has a number, two times and two offsets of its own.
+    Args: bodies: by kind of shape, as `sharing` has them.
     """
     import rerun as rr
 
     time = arrays["time"]
-    for batch in batches(bodies, places, most=1):
+    for batch in bodies:
         path = f"{root}/{batch.path}"
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)

@@ -103,8 +103,8 @@ def around_held(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats
 
 def bounds(paths: Sequence[Floats], sizes: Floats) -> tuple[Floats, Floats]:
     """The box around bodies of these radii (n,) on each of these paths (t, n, 3); the median where several runs tell."""
-    low = np.median([(p - sizes[:, None]).min(axis=(0, 1)) for p in paths], axis=0)
-    high = np.median([(p + sizes[:, None]).max(axis=(0, 1)) for p in paths], axis=0)
+    low = np.median([(p.min(axis=0) - sizes[:, None]).min(axis=0) for p in paths], axis=0)
+    high = np.median([(p.max(axis=0) + sizes[:, None]).max(axis=0) for p in paths], axis=0)
     return low, high
 
 

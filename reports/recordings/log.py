@@ -77,8 +77,7 @@ def run_text(store: Store, trial: Mapping[str, Any]) -> list[str]:
     lines += [f"Parameters: {cell(parameters)}", ""] if parameters else []
     warnings = json.loads(trial["warnings"]) if isinstance(trial["warnings"], str) else []
     lines += [f"Warning: {cell(warning)}\n" for warning in warnings]
-    taken = store.measurements
-    rows = taken[taken["trial"] == trial["trial"]].to_dict("records")
+    rows = store.measured.get(trial["trial"], ())
     verdicts = {True: "holds", False: "fails"}
     return lines + table(
         ("metric", "value", "unit", "bound", ""),

@@ -57,11 +57,19 @@ def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
         return {}
     mass = np.array([stage.bodies[k]["mass"] for k in dynamic])
     inertia = np.array([stage.bodies[k]["inertia"] for k in dynamic])
-    v_WB, w_WB, q_WB = (arrays[name][:, dynamic] for name in ("v_WB", "w_WB", "q_WB"))
-    w_BB = rotate(q_WB * CONJUGATE, w_WB)
-    translation = 0.5 * mass * np.sum(v_WB**2, axis=2)
-    rotation = 0.5 * np.einsum("tni,nij,tnj->tn", w_BB, inertia, w_BB)
-    return {"speed": np.linalg.norm(v_WB, axis=2).max(axis=1), "kinetic_energy": (translation + rotation).sum(axis=1)}
+    v_WB, w_WB = arrays["v_WB"][:, dynamic], arrays["w_WB"][:, dynamic]
+    squares = np.einsum("tni,tni->tn", v_WB, v_WB)
+    energy = 0.5 * squares @ mass
+    # A ball's inertia is the same about every axis: its attitude says nothing of its energy.
+    round_ones = (inertia == inertia[:, :1, :1] * np.eye(3)).all(axis=(1, 2))
+    if round_ones.any():
+        w_WB_round = w_WB[:, round_ones]
+        energy += 0.5 * np.einsum("tni,tni->tn", w_WB_round, w_WB_round) @ inertia[round_ones, 0, 0]
+    if not round_ones.all():
+        w_BB = rotate(arrays["q_WB"][:, dynamic[~round_ones]] * CONJUGATE, w_WB[:, ~round_ones])
+        spun = (w_BB.transpose(1, 0, 2) @ inertia[~round_ones]).transpose(1, 0, 2)
+        energy += 0.5 * np.einsum("tni,tni->t", w_BB, spun)
+    return {"speed": np.sqrt(squares.max(axis=1)), "kinetic_energy": energy}
 
 
 def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:

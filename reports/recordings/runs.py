@@ -10,6 +10,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from harness.store.imported_scenes import looks_of
+from harness.store.rows import records
 from harness.store.store import Store, StoreError
 from reports.palette import looks
 from reports.recordings.layout import run_path
@@ -156,7 +157,7 @@ def stage_of(store: Store, name: str) -> Stage:
     """All that the recording of a case shows."""
     case = store.catalogue.get("cases", {}).get(name, {})
     frame = store.trials
-    trials: list[dict[str, Any]] = frame[frame["case"] == name].to_dict("records")
+    trials: list[dict[str, Any]] = records(frame[frame["case"] == name])
     engines = list(store.catalogue.get("engines", {})) or sorted(set(frame["engine"]))
     colours = looks(dict.fromkeys([*engines, *frame["engine"]]))
     order = {engine: rank for rank, engine in enumerate(colours)}

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,7 @@ slowly."""
 MESHES = ("convex_hull", "triangle_mesh")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Batch:
     """Shapes of one kind that are logged together.
 
@@ -39,7 +40,7 @@ class Batch:
     p_BS: Floats
     q_BS: Floats
 
-    @property
+    @cached_property
     def centred(self) -> bool:
         """Is every shape's frame that of its body?"""
         return not self.p_BS.any() and bool((self.q_BS == (1.0, 0.0, 0.0, 0.0)).all())

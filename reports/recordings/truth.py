@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.recordings.bodies import log_moving, log_paths
+from reports.recordings.bodies import log_moving, log_paths, sharing
 from reports.recordings.colour import GHOST
 from reports.recordings.layout import TRUTH, WORLD
 from reports.recordings.rotation import Floats
@@ -61,5 +61,5 @@ def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
     steps = stage.steps_at(seen["time"])
     root = f"{WORLD}/{TRUTH}"
     paint = Paint(GHOST, extent, "TransparentFillMajorWireframe")
-    log_moving(rec, root, stage.bodies, places, seen, steps, paint)
+    log_moving(rec, root, sharing(stage.bodies, places), seen, steps, paint)
     log_paths(rec, f"{root}/paths", stage.truth["p_WB"][:, places], (*GHOST[:3], 160), extent)

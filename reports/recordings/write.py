@@ -1,7 +1,7 @@
 """Writing the recordings of a run folder, each whole or not at all."""
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +10,7 @@ from harness.store.disk import put_in_place
 from harness.store.record import digest
 from harness.store.store import Store
 from reports.recordings.blueprint import layout
-from reports.recordings.bodies import log_moving, log_paths, log_stage
+from reports.recordings.bodies import log_moving, log_paths, log_stage, sharing
 from reports.recordings.camera import Framing, framing
 from reports.recordings.colour import rgba
 from reports.recordings.contacts import arrow_scale, log_contacts
@@ -20,7 +20,7 @@ from reports.recordings.metrics import curves, log_curves, ranked
 from reports.recordings.runs import Run, Stage, stage_of
 from reports.recordings.sampling import at_instants, shown
 from reports.recordings.sensors import log_sensors, sensed
-from reports.recordings.shapes import Paint
+from reports.recordings.shapes import Batch, Paint
 from reports.recordings.truth import log_truth
 from reports.text import slug
 
@@ -99,19 +99,19 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
     fill_mode = "MajorWireframe" if scanned else "TransparentFillMajorWireframe"
     log_stage(rec, stage.scene, frame.centre, 3 * frame.radius, fill_mode)
     log_truth(rec, stage, frame.radius)
+    moving = sharing(stage.bodies, [int(index) for index in stage.moving])
     for run in stage.runs:
-        log_run(rec, stage, run, frame, scale)
+        log_run(rec, stage, run, moving, frame, scale)
     log_curves(rec, plotted)
     log_sensors(rec, stage, frame.size / 8)
     rec.flush()
 
 
-def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, frame: Framing, scale: float) -> None:
+def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, moving: Sequence[Batch], frame: Framing, scale: float) -> None:
     """Log the bodies of a run, their ways and their contacts, at the instants that are shown; arrows with scale [m/N]."""
     root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
-    places = [int(index) for index in stage.moving]
-    log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, places], colour, frame.size)
+    log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, stage.moving], colour, frame.size)
     seen = replace(run, arrays=at_instants(run.arrays, shown(run.time, stage.length)))
     steps = seen.steps_at(seen.time)
-    log_moving(rec, root, stage.bodies, places, seen.arrays, steps, Paint(colour, 3 * frame.radius))
+    log_moving(rec, root, moving, seen.arrays, steps, Paint(colour, 3 * frame.radius))
     log_contacts(rec, seen, scale, frame.size / 4)

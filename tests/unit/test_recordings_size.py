@@ -12,7 +12,7 @@ import rerun as rr
 from harness.scene import Body, Box, Scene, Sphere
 from harness.store.store import Store
 from harness.trajectory import Trajectory
-from reports.recordings.bodies import log_moving
+from reports.recordings.bodies import log_moving, sharing
 from reports.recordings.runs import stage_of
 from reports.recordings.sampling import FRAMES, WATCH, extremes, shown
 from reports.recordings.shapes import Paint
@@ -75,7 +75,7 @@ def test_a_pose_more_of_a_few_bodies_of_a_kind_takes_at_most_forty_bytes(tmp_pat
         rec.save(path)
         arrays = {"time": moved.time, "p_WB": moved.p_WB, "q_WB": moved.q_WB}
         boxes = list(range(0, 2 * bodies, 2))
-        log_moving(rec, "world", as_written(scene), boxes, arrays, np.arange(instants), Paint((0, 0, 0, 255), 1.0))
+        log_moving(rec, "world", sharing(as_written(scene), boxes), arrays, np.arange(instants), Paint((0, 0, 0, 255), 1.0))
         rec.flush()
         rec.disconnect()
         sizes.append(path.stat().st_size)

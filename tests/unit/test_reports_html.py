@@ -4,9 +4,10 @@ import csv
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from html.parser import HTMLParser
 from pathlib import Path
+from threading import Event
 
 import pandas as pd
 import pytest
@@ -15,7 +16,7 @@ import reports
 from harness.findings.vendor.shelf import shelf
 from harness.store.store import Store, StoreError
 from reports import html
-from reports.page import Page, pages
+from reports.page import Page, Rendered, pages
 from reports.policy import guarded
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
 
@@ -49,10 +50,17 @@ def test_the_report_has_a_page_for_each_case_and_every_asset_beside_it(report: P
     assert len([name for name in names if name.startswith("case-")]) == 2
 
 
+def test_the_library_of_charts_is_loaded_by_the_pages_that_have_one(report: Path) -> None:
+    for path in report.glob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        assert ('src="style/vega.js"' in text) == ('class="spec"' in text), path.name
+
+
 def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report: Path) -> None:
-    scripts, pages = {None: 0, "application/json": 0}, 0
+    scripts, pages, charts = {None: 0, "application/json": 0}, 0, 0
     for path in sorted(report.glob("*.html")):
         pages += 1
+        charts += 'class="spec"' in path.read_text(encoding="utf-8")
         for tag, attributes in Markup(path.read_text(encoding="utf-8")).elements:
             assert tag not in {"iframe", "object", "embed", "base", "form", "textarea"}, path.name
             assert not [name for name in attributes if name.startswith("on")], path.name
@@ -67,7 +75,8 @@ def test_no_string_of_a_store_becomes_an_element_an_attribute_or_a_script(report
             if (href := attributes.get("href")) is not None and ":" in href:
                 cited = path.name == "findings.html" and href in SOURCES
                 assert cited or href.startswith(("https://example.org", "data:,")), href
-    assert scripts[None] == 3 * pages + 1  # three on each page, and that of the page on selection
+    assert 0 < charts < pages
+    assert scripts[None] == 2 * pages + charts + 1  # two on each page, that of charts, and that of the page on selection
     assert scripts["application/json"] == 2 + 2 * 2 + 3 + 1  # overview, two cases, price, selection
 
 
@@ -149,6 +158,24 @@ def test_a_page_that_fails_says_so_and_the_others_stand(report: Path, monkeypatc
     assert "RuntimeError: no page" in made.pop("x.html")
     assert made.keys() == whole.keys()
     assert all(written(made[name]) == whole[name].read_bytes() for name in whole if name.endswith(".html"))
+
+
+def test_a_picture_is_drawn_while_the_page_that_hands_it_on_is_still_made(
+    report: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = Event()
+
+    class Drawn:
+        def kept(self, _: Path) -> bytes:
+            begun.set()
+            return b"drawn"
+
+    def render(_: Store) -> Iterator[tuple[str, Rendered]]:
+        yield "charts/x.svg", Drawn()
+        yield "x.html", "early" if begun.wait(60) else "late"
+
+    monkeypatch.setattr(html, "pages", lambda: (Page(name="x", title="X", order=0, render=render),))
+    assert html.rendered(Store(report.parent)) == {"charts/x.svg": b"drawn", "x.html": "early"}
 
 
 @pytest.mark.usefixtures("only_index")

@@ -1,5 +1,6 @@
 """Seals: whatever happens to a file is noticed, and who reads the format knows nothing of the seal."""
 
+import io
 import json
 import tomllib
 from pathlib import Path
@@ -44,6 +45,40 @@ def test_a_file_that_is_cut_or_has_another_name_is_not_what_was_written(tmp_path
             check_seal(path.with_name(f"b{path.suffix}"), whole)
         for size in (0, 1, len(whole) // 2, len(whole) - 1):
             assert not check_seal(path, whole[:size])
+
+
+ARRAYS = (
+    np.arange(24.0).reshape(2, 3, 4),
+    np.asfortranarray(np.arange(6).reshape(2, 3)),
+    np.zeros((0, 3)),
+    np.array([True, False]),
+    np.array(0.25),
+    np.array("a scene é"),
+    np.arange(70_000, dtype=np.int32),
+)
+
+
+@pytest.mark.parametrize("array", ARRAYS, ids=lambda array: f"{array.dtype}{array.shape}")
+def test_arrays_of_a_sealed_file_are_what_numpy_reads_and_may_be_written_to(tmp_path: Path, array: np.ndarray) -> None:
+    path = tmp_path / "a.npz"
+    write_arrays(path, {"before": np.ones(3), "x": array})
+    with np.load(path, allow_pickle=False) as loaded:
+        expected = loaded["x"]
+    for read in (read_arrays(path)["x"], read_arrays(path, ["x"])["x"]):
+        assert (read.dtype, read.shape, read.tobytes()) == (expected.dtype, expected.shape, expected.tobytes())
+        assert read.flags.writeable
+
+
+def test_a_sealed_archive_that_is_packed_is_read_and_one_of_objects_is_not(tmp_path: Path) -> None:
+    path, buffer = tmp_path / "a.npz", io.BytesIO()
+    np.savez_compressed(buffer, x=np.arange(20.0))
+    path.write_bytes(sealed_archive("a.npz", buffer.getvalue()))
+    assert (read_arrays(path)["x"] == np.arange(20.0)).all()
+    buffer = io.BytesIO()
+    np.savez(buffer, x=np.array([{}], dtype=object))
+    path.write_bytes(sealed_archive("a.npz", buffer.getvalue()))
+    with pytest.raises(Damaged, match="objects"):
+        read_arrays(path)
 
 
 def test_a_damaged_archive_is_damaged_with_and_without_a_seal(tmp_path: Path) -> None:

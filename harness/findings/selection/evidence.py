@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from statistics import median
 from typing import Any, TypeVar
 
 from harness.findings.agreement import AGREED_TRUTH
@@ -19,6 +20,7 @@ from harness.findings.selection.wish import Wish
 from harness.findings.tables.agreement import rows as agreement_rows
 from harness.findings.tables.determinism import agreements as repetitions
 from harness.metric.titles import metric_title
+from harness.store.rows import records
 from harness.store.store import Store
 
 __all__ = ["BOUND", "DECADES", "Datum", "Evidence", "gather"]
@@ -32,7 +34,7 @@ DECADES = 2.0
 _ANSWERED = ("passed", "failed")
 _NOT_ASKED = ("unavailable", "interrupted")
 _JUDGED = ["trial", "case", "engine", "track", "dt", "status", "reason"]
-"""Columns of a trial that are read here; to group the others along costs ten times as much."""
+"""Columns of a trial that are read here."""
 _AGREED = {"agrees": 1.0}
 """Of the verdicts on a scene without a truth; any other is an answer that the others do not share, or none."""
 
@@ -104,18 +106,25 @@ def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By
 
 
 @lru_cache(maxsize=1)
+def _judged(store: Store) -> Mapping[tuple[str, str, str], list[dict[str, Any]]]:
+    """The trials that say something of an engine, with the columns `_JUDGED`, by case, engine and track."""
+    groups: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    for row in records(store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]):
+        groups.setdefault((row["case"], row["engine"], row["track"]), []).append(row)
+    return groups
+
+
+@lru_cache(maxsize=1)
 def _accuracy(store: Store) -> dict[tuple[str, str, str], Datum]:
     """By case, engine and track; worked out once for all that is asked of one store."""
     failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
     measured: dict[str, list[Mapping[str, object]]] = {}
-    for m in failed.to_dict("records"):
+    for m in records(failed):
         measured.setdefault(str(m["trial"]), []).append(m | {"passed": False})
     data: dict[tuple[str, str, str], Datum] = {}
-    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
-    for (case, engine, track), group in trials.groupby(["case", "engine", "track"], sort=False):
-        own = store.catalogue.get("cases", {}).get(case, {}).get("dt") or float(group["dt"].median())
-        nearest = (group["dt"] / own).map(math.log).abs()
-        row = group.loc[nearest.idxmin()].to_dict()
+    for (case, engine, track), group in _judged(store).items():
+        own = store.catalogue.get("cases", {}).get(case, {}).get("dt") or median(row["dt"] for row in group)
+        row = min(group, key=lambda row: abs(math.log(row["dt"] / own)))
         about: dict[str, Any] = {"trial": str(row["trial"]), "track": str(track), "dt": float(row["dt"])}
         if row["status"] not in _ANSWERED:
             data[case, engine, track] = Datum(value=0.0, low=0.0, high=0.0, says=f"{row['status']}: {row['reason']}", **about)
@@ -136,12 +145,12 @@ def _accuracy(store: Store) -> dict[tuple[str, str, str], Datum]:
 @lru_cache(maxsize=1)
 def _robustness(store: Store) -> dict[tuple[str, str, str], Datum]:
     data: dict[tuple[str, str, str], Datum] = {}
-    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
-    for (case, engine, track), group in trials.groupby(["case", "engine", "track"], sort=False):
-        answered = group["status"].isin(_ANSWERED)
-        share, first = float(answered.mean()), group[~answered]
-        says = f"{int(answered.sum())} of {len(group)} runs have an answer"
-        trial = str((first if len(first) else group)["trial"].iloc[0])
+    for (case, engine, track), group in _judged(store).items():
+        silent = [row for row in group if row["status"] not in _ANSWERED]
+        answered = len(group) - len(silent)
+        share = answered / len(group)
+        says = f"{answered} of {len(group)} runs have an answer"
+        trial = str((silent or group)[0]["trial"])
         data[case, engine, track] = Datum(value=share, low=share, high=share, trial=trial, says=says, track=str(track))
     return data
 

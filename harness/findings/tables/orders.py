@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
+from statistics import median
 from typing import Any, Literal
 
 import pandas as pd
@@ -87,15 +88,29 @@ def _fitted(store: Store) -> list[Convergence]:
     trials = trials.assign(error=pd.Series(errors, index=trials.index, dtype="float64").abs()).dropna(subset="error")
     rows = []
     keys = [trials["case"], trials["parameters"].map(_seedless), trials["engine"], trials["track"]]
-    for (case, parameters, engine, track), ladder in trials.groupby(keys, sort=False):
-        if ladder["dt"].nunique() >= 3:
+    ladders: dict[tuple[str, str, str, str], list[_Rung]] = {}
+    rungs = map(_Rung, trials["dt"].tolist(), trials["error"].tolist(), trials["resolved"].tolist())
+    for key, rung in zip(zip(*keys, strict=True), rungs, strict=True):
+        ladders.setdefault(key, []).append(rung)
+    for (case, parameters, engine, track), ladder in ladders.items():
+        if len({rung.dt for rung in ladder}) >= 3:
             about = cases.get(case, {})
             where = in_words(other_values(_object(str(parameters)), about.get("parameters") or {}))
             rows.append(_row(str(case), where, str(engine), str(track), about, engines.get(engine, {}), ladder))
     return rows
 
 
-def _object(text: str) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class _Rung:
+    """A trial of a ladder. Terms: dt [s]. error: of its headline. resolved: what the engine said it used, as JSON."""
+
+    dt: float
+    error: float
+    resolved: str
+
+
+@lru_cache(maxsize=4096)
+def _object(text: str) -> Mapping[str, Any]:
     """A JSON object; nothing where an old or broken store holds something else."""
     try:
         value = json.loads(text)
@@ -109,12 +124,15 @@ def _seedless(parameters: str) -> str:
 
 
 def _row(
-    case: str, where: str, engine: str, track: str, about: Mapping[str, Any], who: Mapping[str, Any], ladder: pd.DataFrame
+    case: str, where: str, engine: str, track: str, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]
 ) -> Convergence:
-    integrators = sorted({str(_object(text).get("integrator") or "") for text in ladder["resolved"]})
+    integrators = sorted({str(_object(rung.resolved).get("integrator") or "") for rung in ladder})
     promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
-    by_step = ladder.groupby(_taken(ladder))["error"].median()
-    steps, errors = [float(dt) for dt in by_step.index], [float(error) for error in by_step]
+    by_step: dict[float, list[float]] = {}
+    for dt, rung in zip(_taken(ladder), ladder, strict=True):
+        by_step.setdefault(dt, []).append(rung.error)
+    steps = sorted(by_step)
+    errors = [median(by_step[dt]) for dt in steps]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
     by = " and ".join(integrators).replace("_", " ")
@@ -139,15 +157,15 @@ def _row(
     )
 
 
-def _taken(ladder: pd.DataFrame) -> "pd.Series[float]":
+def _taken(ladder: Sequence[_Rung]) -> list[float]:
     """The steps [s] of a ladder as the engine took them, told in steps of its finest rung.
 
     An engine that cuts coarse steps into sub-steps takes the same step on several rungs: these are one point of the slope.
     """
-    substeps = ladder["resolved"].map(lambda text: float(_object(text).get("substeps") or 1))
-    finest = float(substeps[ladder["dt"].idxmin()])
+    substeps = [float(_object(rung.resolved).get("substeps") or 1) for rung in ladder]
+    finest = substeps[min(range(len(ladder)), key=lambda k: ladder[k].dt)]
     # 1/60 s in 4 and 1/240 s in 1 are one step, whatever the last digit says.
-    return (ladder["dt"] * finest / substeps).map(lambda dt: float(f"{dt:.12g}"))
+    return [float(f"{rung.dt * finest / parts:.12g}") for rung, parts in zip(ladder, substeps, strict=True)]
 
 
 def _promise(converges: str, orders: Mapping[str, int], integrators: Sequence[str]) -> int | None:

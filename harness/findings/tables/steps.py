@@ -7,10 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-import pandas as pd
-
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Point, unit_of
+from harness.store.rows import records
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "WITHIN", "Step", "brief", "largest_steps", "rows", "sentences"]
@@ -20,8 +19,9 @@ WITHIN = 0.01
 FEWEST = 4
 """Steps that a setting was run at; what a sweep tried at one or two says little of the others."""
 _WHOLE = ("passed", "failed")
+_NOT_RUN = ("unsupported", "unavailable", "interrupted")
 _READ = ["engine", "track", "dt", "status", "trial"]
-"""Columns of a trial that are read here; to group the others along costs ten times as much."""
+"""Columns of a trial that are read here."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,20 +60,30 @@ def largest_steps(store: Store) -> list[Step]:
         if not any(trial in known for trial in trials["trial"]):
             continue
         timed = unit_of(trials) == PER_SECOND
-        for (engine, track), runs in trials[_READ].groupby(["engine", "track"], sort=False):
-            ladder = runs[~runs["status"].isin(("unsupported", "unavailable", "interrupted"))].sort_values("dt")
-            if ladder["dt"].nunique() >= FEWEST:
-                steps.append(_step(case, where, str(engine), str(track), ladder, known, timed))
+        ladders: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+        for row in records(trials[_READ]):
+            ladder = ladders.setdefault((row["engine"], row["track"]), [])
+            ladder += [row] if row["status"] not in _NOT_RUN else []
+        for (engine, track), runs in ladders.items():
+            if len({row["dt"] for row in runs}) >= FEWEST:
+                ladder = sorted(runs, key=lambda row: float(row["dt"]))
+                steps.append(_step(case, where, engine, track, ladder, known, timed))
     return steps
 
 
 def _step(
-    case: str, where: str, engine: str, track: str, ladder: pd.DataFrame, known: Mapping[str, Point], timed: bool
+    case: str,
+    where: str,
+    engine: str,
+    track: str,
+    ladder: Sequence[Mapping[str, Any]],
+    known: Mapping[str, Point],
+    timed: bool,
 ) -> Step:
-    whole = [status in _WHOLE for status in ladder["status"]]
-    points = [known.get(trial) for trial in ladder["trial"]]
+    whole = [row["status"] in _WHOLE for row in ladder]
+    points = [known.get(row["trial"]) for row in ladder]
     close = [point is not None and point.error <= WITHIN for point in points]
-    steps = [float(dt) for dt in ladder["dt"]]
+    steps = [float(row["dt"]) for row in ladder]
     accurate = _first(close)
     there = points[accurate - 1] if accurate else None
     return Step(

@@ -21,7 +21,7 @@ REQUIRED = (
     "rigid body", "mass and inertia tensor", "force at a point", "explicit Euler", "semi-implicit Euler", "Verlet", "RK4",
     "implicit midpoint", "adaptive Dormand-Prince", "splitting of the free rigid body", "AABB", "OBB", "bounding sphere",
     "uniform grid", "octree", "sweep and prune", "sphere-sphere", "box-box SAT", "capsules", "cylinders",
-    "triangles and meshes", "GJK", "EPA", "contact manifold", "impulse-based response",
+    "triangles and meshes", "triangle-triangle", "GJK", "EPA", "contact manifold", "impulse-based response",
     "constraint-based response by soft TGS", "constraint-based response by the exact solver", "restitution",
     "Coulomb friction", "static and kinetic friction", "rolling friction", "linear damping", "angular damping",
     "joints as constraints", "projection", "SHAKE", "islands", "sleeping", "parallel pairs", "parallel islands",

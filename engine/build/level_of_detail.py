@@ -11,7 +11,6 @@ and Tree Search, ACM Transactions on Graphics 41, 2022 (through CoACD).
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray

@@ -99,7 +99,7 @@ class ConvexHull:
 
 @dataclass(frozen=True, slots=True)
 class TriangleMesh:
-    """A surface of vertices (n, 3) and faces (m, 3), counter-clockwise seen from outside; closed, of a body that forces move."""
+    """A surface of vertices (n, 3) and faces (m, 3), counter-clockwise seen from outside, of a body that forces do not move."""
 
     vertices: Sequence[Sequence[float]]
     faces: Sequence[Sequence[int]]

@@ -81,6 +81,19 @@ def on_a(t: Solids, a: int, b: int, na: Vec, margin: float, out: Points, at: int
 
 
 @kernel
+def way_out(t: Solids, s: int, corners: Mat, centre: Vec, over: Vec, out: Vec) -> float:
+    """How deep [m] the deepest corner of triangle s lies behind a plane; inf where it is no tip of its mesh.
+
+    Args: corners: of s; centre: of s; over: heights of its corners; out: into the plane. The mesh goes on, deeper, where that
+    leans over an edge at the corner that does not stick out, or through the back of s.
+    """
+    k = 0 if over[0] <= over[1] and over[0] <= over[2] else (1 if over[1] <= over[2] else 2)
+    if leans_over(t, s, sub(corner(corners, k), centre), out, t.polyhedron[s, INNER]):
+        return math.inf
+    return -over[k]
+
+
+@kernel
 def passed_edges(a: Mat, b: Mat, i: int, j: int, na: Vec, nb: Vec) -> tuple[float, Vec, Vec]:
     """Edge i of A against edge j of B, which have passed each other.
 
@@ -128,18 +141,19 @@ def mesh_contact(
     if met != CROSSING:
         gap, v, count = distance(t, a, b, d, size, margin, simplex.work)
     if gap <= TOUCHING * size:
-        behind_b, behind_a = -min(over_b), -min(over_a)
+        behind_b = way_out(t, a, one, (0.0, 0.0, 0.0), over_b, neg(nb))
+        behind_a = way_out(t, b, two, d, over_a, neg(na))
         most = DEEP * norm(sub(last, first)) + sunk if met == CROSSING else sunk
         if met == CROSSING and (begins < EDGES_OF_B) != (ends < EDGES_OF_B):
             i, j = (begins, ends - EDGES_OF_B) if begins < EDGES_OF_B else (ends, begins - EDGES_OF_B)
             if t.polyhedron[a, INNER] & (1 << i) == 0 and t.polyhedron[b, INNER] & (1 << j) == 0:
                 gap, n, middle = passed_edges(one, two, i, j, na, nb)
-                if -gap < min(behind_a, behind_b, most) - slack:
+                if -gap < min(behind_a, behind_b, most):
                     put_point(out, at, add(pa, middle), gap, 2 * ON_FACE + 3 * i + j)
                     return 1, n
         if min(behind_a, behind_b) > most:
             return 0, na
-        if behind_b <= behind_a + slack:
+        if behind_b <= behind_a:
             return on_b(t, a, b, nb, margin, out, at)
         return on_a(t, a, b, na, margin, out, at)
     if gap > margin:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 import engine
 from engine.contact.measure_triangles import measure_triangles
 from engine.narrow.triangle_triangle import APART
-from tests.solid_meshes import box, mesh_body, ring, sag, together
+from tests.solid_meshes import box, mesh_body, nut, ring, sag, together
 
 G = 9.81
 SINK = sag(1 / 240)
@@ -81,6 +81,26 @@ def test_a_foot_with_a_cube_on_one_end_stands_where_its_mesh_says(solver: str) -
     assert np.abs(state[:, :3] - [low.p_WB, high.p_WB]).max() < 1e-4
     assert np.abs(state[:, 7:]).max() < 1e-4
     assert _carried(world) == pytest.approx(2 * G, rel=1e-3)
+
+
+@pytest.mark.parametrize("mesh", [box((0.1, 0.1, 0.1)), ELL, nut(0.2, 0.12, 0.2, 24)], ids=["cube", "foot", "nut"])
+def test_a_mesh_slides_over_the_seams_of_a_mesh_as_over_a_plane(mesh: engine.TriangleMesh) -> None:
+    """Without friction nothing may slow it. It may lean by SINK over its width of 20 cm, which pushes it along by g times that;
+    a side that met a seam would take centimetres a second.
+    """
+    line = np.linspace(-1.3, 1.3, 14)
+    cells = [14 * i + j for i in range(13) for j in range(13)]
+    faces = [face for a in cells for face in ((a, a + 14, a + 15), (a, a + 15, a + 1))]
+    grid = engine.Placed(engine.TriangleMesh([(x, y, 0.0) for x in line for y in line], faces))
+    body = mesh_body("body", mesh, v_WB=(1.5, 0.1, 0))
+    height = float(body.shapes[0].p_BS[2]) + float(np.asarray(mesh.vertices)[:, 2].min())
+    body = mesh_body("body", mesh, p_WB=(-0.9, 0.013, -height), v_WB=(1.5, 0.1, 0))
+    world = engine.World([engine.Body(name="floor", motion="static", shapes=[grid]), body])
+    world.step(240)
+    state = world.state()[1]
+    assert state[:3] == pytest.approx([0.6, 0.113, -height], abs=G * SINK / 0.2 / 2)
+    assert state[7:9] == pytest.approx([1.5, 0.1], abs=G * SINK / 0.2)
+    assert np.abs(state[9:]).max() < 1e-4
 
 
 def test_a_ring_hangs_in_a_ring_and_does_not_leave_it() -> None:

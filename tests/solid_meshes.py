@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import engine
+from engine.build.closed_mesh import closed_volume
 from engine.build.level_of_detail import _distances
 
 __all__ = [
     "bolt", "bowl", "box", "circle", "deepest", "hexagon", "lofted", "mass_properties", "mesh_body", "nut", "ring", "sag",
-    "scattered", "together",
+    "scattered", "together", "volume",
 ]  # fmt: skip
 
 SIDES = (
@@ -45,6 +46,11 @@ def together(*meshes: engine.TriangleMesh) -> engine.TriangleMesh:
     return engine.TriangleMesh(np.concatenate([one.vertices for one in meshes]).tolist(), np.concatenate(faces).tolist())
 
 
+def volume(mesh: engine.TriangleMesh) -> float:
+    """What a closed mesh encloses [m3]."""
+    return closed_volume(np.asarray(mesh.vertices, float), np.asarray(mesh.faces))
+
+
 def mass_properties(mesh: engine.TriangleMesh, mass: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Centre of mass [m] and inertia [kg m2] about it of a uniform solid of this mass: sums over tetrahedra from the origin."""
     t = np.asarray(mesh.vertices, float)[np.asarray(mesh.faces)]
@@ -75,13 +81,13 @@ def hexagon(flats: float, points: int) -> NDArray[np.float64]:
     """Points (n, 2) m at even angles on a regular hexagon, `flats` [m] wide; a multiple of six has its corners among them."""
     angle = 2 * np.pi * np.arange(points) / points
     far = flats / 2 / np.cos((angle % (np.pi / 3)) - np.pi / 6)
-    return far[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.asarray(far[:, None] * circle(1.0, points))
 
 
 def circle(radius: float, points: int) -> NDArray[np.float64]:
     """Points (n, 2) m at even angles on a circle."""
     angle = 2 * np.pi * np.arange(points) / points
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.asarray(radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
 
 
 def lofted(outlines: Sequence[NDArray[np.float64]], heights: Sequence[float], closed: bool = False) -> engine.TriangleMesh:

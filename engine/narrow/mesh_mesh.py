@@ -131,6 +131,9 @@ def mesh_contact(
     if min(over_b) > margin or min(over_a) > margin:
         return 0, na
     if dot(na, nb) < -ALIGNED and min(over_b) > -sunk:
+        # The larger one has the steadier normal, the same for all that lie on it.
+        if t.shape[a, BALL_RADIUS] > t.shape[b, BALL_RADIUS]:
+            return on_a(t, a, b, na, margin, out, at)
         return on_b(t, a, b, nb, margin, out, at)
     if max(over_b) < 0.0 or max(over_a) < 0.0:
         return 0, na

@@ -14,6 +14,10 @@ from tests.solid_meshes import box, mesh_body, nut, ring, sag, together
 G = 9.81
 SINK = sag(1 / 240)
 """4.3 um; several points that share a weight give way by less, each being tuned for the whole body."""
+QUIET = G / 960 / 50
+"""Speeds [m/s, rad/s] of what rests on more points than it needs: a fiftieth of what gravity gives in a sub-step. The sharing
+of loads moves impulses from point to point in each, and three sweeps bring them back; a box on a mesh is left as much.
+"""
 ROUGH = {("default", "default"): engine.Surface(static_friction=0.5, kinetic_friction=0.5)}
 GROUNDS: dict[str, engine.Shape] = {
     "plane": engine.Plane(),
@@ -46,8 +50,19 @@ def test_a_cube_of_triangles_falls_on_a_ground_of_any_kind_and_rests(kind: str) 
     world.step(480)
     state = world.state()[1]
     assert 0.1 - SINK < state[2] < 0.1
-    assert np.abs(state[7:]).max() < 1e-5
-    assert _carried(world) == pytest.approx(G, rel=1e-4)
+    assert np.abs(state[7:]).max() < QUIET
+    assert _carried(world) == pytest.approx(G, rel=1e-3)
+
+
+def test_a_cube_of_triangles_on_a_mesh_stands_still_to_rounding_where_loads_are_not_shared() -> None:
+    """Islands are solved without it, as with two threads: in a second it moves by less than a picometre."""
+    cube = mesh_body("cube", box((0.1, 0.1, 0.1)), p_WB=(0, 0, 0.1005))
+    world = engine.World([_ground("mesh"), cube], surfaces=ROUGH, options=engine.Options(threads=2))
+    world.step(240)
+    place = world.state()[1, :7].copy()
+    world.step(240)
+    assert np.abs(world.state()[1, :7] - place).max() < 1e-12
+    assert np.abs(world.state()[1, 7:]).max() < 1e-12
 
 
 def test_cubes_of_triangles_stack_edge_on_edge_and_askew() -> None:
@@ -64,8 +79,8 @@ def test_cubes_of_triangles_stack_edge_on_edge_and_askew() -> None:
     assert (np.diff(sunk, prepend=0.0) > 0).all()
     assert sunk[2] < 6 * SINK
     assert np.abs(state[:, :2]).max() < 5e-5
-    assert np.abs(state[:, 7:]).max() < 1e-5
-    assert _carried(world) == pytest.approx(3 * G, rel=1e-4)
+    assert np.abs(state[:, 7:]).max() < QUIET
+    assert _carried(world) == pytest.approx(3 * G, rel=1e-3)
 
 
 @pytest.mark.parametrize("solver", ["tgs_soft", "sequential_impulses"])
@@ -79,7 +94,7 @@ def test_a_foot_with_a_cube_on_one_end_stands_where_its_mesh_says(solver: str) -
     world.step(480)
     state = world.state()[1:]
     assert np.abs(state[:, :3] - [low.p_WB, high.p_WB]).max() < 1e-4
-    assert np.abs(state[:, 7:]).max() < 1e-4
+    assert np.abs(state[:, 7:]).max() < QUIET
     assert _carried(world) == pytest.approx(2 * G, rel=1e-3)
 
 
@@ -162,6 +177,27 @@ def test_an_open_mesh_that_forces_move_and_its_swept_collision_are_refused() -> 
     engine.World([engine.Body(name="torn", motion="static", shapes=[engine.Placed(torn)])])
     with pytest.raises(engine.NotSupported, match="swept collision of triangle meshes that forces move"):
         engine.World([_ground("mesh"), mesh_body("cube", whole)], options=engine.Options(continuous="swept"))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        *({"broad_phase": name} for name in ("octree", "sweep_and_prune", "bvh", "brute_force")),
+        *({"bounding_volume": name} for name in ("obb", "sphere")),
+    ],
+    ids=str,
+)
+def test_however_pairs_are_found_meshes_end_in_the_same_bits(options: dict[str, str]) -> None:
+    def end(**chosen: str) -> NDArray[np.float64]:
+        rings = [
+            mesh_body(f"r{k}", ring(0.05, 0.015, 8, 5), p_WB=(0.01 * k, 0, 0.03 + 0.04 * k), w_WB=(k, 1, 2)) for k in range(3)
+        ]
+        world = engine.World([_ground("mesh"), *rings], surfaces=ROUGH, options=engine.Options(**chosen))  # type: ignore[arg-type]
+        world.step(60)
+        assert len(world.contacts().gap) > 30
+        return world.state().copy()
+
+    assert np.array_equal(end(**options), end(broad_phase="uniform_grid"))
 
 
 def test_many_worlds_of_moving_meshes_end_as_one_alone() -> None:

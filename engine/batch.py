@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.build.assembly import grow
+from engine.contact.choice import load_collide
 from engine.describe.check import finite
 from engine.describe.errors import Diverged, NotSupported
 from engine.memory import arena as at
@@ -64,7 +65,7 @@ class Batch:
             for kernels in dict.fromkeys(world.kernels for world in worlds)
         }
         self._addresses = {kernels: _addresses(kernels) for kernels in self._kinds}
-        self._collide: Any = 0
+        self._collide: dict[bool, Any] = {}
         self._left, self._status = np.zeros(len(worlds), np.int64), np.zeros(len(worlds), np.int64)
         self._lay_out()
 
@@ -88,10 +89,8 @@ class Batch:
         for kernels, which in self._kinds.items():
             while self._advance(kernels, which):
                 states = self._status[which]
-                if (states == CONVEX_PENDING).any() and self._collide == 0:
-                    from engine.contact.collide_convex import collide_convex
-
-                    self._collide = address_of_collide(collide_convex)
+                if (states == CONVEX_PENDING).any() and kernels.moving_meshes not in self._collide:
+                    self._collide[kernels.moving_meshes] = address_of_collide(load_collide(kernels.moving_meshes))
                 self._grow([int(k) for k in which[states == FULL]])
                 which = which[(states == FULL) | (states == CONVEX_PENDING)]
         lost = np.flatnonzero(np.isin(self._status, (DIVERGED, UNSOLVED)) | (self._status >= OPEN_JOINT))
@@ -133,7 +132,7 @@ class Batch:
 
     def _advance(self, kernels: Kernels, which: IntArray) -> int:
         """Advance the worlds of one kind as far as they go. Returns: how many stopped before."""
-        addresses = (*self._addresses[kernels], self._collide)
+        addresses = (*self._addresses[kernels], self._collide.get(kernels.moving_meshes, 0))
         given = (addresses, self._floats, self._ints, self._place, which, self._left, self._status)
         return advance_worlds(*given) if self._threads == 1 else advance_worlds_parallel(*given, self._threads)
 

@@ -14,10 +14,11 @@ from engine.articulated.assembly import motion_of, with_trees
 from engine.articulated.choice import chosen_forest
 from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from engine.build.appearance import looks_of, may_touch
-from engine.build.assembly import assemble_world, grow, islands_know, spheres_only, wants_islands
+from engine.build.assembly import assemble_world, grow, islands_know, moves_meshes, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
 from engine.build.slenderness import check_slenderness
+from engine.contact.choice import load_collide
 from engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from engine.describe.bodies import Body, Surface
 from engine.describe.check import finite, number, whole
@@ -55,10 +56,10 @@ class World:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
         never touch. sun: the light that pictures are taken in.
-    Raises: ValueError naming the element, field and value; NotSupported for meshes that forces move, for open meshes at a level
-        of detail, for an integrator of free bodies where there are joints or contacts, for initial velocities that a joint
-        forbids, for bodies too thin for joints (`build.slenderness`), for what the exact solver lacks, and for joints beside
-        contacts where these are swept or solved by sequential impulses.
+    Raises: ValueError naming the element, field and value; NotSupported for open meshes that forces move or that are to be had
+        at a level of detail, for swept collision of meshes that forces move, for an integrator of free bodies where there are
+        joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.slenderness`),
+        for what the exact solver lacks, and for joints beside contacts where these are swept or solved by sequential impulses.
     """
 
     def __init__(
@@ -89,6 +90,7 @@ class World:
         self._names = [body.name for body in bodies]
         kinds = int_table(self._ints, at.SHAPE_KIND)
         self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
+        self.moving_meshes = any(moves_meshes(body) for body in bodies)
         self._tree: RayTree | None = None
         self._bodies = tuple(bodies)
         self._drawn = self if all(body.visual is None for body in bodies) else None
@@ -120,6 +122,8 @@ class World:
                     f"swept collision with {'joints' if self.jointed else 'the exact solver'}",
                     "a step in parts is known to the soft solver and to sequential impulses, without joints",
                 )
+            if self.moving_meshes:
+                raise NotSupported("swept collision of triangle meshes that forces move", "triangles at rest cross each other")
             from engine.swept.steps import SweptSteps
 
             search = None if self._find_pairs is None else partial(search_pairs, self._find_pairs, self._drop_apart)
@@ -177,9 +181,7 @@ class World:
         if status >= OPEN_JOINT:
             raise Diverged(self.steps, self.open_joint(status))
         if status == CONVEX_PENDING:
-            from engine.contact.collide_convex import collide_convex
-
-            collide_convex(self._floats, self._ints)
+            load_collide(self.moving_meshes)(self._floats, self._ints)
         if status == FULL:
             self._floats, self._ints = grow(self._floats, self._ints)
 
@@ -195,9 +197,7 @@ class World:
         if self._swept is not None:
             self._swept.compile(self._floats, self._ints)
         if self.touching and self._polyhedral:
-            from engine.contact.collide_convex import collide_convex
-
-            collide_convex(self._floats, self._ints)
+            load_collide(self.moving_meshes)(self._floats, self._ints)
 
     def _search(self) -> int:
         """Find the pairs of the coming step. Returns: DONE, or FULL."""
@@ -397,4 +397,4 @@ class World:
     @property
     def kernels(self) -> Kernels:
         """The compiled functions that advance this world in its memory."""
-        return Kernels(self._step, self._find_pairs, self._drop_apart)
+        return Kernels(self._step, self._find_pairs, self._drop_apart, self.moving_meshes)

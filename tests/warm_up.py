@@ -99,7 +99,9 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
         _step("steps.spheres.step_spheres"),
         Job(tuple(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")), _exact),
         _stage("contact.collide_convex.collide_convex"),
+        _stage("contact.collide_meshes.collide_meshes"),
         _typed("contact.measure_convex.measure_convex", FLOATS, INTS, types.int64, types.int64, TABLE, TABLE, TABLE),
+        _typed("contact.measure_triangles.measure_triangles", TABLE, TABLE, NUMBERS, TABLE),
     ),
     (
         _step("steps.smooth.step_jointed_euler"),

@@ -148,6 +148,7 @@ ADAPTER = BulletAdapter(
     platforms=("linux-x86_64",),
     features=~(
         Feature.ELLIPSOID
+        | Feature.MOVING_MESH
         | Feature.DISTANCE
         | Feature.ARMATURE
         | Feature.SPEED_LIMIT

@@ -133,6 +133,7 @@ ADAPTER = DartAdapter(
         | Feature.PLANE
         | Feature.CONVEX_HULL
         | Feature.TRIANGLE_MESH
+        | Feature.MOVING_MESH
         | Feature.COMPOUND
         | Feature.FULL_INERTIA
         | Feature.KINEMATIC

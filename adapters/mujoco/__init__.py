@@ -111,7 +111,7 @@ ADAPTER = MujocoAdapter(
     distribution="mujoco",
     licence="Apache-2.0",
     platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
-    features=~(Feature.STATIC_FRICTION | Feature.SPEED_LIMIT | Feature.RAY_TRACING),
+    features=~(Feature.MOVING_MESH | Feature.STATIC_FRICTION | Feature.SPEED_LIMIT | Feature.RAY_TRACING),
     tracks={
         "default": Settings(
             source="MuJoCo's own defaults: Euler, Newton, 100 iterations, tolerance 1e-8, pyramidal cone, impratio 1"

@@ -19,9 +19,10 @@ Deviations:
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
     * Limits stop without a rebound. A joint holds no body whose principal moments of inertia differ by more than 1e10, as of a
       rod a metre long and 4 micrometres thick: `build` raises `Unsupported`.
-    * A triangle mesh belongs to a static or kinematic body; a dynamic one is `Unsupported` at build. It is a one-sided surface.
-      With the option 'level_of_detail' it collides, and meets rays, as its sphere, box, hull or convex pieces; an open mesh has
-      none, and decomposition needs CoACD: both are `Unsupported`.
+    * A triangle mesh is a one-sided surface: it stops what comes from its outer side, and one that lies whole within a solid is
+      not pushed out. One that forces move must be closed, and its collision is not swept: else it is `Unsupported`.
+      With the option 'level_of_detail' a mesh collides, and meets rays, as its sphere, box, hull or convex pieces; an
+      open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
     * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic'. In joint
       coordinates semi-implicit Euler takes the forces of turning bodies as at the start of a sub-step: it neither keeps angular
       momentum to round-off nor carries a fast top, which Runge-Kutta does. Contacts, loops and distances have none: 'joint' is
@@ -100,8 +101,9 @@ ADAPTER = ReferenceAdapter(
     licence="Apache-2.0",
     platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
     features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.ELLIPSOID | F.PLANE | F.CONVEX_HULL | F.TRIANGLE_MESH
-    | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC | F.PRESCRIBED_MOTION | F.MASS_POINT | F.FIXED | F.BALL | F.REVOLUTE
-    | F.PRISMATIC | F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES | F.FEEDFORWARD
+    | F.MOVING_MESH | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC | F.PRESCRIBED_MOTION | F.MASS_POINT | F.FIXED | F.BALL
+    | F.REVOLUTE | F.PRISMATIC
+    | F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES | F.FEEDFORWARD
     | F.ARMATURE | F.FRICTION_LOSS | F.SPEED_LIMIT
     | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION
     | F.RESTITUTION | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS
@@ -157,7 +159,7 @@ ADAPTER = ReferenceAdapter(
         "Boxes that tumble at e = 1 without friction gain energy in proportion to the step: 0.2 % in 0.5 s at 1e-3.",
         "Restitution is Newton's law, which off the centre of mass gives energy with friction: at e = 1 up to a quarter.",
         "A body that just misses another may be turned aside by speculative contacts, unless collision is swept.",
-        "A triangle mesh is a one-sided surface of a static or kinematic body; a dynamic one is unsupported.",
+        "A triangle mesh is a one-sided surface; one that forces move must be closed, and its collision is not swept.",
         "Against a face, a cylinder's cap is a polygon of 16 corners on its rim.",
         "Ray-traced pictures: clear bodies cast the shadows of dark ones, and nothing keeps the light of the sky off.",
     ),

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.build.closed_mesh import closed_volume
 from engine.build.joint_order import ROWS
 from engine.build.polyhedra import Polyhedron
 from engine.build.principal_frame import principal_frame
@@ -14,13 +15,13 @@ from engine.describe.bodies import Body, Surface
 from engine.describe.check import finite, spd_inertia, unit_quaternion
 from engine.describe.errors import NotSupported
 from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
-from engine.describe.shapes import Box, Plane, Sphere
+from engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table, new_arena
 from engine.memory.layout import FLOATS, INTS, Per, shapes_of
 from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
 
-__all__ = ["assemble_world", "grow", "islands_know", "spheres_only", "wants_islands"]
+__all__ = ["assemble_world", "grow", "islands_know", "moves_meshes", "spheres_only", "wants_islands"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -103,6 +104,9 @@ def assemble_world(
             raise ValueError(f"body '{body.name}': the name is taken")
         index[body.name] = i
     index[WORLD] = n
+    for body in bodies:
+        if moves_meshes(body):
+            _check_closed(body)
     shapes = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
     ns = len(shapes)
     convex = any(solid.kind in (at.CYLINDER, at.ELLIPSOID, at.HULL, at.TRIANGLE) for _, solid in shapes)
@@ -131,9 +135,7 @@ def assemble_world(
     float_table(floats, ints, at.REST)[:] = np.inf
     float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
     for s, (i, solid) in enumerate(shapes):
-        if solid.kind in (at.PLANE, at.TRIANGLE) and bodies[i].motion == "dynamic":
-            if solid.kind == at.TRIANGLE:
-                raise NotSupported(f"triangle mesh of body '{bodies[i].name}'", "a mesh is a surface that forces do not move")
+        if solid.kind == at.PLANE and bodies[i].motion == "dynamic":
             raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
         row = float_table(floats, ints, at.SHAPE)[s]
         row[at.OFFSET : at.OFFSET + 3] = solid.offset
@@ -177,6 +179,21 @@ def assemble_world(
     if options.sleeping:
         float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
     return floats, ints
+
+
+def moves_meshes(body: Body) -> bool:
+    """Whether forces move a body that has triangle meshes."""
+    return body.motion == "dynamic" and any(isinstance(placed.shape, TriangleMesh) for placed in body.shapes)
+
+
+def _check_closed(body: Body) -> None:
+    """Raises: NotSupported for a mesh without an inside, of a body that forces move."""
+    for placed in body.shapes:
+        if isinstance(placed.shape, TriangleMesh):
+            try:
+                closed_volume(np.asarray(placed.shape.vertices, float), np.asarray(placed.shape.faces))
+            except ValueError as error:
+                raise NotSupported(f"triangle mesh of body '{body.name}', which forces move", str(error)) from error
 
 
 def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tuple[str, str]]) -> None:

@@ -1,7 +1,7 @@
 """Collision shapes of a triangle mesh in levels of detail, each with its measured error.
 
 From coarse to fine: the bounding sphere, the bounding box along the principal axes, the convex hull, a decomposition into
-convex pieces, and the mesh itself. Forces do not move a mesh; a body that they move takes its convex pieces.
+convex pieces, and the mesh itself.
 
 Source: Ericson, Real-Time Collision Detection, sections 4.3.2 (sphere, Ritter), 4.4.2 (box by principal components) and 5.1.5
 (closest point of a triangle); Wei, Liu, Ling, Su, Approximate Convex Decomposition for 3D Meshes with Collision-Aware Concavity
@@ -11,11 +11,11 @@ and Tree Search, ACM Transactions on Graphics 41, 2022 (through CoACD).
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.build.closed_mesh import closed_volume
 from engine.build.solids import mat_quat, quat_mat, quat_mul
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
@@ -62,7 +62,7 @@ def collision_shapes(
     if level not in LEVELS:
         raise ValueError(f"level of detail '{level}', expected one of {', '.join(LEVELS)}")
     vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
-    volume = _closed_volume(vertices, faces)
+    volume = closed_volume(vertices, faces)
     if level == "mesh":
         return Detail((Placed(mesh),), 1.0, 0.0, 0.0)
     rng = np.random.default_rng(seed)
@@ -114,7 +114,7 @@ def _simpler(body: Body, level: str) -> Iterator[Placed]:
             yield placed
             continue
         try:
-            _closed_volume(np.asarray(placed.shape.vertices, float), np.asarray(placed.shape.faces))
+            closed_volume(np.asarray(placed.shape.vertices, float), np.asarray(placed.shape.faces))
         except ValueError as error:
             raise NotSupported(f"level of detail '{level}' of body '{body.name}'", str(error)) from error
         p_BS, q_BS = np.asarray(placed.p_BS, float), np.asarray(placed.q_BS, float)
@@ -163,19 +163,6 @@ def convex_pieces(mesh: TriangleMesh, concavity: float = CONCAVITY, seed: int = 
     coacd.set_log_level("error")
     whole = coacd.Mesh(np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int32))
     return [np.asarray(points, float) for points, _ in coacd.run_coacd(whole, threshold=concavity, seed=seed)]
-
-
-def _closed_volume(vertices: FloatArray, faces: NDArray[Any]) -> float:
-    """The volume [m3] within a mesh. Raises: ValueError where an edge lacks its neighbour, or faces look inwards."""
-    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
-    there, back = ({tuple(edge) for edge in way.tolist()} for way in (edges, edges[:, ::-1]))
-    if there != back:
-        raise ValueError(f"triangle mesh: edge {min(there ^ back)} has one face, expected a closed surface")
-    a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
-    volume = float(np.sum(a * np.cross(b, c))) / 6
-    if volume <= 0:
-        raise ValueError(f"triangle mesh: volume {volume:g} m3, expected faces counter-clockwise seen from outside")
-    return volume
 
 
 def _errors(

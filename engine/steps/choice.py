@@ -21,11 +21,14 @@ Step = Callable[[NDArray[np.float64], NDArray[np.int64], int], tuple[int, int]]
 
 @dataclass(frozen=True, slots=True)
 class Kernels:
-    """What advances a world: its step, and where that does not find its pairs, the search before it and the test after that."""
+    """What advances a world: its step, and where that does not find its pairs, the search before it and the test after that;
+    and whether its narrow phase is the one that knows meshes which forces move.
+    """
 
     step: Step
     find_pairs: FindPairs | None
     drop_apart: DropApart | None
+    moving_meshes: bool
 
 
 def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, islands: bool, unsmooth: str) -> Step:

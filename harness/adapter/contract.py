@@ -84,6 +84,8 @@ class Feature(Flag):
     PLANE = auto()
     CONVEX_HULL = auto()
     TRIANGLE_MESH = auto()
+    MOVING_MESH = auto()
+    """A triangle mesh, convex or not, of a body that forces move."""
     COMPOUND = auto()
     FULL_INERTIA = auto()
     """Products of inertia: principal axes turned against B."""

@@ -53,6 +53,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.COMPOUND
         if Effect.CONTACT in effects:
             yield from (Feature[placed.shape.type.upper()] for placed in body.collision)
+            if body.movable and any(placed.shape.type == "triangle_mesh" for placed in body.collision):
+                yield Feature.MOVING_MESH
 
 
 def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:

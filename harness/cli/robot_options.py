@@ -32,7 +32,9 @@ _OPTIONS = (
     click.option(
         "--start", type=click.Choice(STARTS), help="Joints start at zero, amid their range, or at zero but inside it."
     ),
-    click.option("--convex", type=click.IntRange(2, 64), help="Take meshes of URDFs apart into at most so many convex pieces."),
+    click.option(
+        "--convex", type=click.IntRange(2, 64), help="Take meshes of URDFs and scenes apart into at most so many convex pieces."
+    ),
     click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
 )
 NAMES = "--drop, --package, --root, --scenario, --start, --one-friction, --dt, --duration, --budget"

@@ -160,7 +160,7 @@ def test_a_scene_says_which_features_it_uses(feature: Feature) -> None:
     scene = _SCENES[feature]()
     # A shape is one only where something can touch it, and an inertia is a matter of numbers.
     shapes = Feature.SPHERE | Feature.BOX | Feature.CAPSULE | Feature.CYLINDER | Feature.ELLIPSOID | Feature.PLANE
-    shapes |= Feature.CONVEX_HULL | Feature.TRIANGLE_MESH | Feature.FULL_INERTIA
+    shapes |= Feature.CONVEX_HULL | Feature.TRIANGLE_MESH | Feature.MOVING_MESH | Feature.FULL_INERTIA
     if feature not in shapes:
         assert feature in features_of(scene)
         assert feature not in features_of(replace(scene, narrow=scene.effects & ~Effect.CONTACT)) or feature in (

@@ -144,7 +144,7 @@ def test_our_own_scenes_are_read_as_they_are(tmp_path: Path) -> None:
         read(tmp_path / "own.toml")
     (tmp_path / "own.plumb.toml").write_text("duration = 2.0")
     assert read(tmp_path / "own.toml").duration == 2
-    with pytest.raises(RobotError, match="--drop, --package, --root, --scenario and --convex are for robot files"):
+    with pytest.raises(RobotError, match="--drop, --package, --root and --scenario are for robot files"):
         read(tmp_path / "own.toml", Wishes(root="fixed"))
 
 

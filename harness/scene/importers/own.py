@@ -14,11 +14,12 @@ from harness.scene.importers.companion import Companion
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.imported import Imported
 from harness.scene.importers.materials import one_friction
+from harness.scene.importers.scene_pieces import in_pieces
 from harness.scene.importers.settling import NONE
 
 __all__ = ["commanded", "read"]
 
-_OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "commands")
+_OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "convex", "commands")
 
 
 def read(path: Path, wishes: Wishes, companion: Companion, commands: Mapping[str, Samples] = NONE) -> Imported:
@@ -31,14 +32,15 @@ def read(path: Path, wishes: Wishes, companion: Companion, commands: Mapping[str
                 f"{named(path)}: {name} in its companion file is for robot files; a scene says it itself, "
                 f"expected some of {', '.join(_OF_A_RUN)}"
             )
-    if wishes.drop or wishes.packages or wishes.root or wishes.scenario or wishes.convex:
-        raise RobotError(
-            f"{named(path)}: --drop, --package, --root, --scenario and --convex are for robot files; a scene says it itself"
-        )
+    if wishes.drop or wishes.packages or wishes.root or wishes.scenario:
+        raise RobotError(f"{named(path)}: --drop, --package, --root and --scenario are for robot files; a scene says it itself")
     rows: list[Fidelity] = []
     if wishes.one_friction or companion.one_friction:
         surfaces, rows = one_friction(scene.surfaces)
         scene = replace(scene, surfaces=surfaces)
+    if wishes.convex is not None:
+        scene, more = in_pieces(scene, wishes.convex, named(path), wishes.tell)
+        rows = [*rows, *more]
     scene = commanded(scene, commands, f"{named(path)}: {companion.commands}")
     return Imported(
         name=path.stem,

@@ -6,7 +6,7 @@ import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
 from harness.conformance.check import ConformanceCheck, Finding, judge, near
-from harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS
+from harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import FINE, final
 from harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
@@ -128,6 +128,32 @@ def _triangle_mesh(adapter: Adapter, settings: Settings) -> Finding:
         near("height of the ball on the mesh [m]", z[0], 0.4, 3e-3, _GIVES),
         near("height of the ball beside the mesh [m]", z[1], 0.4 - G * 0.15**2 / 2, 5e-3, "it falls freely"),
     )
+
+
+def _moving_mesh(adapter: Adapter, settings: Settings) -> Finding:
+    """Two blocks with a gap, one mesh and one body, set down astride a post that their hull would stand on.
+
+    Once on a plane with a post that is a box, once on one mesh of slab and post.
+    """
+    blocks = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
+    slab, post = box_mesh((1.0, 0.5, 0.1), (0.0, 0.0, -0.1)), box_mesh((0.2, 0.1, 0.2), (0.0, 0.0, 0.2))
+    both = TriangleMesh(vertices=slab[0] + post[0], faces=SIDES + tuple((a + 8, b + 8, c + 8) for a, b, c in SIDES))
+    floors = {
+        "a plane and a box": (
+            static("ground", Plane()), static("post", Box(half_extents=(0.2, 0.1, 0.2)), p=(0.0, 0.0, 0.2))
+        ),
+        "a mesh": (static("ground", both),),
+    }  # fmt: skip
+    inertia = principal_inertia(0.05, 0.3, 0.27)
+    body = Body(name="blocks", inertia=inertia, collision=(PlacedShape(shape=blocks),), material="block", p_WB=(0.0, 0.0, 0.3))
+    found = []
+    for name, bodies in floors.items():
+        end = final(adapter, Scene(bodies=(*bodies, body), surfaces=(ground(0.5),)), settings.with_dt(FINE), 0.25)
+        found += [
+            near(f"height of the blocks on {name} [m]", end.p_WB[-1, 2], 0.3, 3e-3, "a mesh that moves is not its hull"),
+            near(f"turned on {name} [rad]", angle_between(end.q_WB[-1], _UPRIGHT), 0.0, 0.01, "it stands on both"),
+        ]
+    return judge(*found)
 
 
 def _mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Finding:
@@ -281,6 +307,13 @@ CHECKS = (
         question="Is a mesh that is not convex either what it is, or refused?",
         run=_mesh_is_not_its_hull,
         needs=Feature.TRIANGLE_MESH | Feature.SPHERE,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="moving_mesh_is_its_faces",
+        question="Does a body of one mesh that is not convex stand on its faces, whatever its hull would stand on?",
+        run=_moving_mesh,
+        needs=Feature.MOVING_MESH | Feature.PLANE | Feature.BOX,
         excusable=False,
     ),
     ConformanceCheck(

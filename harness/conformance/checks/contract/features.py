@@ -43,9 +43,10 @@ from harness.scene import (
     Spring,
     Surface,
     TriangleMesh,
+    Vector3,
 )
 
-__all__ = ["CHECKS", "CORNERS", "PROBED", "SIDES", "TWO_BLOCKS", "refusal"]
+__all__ = ["CHECKS", "CORNERS", "PROBED", "SIDES", "TWO_BLOCKS", "box_mesh", "refusal"]
 
 CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))
 """The corners of a box of half extents (.1, .2, .3) m."""
@@ -71,6 +72,12 @@ TWO_BLOCKS = (
     tuple((a + first, b + first, c + first) for first in (0, 8) for a, b, c in SIDES),
 )
 """Vertices [m] and faces of two such boxes, 1 m apart along x, as one mesh that is not convex."""
+
+
+def box_mesh(half_extents: Vector3, centre: Vector3) -> tuple[tuple[Vector3, ...], tuple[tuple[int, int, int], ...]]:
+    """Vertices [m] and faces of a box about a centre, with faces as `SIDES`."""
+    (a, b, c), (x, y, z) = half_extents, centre
+    return tuple((x + i * a, y + j * b, z + k * c) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)), SIDES
 
 
 def _shape(shape: Shape) -> Scene:
@@ -149,6 +156,18 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.PLANE: lambda: _shape(Plane()),
     Feature.CONVEX_HULL: lambda: _shape(ConvexHull(vertices=CORNERS)),
     Feature.TRIANGLE_MESH: lambda: _shape(TriangleMesh(vertices=CORNERS, faces=SIDES)),
+    Feature.MOVING_MESH: lambda: Scene(
+        bodies=(
+            static("ground", Plane()),
+            Body(
+                name="body",
+                collision=(PlacedShape(shape=TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])),),
+                material="block",
+                p_WB=(0.0, 0.0, 1.0),
+            ),
+        ),
+        surfaces=(ground(),),
+    ),
     Feature.COMPOUND: lambda: Scene(
         bodies=(
             Body(

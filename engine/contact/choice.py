@@ -1,0 +1,21 @@
+"""Which compiled narrow phase answers the pairs of a world that have no closed form."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Collide", "load_collide"]
+
+Collide = Callable[[NDArray[np.float64], NDArray[np.int64]], None]
+
+
+def load_collide(moving_meshes: bool) -> Collide:
+    """That of convex shapes, or, where forces move triangle meshes, the one that knows these too."""
+    if moving_meshes:
+        from engine.contact.collide_meshes import collide_meshes
+
+        return collide_meshes
+    from engine.contact.collide_convex import collide_convex
+
+    return collide_convex

@@ -19,7 +19,16 @@ if TYPE_CHECKING:
 __all__ = ["NotPrinted", "browser", "print_report"]
 
 VARIABLE = "PLUMBLINE_CHROMIUM"
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge", "msedge")
+NAMES = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "msedge",
+    "chromium-headless-shell",
+)
 LONGEST = 600.0
 """Seconds that a browser may take."""
 

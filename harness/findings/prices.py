@@ -238,6 +238,12 @@ class Prices:
         lists = {
             engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(trials["engine"])
         }
+        lacking = {
+            engine: without(trials[trials["engine"] == engine], here, engine)
+            for engine, costs in lists.items()
+            if costs.best is None
+        }
+        finest = {engine: min((p.dt for p in here if p.engine == engine), default=None) for engine in lists}
         spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
@@ -247,9 +253,9 @@ class Prices:
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
                 row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
-                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in here if p.engine == engine), default=None)}
+                row |= {"foreseen_track": "", "finest_dt": finest[engine]}
                 if costs.best is None:
-                    yield Price(**(row | without(trials[trials["engine"] == engine], here, engine)))
+                    yield Price(**(row | lacking[engine]))
                     continue
                 row |= {"best_error": costs.best.error}
                 if engine not in reached:

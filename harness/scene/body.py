@@ -1,5 +1,6 @@
 """A rigid body: mass, inertia, shapes placed relative to the centre of mass, and its state at the start."""
 
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -20,6 +21,21 @@ class PlacedShape:
     shape: Shape
     p_BS: Vector3 = (0.0, 0.0, 0.0)
     q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@lru_cache(maxsize=1024)
+def _defect(inertia: Matrix3) -> str:
+    """Why nothing has this inertia [kg m2], in words; '' where something may. Asked once of what many bodies have."""
+    tensor = np.asarray(inertia)
+    largest = float(np.abs(tensor).max())
+    if np.abs(tensor - tensor.T).max() > 1e-9 * largest:
+        return f"{tensor.tolist()} kg m2 is not symmetric"
+    a, b, c = np.linalg.eigvalsh(tensor)
+    if a <= 0 and largest > 0.0:
+        return f"with principal moments ({a:g}, {b:g}, {c:g}) kg m2 is not positive"
+    if a + b < c * (1 - 1e-9):
+        return f"with principal moments ({a:g}, {b:g}, {c:g}) kg m2 breaks the triangle inequality"
+    return ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -55,21 +71,12 @@ class Body:
 
     def __post_init__(self) -> None:
         where = f"body '{self.name}'"
-        tensor = np.asarray(self.inertia)
-        largest = float(np.abs(tensor).max())
-        if np.abs(tensor - tensor.T).max() > 1e-9 * largest:
-            raise ValueError(f"{where}: inertia {tensor.tolist()} kg m2 is not symmetric")
-        if largest == 0.0 and self.collision:
+        if defect := _defect(self.inertia):
+            raise ValueError(f"{where}: inertia {defect}")
+        if self.collision and not any(map(any, self.inertia)):
             raise ValueError(
                 f"{where}: inertia is zero, and it has shapes that touch; a mass point has none, expected that of a small "
                 "ball, 2/5 m r^2"
-            )
-        a, b, c = np.linalg.eigvalsh(tensor)
-        if a <= 0 and largest > 0.0:
-            raise ValueError(f"{where}: inertia with principal moments ({a:g}, {b:g}, {c:g}) kg m2 is not positive")
-        if a + b < c * (1 - 1e-9):
-            raise ValueError(
-                f"{where}: inertia with principal moments ({a:g}, {b:g}, {c:g}) kg m2 breaks the triangle inequality"
             )
         if self.motion == "static" and (any(self.v_WB) or any(self.w_WB)):
             raise ValueError(f"{where}: a static body moves with v_WB {self.v_WB}, w_WB {self.w_WB}; expected zero")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -126,12 +127,16 @@ def test_a_sound_engine_that_uses_what_the_contract_leaves_open_passes_every_che
 
 
 def test_a_wrapped_engine_without_a_fault_behaves_as_the_engine_inside() -> None:
-    """The wrapper itself must not be what the checks catch."""
-    engine = _candidates(ON_ENGINES[0])[0]
+    """The wrapper itself must not be what the checks catch: one that builds anew does so after every tenth step."""
+    engine, steps = _candidates(ON_ENGINES[0])[0], count(1)
+
+    def tenth(*_: object) -> bool:
+        return next(steps) % 10 == 0
+
     for wrapped in (
         plant(engine),
         plant(engine, simulation=lambda inner, _, scene, settings: Wrapped(inner, scene, settings)),
-        plant(engine, simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, lambda *_: True)),
+        plant(engine, simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, tenth)),
     ):
         for name in ("initial_state_comes_back", "hidden_damping_is_off", "velocity_is_not_clamped", "sleeping_is_off"):
             outcome = run_check(wrapped, "tuned", CHECK[name])

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from harness.adapter import Adapter
 from harness.case import Case
 from harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
@@ -133,10 +135,18 @@ def test_a_list_of_trade_offs_is_held_to_both_ways() -> None:
     assert disagreements({"a": "a"}, {"a": " "}) == ["listed in trade_offs without a reason: a"]
 
 
+def free_of_charge(engine: Adapter) -> Adapter:
+    """A planted engine whose steps cost nothing: its errors are asked for, and no price."""
+    tracks = {name: replace(track, options={**track.options, "spin": 0.0}) for name, track in engine.tracks.items()}
+    made = copy(engine)
+    object.__setattr__(made, "tracks", tracks)
+    return made
+
+
 def test_an_engine_that_was_deliberately_detuned_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two planted engines whose default errs by the first order: one is tuned to the second, one to an error that stays."""
     monkeypatch.syspath_prepend(PLUGINS)
-    engines = {name: plugins.adapter(name) for name in ("spinner", "detuned")}
+    engines = {name: free_of_charge(plugins.adapter(name)) for name in ("spinner", "detuned")}
     case = {"flight_projectile": CASES["flight_projectile"]}
     compared = comparisons(run_both_tracks(tmp_path / "run", case, engines, ladder=False), case)
     worse = {name: {one.case: str(one) for one in some if one.worse} for name, some in compared.items()}

@@ -27,6 +27,7 @@ from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports import build, write_recordings
 from reports.pages.scene import PAGE
+from tests.in_process import in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.own_limits import pile
 
@@ -180,9 +181,10 @@ def test_the_family_of_a_scene_of_ones_own_is_not_its_path(tmp_path: Path) -> No
 def fallen(tmp_path_factory: pytest.TempPathFactory) -> Done:
     """A pile on two engines, with a short ladder, and three perturbed starts where it is known for a moment only."""
     refine = Refinement(finest=1 / 960, further=0, members=3)
-    return carried_out(
-        tmp_path_factory.mktemp("pile"), pile(), ("mujoco", "dart"), "pile.toml", refine=refine, timing=False, tracks=("tuned",)
-    )
+    asked = {"refine": refine, "timing": False, "tracks": ("tuned",)}
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        return carried_out(tmp_path_factory.mktemp("pile"), pile(), ("mujoco", "dart"), "pile.toml", **asked)
 
 
 def test_a_pile_is_judged_by_what_stays_defined(fallen: Done) -> None:

@@ -21,7 +21,7 @@ from harness.findings.changes.values import Beside, Change
 from harness.findings.clocked_part import clocked_part
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.store.store import Store
-from harness.trajectory import Floats
+from harness.trajectory import Floats, Integers
 
 __all__ = ["FEWEST", "TOLD", "TOLD_OF_ALL", "clocked", "price_changes"]
 
@@ -107,10 +107,11 @@ def _samples(store: Store) -> dict[str, _Samples]:
     table = store.samples
     if table.empty:
         return {}
-    table = table.assign(cost=table["cpu"] / (table["steps"] * table.get("units", 1)))
+    cost = (table["cpu"] / (table["steps"] * table.get("units", 1))).to_numpy(float)
+    canary, steps = table["canary"].to_numpy(float), table["steps"].to_numpy()
     return {
-        str(trial): _Samples(rows["cost"].to_numpy(float), rows["canary"].to_numpy(float), int(rows["steps"].iloc[0]))
-        for trial, rows in table.groupby("trial")
+        str(trial): _Samples(cost[rows], canary[rows], int(steps[rows[0]]))
+        for trial, rows in table.groupby("trial").indices.items()
     }
 
 
@@ -158,9 +159,15 @@ def _student(count: int, share: float) -> float:
 
 def _drawn(values: Floats) -> Floats:
     """Logarithms of medians of samples drawn again."""
-    draws = np.random.default_rng(0).integers(0, len(values), size=(DRAWS, len(values)))
-    medians: Floats = np.log(np.median(values[draws], axis=1))
-    return medians[np.random.default_rng(1).permutation(DRAWS)]
+    medians: Floats = np.log(np.median(values[_draws(len(values))], axis=1))
+    return medians
+
+
+@cache
+def _draws(count: int) -> Integers:
+    """Places among so many samples, drawn again and again, (`DRAWS`, count)."""
+    draws: Integers = np.random.default_rng(0).integers(0, count, size=(DRAWS, count))
+    return draws[np.random.default_rng(1).permutation(DRAWS)]
 
 
 def _yardstick(mine: Sequence[_Price], others: Sequence[_Price]) -> _Yardstick:

@@ -22,16 +22,16 @@ import pandas as pd
 
 from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
+from harness.findings.foreseen import foreseen
 from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
 from harness.statistics.bootstrap import interval_of_drawn, medians
-from harness.statistics.order import fit_order
 from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.rows import records
 from harness.store.store import Store
 from harness.trajectory import Floats
 
-__all__ = ["PER_SECOND", "TARGETS", "Foreseen", "Point", "Price", "Prices", "foreseen", "unit_of"]
+__all__ = ["PER_SECOND", "TARGETS", "Point", "Price", "Prices", "unit_of"]
 
 TARGETS = tuple(10.0**-k for k in range(1, 9))
 """Errors, as shares of a case's scale."""
@@ -39,9 +39,6 @@ LEAST = 1e-9
 """An error below this share of the scale is drawn and priced as this: there is no logarithm of none."""
 DRAWS = 400
 """Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
-
-FORESIGHT = 1e-6
-"""Share of the finest step that was run beyond which no trend is followed: rounding grows with the steps, and comes first."""
 
 PER_SECOND = "simulated second"
 
@@ -280,37 +277,6 @@ class Prices:
                 row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
                 row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Foreseen:
-    """Where a trend meets a target. Terms: dt [s]; order: of its error in the step; track: the settings that follow it."""
-
-    dt: float
-    order: float
-    track: str
-
-
-def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
-    """The cheapest step at which an error of these points of one engine, none of which comes down to it, would be `target`.
-
-    Settings count whose error shrinks with the step down to the finest that was run: the fit reaches no floor, its interval
-    leaves out an order of zero, and its three finest points alone have half of its order or more. The trend is followed from
-    the finest point on, no farther than to `FORESIGHT` of its step, and a step that is finer by a factor costs that many times
-    more.
-    """
-    candidates: list[tuple[float, Foreseen]] = []
-    for track in dict.fromkeys(point.track for point in points):
-        mine = [point for point in points if point.track == track]
-        fit = fit_order([point.dt for point in mine], [point.error for point in mine])
-        last = min(mine, key=lambda point: point.dt)
-        if fit is None or fit.floor is not None or fit.low <= 0 or fit.at_fine_end < fit.order / 2:
-            continue
-        finer = (target / last.error) ** (1 / fit.order)
-        if finer < FORESIGHT:
-            continue
-        candidates.append((last.cost / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
-    return min(candidates, key=lambda candidate: candidate[0], default=(0.0, None))[1]
 
 
 def unit_of(trials: pd.DataFrame) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 from markupsafe import Markup
@@ -41,6 +42,12 @@ LIGHT: dict[str, Any] = {
     "legend": {"labelColor": "#1d232c", "titleColor": "#4a5361", "titleFontWeight": 500, "labelFontSize": 12},
 }
 """Colours and fonts of static charts; the page's script has the same for the dark scheme."""
+
+
+NARROW = 420
+"""Below this width a title of an axis may be longer than the axis, and a legend than the frame."""
+LETTER, AROUND = 7.0, 95
+"""Pixels of a letter of a title, as wide as most are, and of what stands left and right of the frame."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +116,7 @@ class Figure:
         """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""
         import vl_convert
 
-        spec = self._finished(width)
+        spec = self._finished(width) if width >= NARROW else _narrowed(self._finished(width), width)
         if form == "svg":
             text: str = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE, allowed_base_urls=[])
             return text.encode()
@@ -137,3 +144,16 @@ def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) ->
         low, high = min(stretch, key=lambda row: row[y]), max(stretch, key=lambda row: row[y])
         kept += [low] if low is high else sorted((low, high), key=lambda row: (row[x], row[y]))
     return kept
+
+
+def _narrowed(spec: dict[str, Any], width: int) -> dict[str, Any]:
+    """The same for a column: titles on several lines, names of the legend cut to the frame, and no higher than wide."""
+    height = min(int(spec.get("height", width)), int(0.8 * width))
+    room = {"x": max(width - AROUND, 8 * LETTER), "y": max(height, 8 * LETTER)}
+    for part in (spec, *spec.get("layer", ())):
+        for name, letters in ((name, int(pixels / LETTER)) for name, pixels in room.items()):
+            channel = part.get("encoding", {}).get(name, {})
+            if isinstance(channel.get("title"), str):
+                channel["title"] = wrap(channel["title"], letters)
+    legend = spec["config"]["legend"] | {"labelLimit": width - AROUND}
+    return spec | {"height": height, "config": spec["config"] | {"legend": legend}}

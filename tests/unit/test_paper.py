@@ -103,3 +103,35 @@ def test_the_digest_of_a_run_changes_with_any_answer(folder: Path) -> None:
     other = Store(folder)
     other.trials.loc[0, "trajectory_hash"] = "0123456789abcdef"
     assert run_digest(other) != before
+
+
+def test_a_chart_for_a_column_has_titles_on_several_lines_and_is_no_higher_than_wide(
+    folder: Path, tmp_path: Path, printed: Command
+) -> None:
+    def frame(width: int) -> tuple[float, str]:
+        out = tmp_path / str(width)
+        printed(
+            "figure",
+            folder,
+            "--case",
+            "joint_chain",
+            "--chart",
+            "price",
+            "--format",
+            "svg",
+            "--width",
+            str(width),
+            "--out",
+            out,
+        )
+        text = (out / "case-joint_chain-price.svg").read_text()
+        (inner,) = re.findall(r'class="background" aria-hidden="true" d="M0.5,0.5h[\d.]+v([\d.]+)h', text)
+        return float(inner), text
+
+    title = "error, as a share of the case's scale"
+    high, text = frame(640)
+    assert title in text
+    narrow, text = frame(250)
+    assert narrow <= 200 < high
+    assert title not in text
+    assert "error, as a share of" in text

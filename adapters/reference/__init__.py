@@ -23,8 +23,8 @@ Deviations:
       not pushed out. One that forces move must be closed, and its collision is not swept: else it is `Unsupported`.
       With the option 'level_of_detail' a mesh collides, and meets rays, as its sphere, box, hull or convex pieces; an
       open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
-    * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic'. In joint
-      coordinates semi-implicit Euler takes the forces of turning bodies as at the start of a sub-step: it neither keeps angular
+    * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic', as the track
+      'tuned' has it where joints alone act and Runge-Kutta carries them. In joint coordinates semi-implicit Euler takes the forces of turning bodies as at the start of a sub-step: it neither keeps angular
       momentum to round-off nor carries a fast top, which Runge-Kutta does. Contacts, loops and distances have none: 'joint' is
       `Unsupported` there, and 'automatic' keeps the bodies' own.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
@@ -134,7 +134,7 @@ ADAPTER = ReferenceAdapter(
             "splitting_8", "dormand_prince",
         ),
         "options.continuous": ("speculative", "swept"),
-        "options.coordinates": ("automatic",),
+        "options.coordinates": ("maximal", "automatic"),
         "options.contact_hertz": (60.0, 120.0, 240.0, 480.0, 960.0),
     },
     acts_on={

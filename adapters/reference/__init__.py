@@ -23,10 +23,11 @@ Deviations:
       not pushed out. One that forces move must be closed, and its collision is not swept: else it is `Unsupported`.
       With the option 'level_of_detail' a mesh collides, and meets rays, as its sphere, box, hull or convex pieces; an
       open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
-    * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic', as the track
-      'tuned' has it where joints alone act and Runge-Kutta carries them. In joint coordinates semi-implicit Euler takes the forces of turning bodies as at the start of a sub-step: it neither keeps angular
-      momentum to round-off nor carries a fast top, which Runge-Kutta does. Contacts, loops and distances have none: 'joint' is
-      `Unsupported` there, and 'automatic' keeps the bodies' own.
+    * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic'; the track
+      'tuned' has the latter where Runge-Kutta carries the joints. In joint coordinates semi-implicit Euler takes the forces of
+      turning bodies as at the start of a sub-step: it neither keeps angular momentum to round-off nor carries a fast top, which
+      Runge-Kutta does. Contacts, loops and distances have none: 'joint' is `Unsupported` there, and 'automatic' keeps the
+      bodies' own.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart

@@ -8,11 +8,11 @@ import pytest
 from reports.grammar import Chart, channel, chart, fixed, layered
 
 ROWS: list[dict[str, Any]] = [{"a": 1.0, "b": 2.0, "top": 3.0, "who": "x"}, {"a": 2.0, "b": None, "top": 4.0, "who": "y"}]
-LOG = {"type": "log", "nice": False, "padding": 14}
+LOG: dict[str, Any] = {"type": "log", "nice": False, "padding": 14}
 
 
 def points() -> tuple[Chart, Any]:
-    scale = {"domain": ["x", "y"], "range": ["#000", "#fff"]}
+    scale: dict[str, Any] = {"domain": ["x", "y"], "range": ["#000", "#fff"]}
     said = chart(ROWS).marked("point", filled=True, size=70)
     ours = said.encode(
         x=channel("a:Q", title="of a", scale=LOG, axis={"values": [1, 2]}),

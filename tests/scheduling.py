@@ -57,8 +57,8 @@ DEAREST = (
     "tests/stress/test_server.py",
     "tests/conformance/test_robot_loaders.py",
 )
-"""By the CPU seconds of each with those that go with it, processes and browsers that they start among them; the others, which take
-four seconds at most, follow by the number of their tests."""
+"""By the CPU seconds of each with those that go with it, and of all processes that they start; the others, which take four
+seconds at most, follow by the number of their tests."""
 
 SHARED = {
     "tests/conformance/test_negative_controls.py": "tests/conformance/test_conformance.py",

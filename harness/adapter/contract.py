@@ -42,7 +42,7 @@ The contract, proven by `harness.conformance`:
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import Flag, auto
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -200,7 +200,8 @@ class Settings:
 
     def plain(self) -> dict[str, Any]:
         """The fields that are set, as a JSON-ready mapping."""
-        return {name: value for name, value in asdict(self).items() if value not in (None, "", {})}
+        told = ((one.name, getattr(self, one.name)) for one in fields(self))
+        return {name: dict(value) if name == "options" else value for name, value in told if value not in (None, "", {})}
 
 
 class Simulation(Protocol):

@@ -235,12 +235,7 @@ class Prices:
         lists = {
             engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(trials["engine"])
         }
-        lacking = {
-            engine: without(trials[trials["engine"] == engine], here, engine)
-            for engine, costs in lists.items()
-            if costs.best is None
-        }
-        finest = {engine: min((p.dt for p in here if p.engine == engine), default=None) for engine in lists}
+        lacking = {e: without(trials[trials["engine"] == e], here, e) for e, costs in lists.items() if costs.best is None}
         spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
@@ -250,7 +245,7 @@ class Prices:
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
                 row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
-                row |= {"foreseen_track": "", "finest_dt": finest[engine]}
+                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in here if p.engine == engine), default=None)}
                 if costs.best is None:
                     yield Price(**(row | lacking[engine]))
                     continue

@@ -198,13 +198,18 @@ def _finest(here: Sequence[Point], case: Case) -> Point | None:
     return min(first, key=lambda point: (point.trial.settings.dt, point.trial.track != "tuned"), default=None)
 
 
-def _key(settings: Settings) -> str:
-    return json.dumps(replace(settings, source="").plain(), sort_keys=True)
+def _key(settings: Settings, *, knob: str = "", **others: Any) -> str:
+    """What tells settings apart, with other values of these, and this knob left to the engine."""
+    told = settings.plain() | others
+    left = {knob.removeprefix(_OPTION)} if knob.startswith(_OPTION) else set()
+    options = {name: value for name, value in told.pop("options", {}).items() if name not in left}
+    kept = {name: value for name, value in told.items() if name not in ("source", knob)}
+    return json.dumps([kept, options], sort_keys=True)
 
 
 def _family(point: Point) -> str:
     """What points share that differ in the time step alone."""
-    return _key(point.trial.settings.with_dt(1.0))
+    return _key(point.trial.settings, dt=1.0)
 
 
 def _label(base: str, settings: Settings, adapter: Adapter) -> str:
@@ -258,7 +263,7 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
         for trial in group:
             record = records.get(trial.trial)
             if record is not None and record.trajectory_hash is not None:
-                answers.setdefault(_key(_without(trial.settings, knob)), {})[record.trajectory_hash] = trial.trial
+                answers.setdefault(_key(trial.settings, knob=knob), {})[record.trajectory_hash] = trial.trial
         unlike = [runs.values() for runs in answers.values() if len(runs) > 1]
         if unlike:
             pairs = [some for names in unlike if (some := [errors[name] for name in names if name in errors])]
@@ -267,15 +272,6 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
                 shift=max((max(some) - min(some) for some in pairs), default=math.inf),
             )
     return felt
-
-
-def _without(settings: Settings, knob: str) -> Settings:
-    """The settings, this knob left to the engine."""
-    if knob.startswith(_OPTION):
-        kept = {name: value for name, value in settings.options.items() if name != knob.removeprefix(_OPTION)}
-        return replace(settings, options=kept)
-    unset: dict[str, Any] = {knob: None}
-    return replace(settings, **unset)
 
 
 def _moved(here: Sequence[Point], last: int) -> bool:

@@ -24,6 +24,7 @@ from harness.study.own_scene import study_of
 from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports.pages.scene import PAGE
+from tests.in_process import in_this_process
 from tests.robot_files import imported, mjcf, row
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")
@@ -54,7 +55,9 @@ def fallen(tmp_path_factory: pytest.TempPathFactory) -> Done:
     ladder = replace(study_of(case).experiments[0], tracks=("tuned",), timing=False, refine=refine)
     study = Study(name="scene", recordings=False, experiments=(ladder,))
     adapters = {name: plugins.adapter(name) for name in ("mujoco", "dart", "reference")}
-    store = carry_out(study, folder / "run", {case.name: case}, adapters, workers=1, resume=False)
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        store = carry_out(study, folder / "run", {case.name: case}, adapters, workers=1, resume=False)
     (one,) = agreements(store)
     return Done(store, {each.engine: each for each in omissions(store, one)})
 

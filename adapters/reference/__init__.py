@@ -121,6 +121,7 @@ ADAPTER = ReferenceAdapter(
             iterations=2,
             integrator="rk4",
             solver=SUITED,
+            options={"coordinates": "automatic"},
             source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (more "
             "sub-steps rather than more iterations); exact contacts where few bodies of unlike masses stand on each other, "
             "split impulses (Catto, GDC 2006) where bodies start inside each other; joint coordinates where joints alone act "

@@ -1,4 +1,4 @@
-"""The reference engine keeps the contract in joint coordinates as well: every check of joints, on both tracks."""
+"""The reference engine keeps the contract in both choices of coordinates: every check of joints, on both tracks."""
 
 from dataclasses import replace
 
@@ -9,13 +9,16 @@ from harness.adapter import Settings, Unsupported
 from harness.conformance import CHECKS, run_check
 from harness.study import plugins
 
-
-def in_joint_coordinates(settings: Settings) -> Settings:
-    """These settings with joint coordinates, where the engine knows them."""
-    return replace(settings, options={**settings.options, "coordinates": "automatic"})
+CHOICE = {"default": "automatic", "tuned": "maximal"}
+"""The coordinates that a track does not take by itself, where the engine knows both."""
 
 
-OTHER = replace(ADAPTER, tracks={name: in_joint_coordinates(settings) for name, settings in ADAPTER.tracks.items()})
+def turned(track: str, settings: Settings) -> Settings:
+    """The settings of a track with the other choice of coordinates."""
+    return replace(settings, options={**settings.options, "coordinates": CHOICE[track]})
+
+
+OTHER = replace(ADAPTER, tracks={name: turned(name, settings) for name, settings in ADAPTER.tracks.items()})
 NAMES = tuple(
     check.name
     for check in CHECKS
@@ -26,7 +29,7 @@ NAMES = tuple(
 
 @pytest.mark.parametrize("track", OTHER.tracks)
 @pytest.mark.parametrize("name", NAMES)
-def test_a_check_of_joints_holds_in_joint_coordinates(name: str, track: str) -> None:
+def test_a_check_of_joints_holds_in_the_other_coordinates(name: str, track: str) -> None:
     (check,) = (check for check in CHECKS if check.name == name)
     outcome = run_check(OTHER, track, check)
     assert outcome.status in ("passed", "not_applicable"), outcome.message
@@ -34,15 +37,25 @@ def test_a_check_of_joints_holds_in_joint_coordinates(name: str, track: str) -> 
 
 def test_checks_of_joints_are_solved_in_joint_coordinates_and_tell_so() -> None:
     scene = plugins.case("joint_chain").scene()
-    resolved = OTHER.build(scene, OTHER.tracks["tuned"]).resolved
-    assert resolved.options["coordinates"] == "joint"
-    assert OTHER.build(scene, resolved).resolved == resolved
-    assert "coordinates" not in ADAPTER.build(scene, ADAPTER.tracks["tuned"]).resolved.options
+    for adapter, track in ((ADAPTER, "tuned"), (OTHER, "default")):
+        resolved = adapter.build(scene, adapter.tracks[track]).resolved
+        assert resolved.options["coordinates"] == "joint"
+        assert adapter.build(scene, resolved).resolved == resolved
+    for adapter, track in ((ADAPTER, "default"), (OTHER, "tuned")):
+        assert "coordinates" not in adapter.build(scene, adapter.tracks[track]).resolved.options
+
+
+def test_dry_friction_in_a_joint_is_taken_by_euler_in_the_bodies_own_coordinates() -> None:
+    scene = plugins.case("joint_chain").scene()
+    rough = replace(scene, joints=tuple(replace(joint, friction_loss=0.1) for joint in scene.joints))
+    resolved = ADAPTER.build(rough, ADAPTER.tracks["tuned"]).resolved
+    assert resolved.integrator == "semi_implicit_euler"
+    assert "coordinates" not in resolved.options
 
 
 def test_loops_and_contacts_keep_their_bodies_own_coordinates_or_are_refused_by_name() -> None:
     for name, reason in (("joint_fourbar", "closes a loop"), ("stand_quadruped", "contacts")):
         scene = plugins.case(name).scene()
-        assert "coordinates" not in OTHER.build(scene, OTHER.tracks["tuned"]).resolved.options
+        assert "coordinates" not in ADAPTER.build(scene, ADAPTER.tracks["tuned"]).resolved.options
         with pytest.raises(Unsupported, match=reason):
             ADAPTER.build(scene, replace(ADAPTER.tracks["tuned"], options={"coordinates": "joint"}))

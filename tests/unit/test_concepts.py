@@ -30,7 +30,7 @@ def test_every_row_of_the_chapters_is_a_concept_with_a_case_or_a_reason() -> Non
 
 def test_a_link_leads_to_a_page_and_a_chart_of_the_report_and_else_the_command_is_said(store: Store) -> None:
     (page,) = concepts.PAGE.render(store).values()
-    files = case.PAGE.render(store)
+    files = dict(case.PAGE.render(store))
     links = re.findall(r'href="(case-[\w-]+\.html)(?:#([\w-]+))?"', page)
     assert ("case-stack_tower.html", "") in links
     assert ("case-joint_pendulum.html", "case-joint_pendulum-step") in links

@@ -296,11 +296,6 @@ def test_rays_hit_a_mesh_where_brute_force_over_its_triangles_does() -> None:
     assert (hits.shape[met] == 1).all()
 
 
-def test_a_mesh_that_forces_would_move_is_refused_when_the_world_is_built() -> None:
-    with pytest.raises(engine.NotSupported, match="triangle mesh of body 'loose'"):
-        engine.World([engine.Body(name="loose", shapes=[engine.Placed(BLOCK)])])
-
-
 @pytest.mark.parametrize(("cap", "faces"), [(4, 6), (24, 26)])
 def test_coplanar_facets_of_a_hull_become_one_face(cap: int, faces: int) -> None:
     """A prism of n sides has n + 2 faces, and Euler's V - E + F = 2 holds; its normals point outwards."""

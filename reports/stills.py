@@ -17,14 +17,14 @@ from reports.drawn.picture import picture
 from reports.drawn.solids import Solid, solids_of
 from reports.drawn.stage_set import stage_set
 from reports.drawn.view import Spheres, View, framed
-from reports.recordings.camera import half_sides, reach
+from reports.recordings.camera import half_sides, hung_on, reach, with_mount
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
 from reports.recordings.truth import told_places, truth_at
 
 __all__ = ["Film", "Row", "Still", "film", "thumbnail"]
 
-DRAWN_BY = "6"
+DRAWN_BY = "7"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""
 SIZE, FRAME = (264, 176), (168, 126)
 """Pixels across and up, of a thumbnail and of one moment of a strip."""
@@ -195,16 +195,19 @@ def _told(stage: Stage, moments: Floats) -> _Motion | None:
     return _Motion(p, q) if np.isfinite(p).all() and np.isfinite(q).all() else None
 
 
-def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, float]:
-    """The corners of the box around what moves, or around all where nothing does, and how much larger that is drawn."""
+def _box(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, Floats]:
+    """The corners of the box around what moves, or around all where nothing does, and the sizes (n,) m of that."""
     places = [int(k) for k in stage.moving] or list(range(len(stage.bodies)))
     sizes = np.array([max(reach(stage.bodies[k]), 1e-6) for k in places])
     lows = [(motion.p[:, places] - sizes[:, None]).min(axis=(0, 1)) for motion in motions]
     highs = [(motion.p[:, places] + sizes[:, None]).max(axis=(0, 1)) for motion in motions]
-    low, high = np.median(lows, axis=0), np.median(highs, axis=0)
-    for joint in stage.scene.get("joints", []):
-        if joint["parent"] == "world" and "anchor_W" in joint:
-            low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])
+    return np.median(lows, axis=0), np.median(highs, axis=0), sizes
+
+
+def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, float]:
+    """The corners of what is shown, what moves and what that hangs on, and how much larger what moves is drawn."""
+    low, high, sizes = _box(stage, motions)
+    low, high = with_mount(stage.scene, low, high)
     if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])) or sizes.max() <= 1e-6:
         for body in stage.bodies:  # what a scan sees is part of the show, and all of it where what moves has no shape
             sides = half_sides(body)
@@ -216,17 +219,16 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
 
 
 def _spheres(stage: Stage, motions: Sequence[_Motion], larger: float) -> Spheres:
-    """Of the bodies that move, and where they hang on the world; none where what stands around is part of the show."""
+    """Of the bodies that move and of what they hang on; none where what stands around is part of the show."""
     if stage.truth or not len(stage.moving) or any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
         return ()
     places = [int(k) for k in stage.moving]
     sizes = larger * np.array([reach(stage.bodies[k]) for k in places])
-    joints = [joint for joint in stage.scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
-    anchors = np.array([joint["anchor_W"] for joint in joints], dtype=np.float64).reshape(-1, 3)
-    radii = np.zeros(len(anchors))
+    low, high, _ = _box(stage, motions)
+    centres, radii = hung_on(stage.scene, low, high)
     return [
         (
-            np.concatenate([motion.p[:, places].reshape(-1, 3), anchors]),
+            np.concatenate([motion.p[:, places].reshape(-1, 3), centres]),
             np.concatenate([np.tile(sizes, len(motion.p)), radii]),
         )
         for motion in motions

@@ -41,28 +41,63 @@ class Framing:
     size: float
 
 
+def size_of(shape: Mapping[str, Any]) -> float:
+    """Radius [m] about its origin within which a bounded shape lies; 0 of one without bounds."""
+    match shape["type"]:
+        case "sphere":
+            return float(shape["radius"])
+        case "box":
+            return math.hypot(*shape["half_extents"])
+        case "ellipsoid":
+            return float(max(shape["semi_axes"]))
+        case "cylinder":
+            return math.hypot(shape["radius"], shape["half_length"])
+        case "capsule":
+            return float(shape["radius"] + shape["half_length"])
+        case "convex_hull" | "triangle_mesh":
+            return float(np.linalg.norm(np.asarray(shape["vertices"]), axis=1).max())
+    return 0.0
+
+
 def reach(body: Mapping[str, Any]) -> float:
     """Radius [m] about the centre of mass within which the body's bounded shapes lie."""
-    largest = 0.0
-    for placed in placed_shapes(body):
-        shape = placed["shape"]
-        match shape["type"]:
-            case "sphere":
-                size = shape["radius"]
-            case "box":
-                size = math.hypot(*shape["half_extents"])
-            case "ellipsoid":
-                size = max(shape["semi_axes"])
-            case "cylinder":
-                size = math.hypot(shape["radius"], shape["half_length"])
-            case "capsule":
-                size = shape["radius"] + shape["half_length"]
-            case "convex_hull" | "triangle_mesh":
-                size = float(np.linalg.norm(np.asarray(shape["vertices"]), axis=1).max())
-            case _:
-                continue
-        largest = max(largest, math.hypot(*placed.get("p_BS", (0.0, 0.0, 0.0))) + size)
-    return largest
+    sizes = [(size_of(placed["shape"]), placed.get("p_BS", (0.0, 0.0, 0.0))) for placed in placed_shapes(body)]
+    return max((math.hypot(*p_BS) + size for size, p_BS in sizes if size), default=0.0)
+
+
+def hung_on(scene: Mapping[str, Any], low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """What moving bodies hang on: the still part of a machine, a trunk that is welded to the world.
+
+    Args: low, high: the corners of what moves; a shape larger than that is scenery.
+    Returns: centres (n, 3) m in W and radii (n,) m of spheres about the bounded shapes of static bodies that a joint names,
+        or that hold the anchor of a joint to the world; and of those anchors.
+    """
+    largest, joints = float(np.linalg.norm(high - low)) / 2, scene.get("joints", [])
+    anchors = [joint["anchor_W"] for joint in joints if joint["parent"] == "world" and "anchor_W" in joint]
+    named = {name for joint in joints for name in (joint["parent"], joint["child"])}
+    held = [(np.asarray(anchor, dtype=np.float64), 0.0) for anchor in anchors]
+    for body in scene.get("bodies", []):
+        if body["motion"] != "static":
+            continue
+        p_WB, q_WB = np.asarray(body["p_WB"]), np.asarray(body.get("q_WB", UNTURNED))
+        spheres = [
+            (p_WB + rotate(q_WB, np.asarray(placed.get("p_BS", (0.0, 0.0, 0.0)))), size)
+            for placed in placed_shapes(body)
+            if 0.0 < (size := size_of(placed["shape"])) <= largest
+        ]
+        if body["name"] in named or any(
+            np.linalg.norm(centre - anchor) <= size for centre, size in spheres for anchor in anchors
+        ):
+            held += spheres
+    centres = np.array([centre for centre, _ in held], dtype=np.float64).reshape(-1, 3)
+    return centres, np.array([size for _, size in held], dtype=np.float64)
+
+
+def with_mount(scene: Mapping[str, Any], low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """A box around what moves, made to hold also what that hangs on."""
+    centres, radii = hung_on(scene, low, high)
+    sides = radii[:, None]
+    return np.min([low, *(centres - sides)], axis=0), np.max([high, *(centres + sides)], axis=0)
 
 
 def bounds(paths: Sequence[Floats], sizes: Floats) -> tuple[Floats, Floats]:
@@ -93,9 +128,7 @@ def framing(stage: Stage) -> Framing:
     if not places or not paths:
         return Framing(np.zeros(3), 1.0, np.array([2.0, -2.0, 1.5]), np.zeros(3), -1.0, 1.0)
     low, high = bounds(paths, np.array([reach(stage.bodies[index]) for index in places]))
-    for joint in stage.scene.get("joints", []):
-        if joint["parent"] == "world" and "anchor_W" in joint:
-            low, high = np.minimum(low, joint["anchor_W"]), np.maximum(high, joint["anchor_W"])
+    low, high = with_mount(stage.scene, low, high)
     if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
         # What a scan sees is part of the show.
         for body in stage.bodies:

@@ -2,17 +2,21 @@
 
 import dataclasses
 import io
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from harness.scene import Body, Plane, Scene, Sphere, Surface
+from harness.scene import Body, Box, Capsule, PlacedShape, Plane, Revolute, Scene, Sphere, Surface
+from harness.scene.file import dump_json
 from harness.store.record import Measurement
 from harness.store.store import Store
 from harness.trajectory import Trajectory
 from reports.html import rendered, write_report
+from reports.recordings.camera import hung_on, with_mount
 from reports.recordings.moment import about, moment_recording
 from reports.recordings.runs import stage_of
 from reports.sights import Sight, sight
@@ -69,6 +73,34 @@ def test_a_thumbnail_is_a_small_picture_with_the_page_shining_through_and_the_ba
     assert 0.01 < solid.mean() < 0.5
     assert (pixels[~solid][:, 3] < 130).mean() > 0.95  # but for edges, the ground hides little of the page
     assert np.ptp(pixels[solid][:, :3], axis=0).max() > 40  # lit from one side
+
+
+def welded() -> dict[str, Any]:
+    """A pendulum that hangs on a trunk with a head, beside a wall, over a ground: all of it but the pendulum is still."""
+    trunk = (
+        PlacedShape(shape=Capsule(radius=0.1, half_length=0.2), p_BS=(0.0, 0.0, 1.3)),
+        PlacedShape(shape=Sphere(radius=0.1), p_BS=(0.0, 0.0, 1.6)),
+    )
+    bodies = (
+        Body(name="ground", motion="static", collision=placed(Plane())),
+        Body(name="wall", motion="static", collision=placed(Box(half_extents=(0.1, 0.1, 0.1))), p_WB=(2.0, 0.0, 1.0)),
+        Body(name="hall", motion="static", collision=placed(Box(half_extents=(9.0, 9.0, 9.0)))),
+        Body(name="trunk", motion="static", collision=trunk),
+        Body(name="bob", collision=placed(Sphere(radius=0.1)), p_WB=(0.0, 0.0, 0.7)),
+    )
+    hinge = Revolute(name="hinge", parent="world", child="bob", anchor_W=(0.0, 0.0, 1.2), axis_W=(0.0, 1.0, 0.0))
+    scene = Scene(bodies=bodies, joints=(hinge,), surfaces=(Surface(),))
+    return dict(json.loads(dump_json(scene)))
+
+
+def test_what_a_machine_hangs_on_is_in_the_picture_and_what_stands_around_is_not() -> None:
+    low, high = np.array([-0.5, -0.1, 0.6]), np.array([0.5, 0.1, 1.2])
+    centres, radii = hung_on(welded(), low, high)
+    assert sorted(zip(centres[:, 2].tolist(), radii.tolist(), strict=True)) == [(1.2, 0.0), (1.3, 0.1 + 0.2), (1.6, 0.1)]
+    least, most = with_mount(welded(), low, high)
+    assert least.tolist() == pytest.approx([-0.5, -0.3, 0.6])  # the sphere about the trunk's capsule
+    assert most.tolist() == pytest.approx([0.5, 0.3, 1.7])  # the top of the head
+    assert len(hung_on(welded(), low / 10, high / 10)[0]) == 1  # beside a tiny machine the trunk is scenery; the anchor stays
 
 
 def test_the_series_is_the_place_that_changes_and_the_moment_is_where_the_bound_is_first_broken(seen: Sight) -> None:

@@ -23,7 +23,7 @@ QUALITY = 78
 
 
 def pages(report: Path, changes: Path, case: str | None) -> Iterator[tuple[str, Path, str]]:
-    """Name, file and the element that a picture begins with, of each page that is there."""
+    """Name, file and the element that a picture begins with, of each page. Raises: SystemExit, where one is not there."""
     cases = sorted(report.glob("case-*.html"))
     chosen = report / f"case-{case}.html" if case else max(cases, key=lambda path: path.read_text("utf-8").count("pictures/"))
     for name, path, element in (
@@ -33,8 +33,11 @@ def pages(report: Path, changes: Path, case: str | None) -> Iterator[tuple[str, 
         ("selection", report / "select.html", "body"),
         ("changes", changes / "what-changed.html", "body"),
     ):
-        if path.is_file():
-            yield name, path, element
+        if not path.is_file():
+            raise SystemExit(
+                f"{path}: missing, expected the page of the picture '{name}'; REPORT is of a run clocked at several steps"
+            )
+        yield name, path, element
 
 
 def taken(browser: Any, path: Path, element: str, size: tuple[int, int], scheme: str) -> Image.Image:

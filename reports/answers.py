@@ -10,6 +10,7 @@ import pandas as pd
 from harness.findings.agreement import errors_of
 from harness.store.record import digest
 from reports.contents import cases
+from reports.reasons import reasons
 from reports.status import outcome
 from reports.text import settings_text
 
@@ -24,7 +25,7 @@ def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
 
     Returns:
         The columns of `trials`, and error (headline metric, NaN where there is none), unit, at_most, metric, answered,
-        settings_line, and series: a name that trials share when only their step or seed differs.
+        settings_line, said (the reason in words), and series: a name that trials share when only their step or seed differs.
     """
     return _asked(store).copy() if trials is None else _answers(store, trials)
 
@@ -57,6 +58,8 @@ def _answers(store: "Store", trials: pd.DataFrame) -> pd.DataFrame:
     )
     rows["answered"] = [outcome(name).answered for name in rows["status"]]
     rows.loc[~rows["answered"] | ~np.isfinite(rows["error"]), "error"] = np.nan
+    said = reasons(store)
+    rows["said"] = [said[trial] for trial in rows["trial"]]
     rows["settings_line"] = [settings_text(text) for text in rows["settings"]]
     rows["series"] = [
         digest([engine, track, experiment, stepless(settings)])

@@ -5,20 +5,21 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from harness.metric.titles import metric_title
+from reports.answers import answers
 from reports.contents import cases
 from reports.figure import Figure, thin
 from reports.grammar import channel, chart, fixed
 from reports.marks import HOVER, LANE, POINT, Marks, decades, finished, lane_names, lane_texts, logarithmic, ticks
 from reports.points import points
 from reports.status import outcome
-from reports.text import amount, visible
+from reports.text import amount, slug, visible
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from harness.store.store import Store
 
-__all__ = ["across_cases", "error_by_step"]
+__all__ = ["across_cases", "error_by_step", "step_charts"]
 
 Row = dict[str, Any]
 STEP = "time step [ms]"
@@ -53,6 +54,13 @@ def error_by_step(
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]}) if bounded else []
     spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)
     return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")), how)
+
+
+def step_charts(store: "Store") -> Mapping[str, str]:
+    """By case the name of its `error_by_step`; a case on which no trial errs beyond 0 has none."""
+    rows = answers(store)
+    drawn = rows["case"][rows["error"] > 0].unique()
+    return {str(name): f"case-{slug(str(name))}-step" for name in drawn}
 
 
 def axis_title(metric: str, unit: str) -> str:

@@ -61,7 +61,7 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
                 "case": row["case"],
                 "status": outcome(row["status"]).name,
                 "symbol": outcome(row["status"]).symbol,
-                "reason": visible(str(row["reason"]))[:300],
+                "reason": visible(str(row["said"]))[:300],
                 "settings": visible(row["settings_line"])[:300],
                 "dt": 1e3 * float(row["dt"]),
                 "error": error,

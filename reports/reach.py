@@ -122,7 +122,7 @@ def cell(search: Search, law: str = "") -> Cell:
     cost = "" if search.step_cost is None else f"; {amount(1e3 * search.step_cost)} ms of CPU time a time step at the limit"
     taken = "" if search.substep is None else f"; steps of {amount(1e3 * search.substep)} ms taken"
     verdict = VERDICTS.get(search.verdict, search.verdict)
-    whole_reason = search.reason or search.signs.text
+    whole_reason = search.reason or _signs(search, why=True)
     hint = f"{verdict}{share}{cost}{taken}; {search.values} values, {search.members} starts each; {whole_reason}"
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
@@ -214,7 +214,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
                     else "none holds"
                     if search.held is None
                     else "limit",
-                    "signs": search.signs.text,
+                    "signs": _signs(search, why=True),
                     "verdict": VERDICTS.get(search.verdict, search.verdict),
                 }
             )
@@ -279,9 +279,10 @@ def _rest(search: Search) -> str:
     return in_words([(name, value) for name, value in search.beside if isinstance(value, bool)])
 
 
-def _signs(search: Search) -> str:
-    """By what a value broke, with how many starts each metric counts against."""
-    return ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts) or search.signs.status
+def _signs(search: Search, *, why: bool = False) -> str:
+    """By what a value broke, with how many starts each metric counts against. Args: why: with the reason of no ensemble?"""
+    counted = ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts)
+    return counted or (search.signs.text if why else search.signs.status)
 
 
 def tally(remedies: Sequence[Remedied]) -> list[tuple[str, Mapping[str, Tally]]]:

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.case.alteration import EVERYTHING
-from harness.case.own_titles import called
 from harness.findings.tables.effects import Verdict
 from reports.contents import cases
 from reports.figure import Figure
@@ -34,7 +33,7 @@ def savings_chart(store: "Store", verdicts: Sequence[Verdict]) -> Figure | None:
             "cost": verdict.cost,
             "low": verdict.low,
             "high": verdict.high,
-            "case": f"{called(verdict.case)} {verdict.where}".strip(),
+            "case": f"{cases(store)[verdict.case]['title']} {verdict.where}".strip(),
             "trial": verdict.trial,
         }
         for verdict in _priced(verdicts)

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import shlex
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -10,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from harness.intake.safe_text import csv_cell
-from harness.metric.titles import metric_title
-from reports.text import amount
+from reports.reasons import notices
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -60,30 +58,17 @@ def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> 
         **row,
         **nothing,
         "values": values,
-        "reason": _reason(str(row["reason"]), str(row["status"]), values),
         "resolved": row["resolved"],
-        "warnings": json.loads(row["warnings"]) if row["warnings"] else [],
+        "warnings": notices(store, str(row["trial"])),
         "reproduce": f"plumbline reproduce {shlex.quote(str(store.folder))} {shlex.quote(str(row['trial']))}",
     }
 
 
-def _reason(stored: str, status: str, values: Mapping[str, Any]) -> str:
-    """Of a trial that failed by its checks: which do not hold, by how much; of others what the run said."""
-    broken = [(name, measured) for name, measured in values.items() if measured["passed"] is False]
-    if status != "failed" or not broken:
-        return stored
-    return "; ".join(f"{metric_title(name)} {_with_bound(measured)}" for name, measured in broken)
-
-
-def _with_bound(measured: Mapping[str, Any]) -> str:
-    """'0.25 m, bound 0.1 m'."""
-    unit = "" if measured["unit"] in (None, "", "1") else f" {measured['unit']}"
-    return f"{amount(measured['value'])}{unit}, bound {amount(measured['at_most'])}{unit}"
-
-
 def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
     """Trials with one column a metric; cells that a spreadsheet would run are made text."""
-    columns = [name for name in rows.columns if name not in ("error", "metric", "at_most", "unit", "answered", "series")]
+    columns = [
+        name for name in rows.columns if name not in ("error", "metric", "at_most", "unit", "answered", "series", "said")
+    ]
     table = rows[columns]
     if len(measured):
         wide = measured.pivot_table(index="trial", columns="metric", values="value", aggfunc="first", dropna=False, sort=False)

@@ -11,6 +11,7 @@ from harness.findings.margins import Margin, margins
 from reports.answers import at_own_step
 from reports.contents import engines, families
 from reports.own_scenes import by_case, chips
+from reports.reasons import reasons
 from reports.status import STATUSES, Outcome, outcome, worst
 from reports.text import TIMES, amount
 
@@ -87,15 +88,14 @@ def verdicts(store: "Store") -> dict[tuple[str, str, str], Verdict]:
         own.setdefault((case, engine, track), []).append((rank, known[trial].times if trial in known else 0.0, trial))
     statuses = dict(zip(store.asked["trial"], store.asked["status"], strict=True))
     # Of the columns that are read alone: to group the others along costs ten times as much.
-    ended = store.asked[["case", "engine", "track", "trial", "status", "reason"]]
+    ended, said = store.asked[["case", "engine", "track", "trial", "status"]], reasons(store)
     for key, group in ended.groupby(["case", "engine", "track"], sort=False):
         bad = worst(group["status"])
-        reasons = [reason for status, reason in zip(group["status"], group["reason"], strict=True) if outcome(status) == bad]
+        worst_of = [trial for status, trial in zip(group["status"], group["trial"], strict=True) if outcome(status) == bad]
         # An engine that was not run at the case's own step is read at its worst.
-        nearest = str(group["trial"][[outcome(status) == bad for status in group["status"]]].iloc[0])
-        trial = max(own[key])[2] if key in own else nearest
+        trial = max(own[key])[2] if key in own else str(worst_of[0])
         cells[key] = Verdict(
-            counted(Counter(group["status"])), bad, str(reasons[0]), outcome(statuses[trial]), trial, known.get(trial)
+            counted(Counter(group["status"])), bad, said[worst_of[0]], outcome(statuses[trial]), trial, known.get(trial)
         )
     # That all numbers of a scene of one's own are finite is no verdict on it.
     return cells | {key: Verdict(((word, 1),), word, sentence, word) for key, (word, sentence) in chips(store).items()}

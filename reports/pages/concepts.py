@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from reports.charts import step_charts
 from reports.concepts import book, indexed
 from reports.contents import cases
 from reports.own_scenes import by_case
 from reports.page import Page
 from reports.template import fill
-from reports.text import slug
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -19,8 +19,7 @@ __all__ = ["PAGE"]
 def render(store: "Store") -> Mapping[str, str]:
     """The page."""
     known = {name: case for name, case in cases(store).items() if name not in by_case(store)}
-    charts = {str(name): f"case-{slug(str(name))}-step" for name in store.asked["case"].unique() if str(name) in known}
-    page = fill("concepts.html", store, title="Concepts", chapters=book(), cases=known, charts=charts)
+    page = fill("concepts.html", store, title="Concepts", chapters=book(), cases=known, charts=step_charts(store))
     return {"concepts.html": page}
 
 

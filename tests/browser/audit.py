@@ -1,6 +1,5 @@
 """What is wrong with an open page as a reader meets it: everything is asked at once, since to open a page costs the most."""
 
-import re
 from collections.abc import Collection
 from functools import cache
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from tests.browser.conftest import Visit
+from tests.links import anchors
 
 __all__ = ["faults"]
 
@@ -24,9 +24,8 @@ FILTER = (Path(__file__).parent / "filtered.js").read_text(encoding="utf-8")
 
 
 @cache
-def anchors(path: Path) -> frozenset[str]:
-    """The names that a link into a page may end in."""
-    return frozenset(re.findall(r'\bid="([^"]+)"', path.read_text(encoding="utf-8")))
+def _anchors(path: Path) -> frozenset[str]:
+    return anchors(path.read_text(encoding="utf-8"))
 
 
 def _links(seen: Visit, path: Path) -> list[str]:
@@ -38,7 +37,7 @@ def _links(seen: Visit, path: Path) -> list[str]:
         target = Path(unquote(address.path))
         if address.scheme != "file" or not target.is_file():
             wrong.append(f"a link to nothing: {href}")
-        elif address.fragment and unquote(address.fragment) not in anchors(target) | (
+        elif address.fragment and unquote(address.fragment) not in _anchors(target) | (
             frozenset(seen.page.evaluate("() => [...document.querySelectorAll('[id]')].map((one) => one.id)"))
             if target == path
             else frozenset()

@@ -29,6 +29,7 @@ from reports import build, write_recordings
 from reports.pages.scene import PAGE
 from tests.in_process import in_this_process
 from tests.known_prices import LAWS, PLUGINS
+from tests.links import dangling
 from tests.own_limits import pile
 
 ENGINES = ("spinner", "laggard")
@@ -165,6 +166,10 @@ def test_the_page_is_as_good_as_the_others(thrown: Done) -> None:
         shown = re.sub(r"<script.*?</script>", "", told, flags=re.DOTALL)
         assert "agrees" in shown
         assert not re.search(r"[✓0-9] passed", shown)
+
+
+def test_every_link_of_a_report_of_ones_own_scene_leads_somewhere(thrown: Done, fallen: Done) -> None:
+    assert dangling(thrown.store.folder) == dangling(fallen.store.folder) == []
 
 
 def test_a_title_is_made_of_the_files_name() -> None:

@@ -1,0 +1,72 @@
+"""Where the links of a report lead: every address of every page resolved, without a browser and with no picture drawn."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from harness.store.store import Store
+from reports.html import ASSETS
+from reports.page import Rendered, asked, pages
+
+__all__ = ["anchors", "dangling", "files_of"]
+
+OUTSIDE = ("http", "https", "data")
+"""What leads out of a report, or nowhere."""
+
+
+@dataclass
+class _Read(HTMLParser):
+    """What a page names and where it leads."""
+
+    named: set[str] = field(default_factory=set)
+    links: set[str] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        super().__init__()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        held: Mapping[str, str | None] = dict(attrs)
+        if held.get("id"):
+            self.named.add(str(held["id"]))
+        self.links |= {str(held[name]) for name in ("href", "src") if held.get(name)}
+
+
+def _read(page: str) -> _Read:
+    read = _Read()
+    read.feed(page)
+    return read
+
+
+def anchors(page: str) -> frozenset[str]:
+    """The names that a link into a page may end in."""
+    return frozenset(_read(page).named)
+
+
+def files_of(folder: Path) -> dict[str, Rendered]:
+    """The files of the report of a run folder by name, pictures not yet drawn. Raises: what a page raises."""
+    store = Store(folder)
+    files: dict[str, Rendered] = {f"style/{name}": "" for name in (*ASSETS, "vega.js")}
+    for page in pages():
+        if asked(page, store):
+            files |= page.render(store)
+    return files
+
+
+def dangling(folder: Path) -> list[str]:
+    """The links of all pages of a run's report whose file or whose place in it is not there: 'page.html: where it leads'."""
+    files = files_of(folder)
+    read = {name: _read(page) for name, page in files.items() if name.endswith(".html") and isinstance(page, str)}
+    wrong = []
+    for name, page in read.items():
+        for link in sorted(page.links):
+            address = urlsplit(link)
+            target = unquote(address.path) or name
+            place = unquote(address.fragment)
+            if address.scheme in OUTSIDE:
+                continue
+            kept = target in files or (target.startswith("../") and (folder / target.removeprefix("../")).is_file())
+            if address.scheme or not kept or (place and place not in read[target].named):
+                wrong.append(f"{name}: {link}")
+    return wrong

@@ -68,7 +68,7 @@ def savings_chart(store: "Store", verdicts: Sequence[Verdict]) -> Figure | None:
     )
     columns = ("engine", "scene", "ratio", "95 % from", "to")
     cells = [[r["engine"], r["case"], amount(r["cost"]), amount(r["low"]), amount(r["high"])] for r in rows]
-    return Figure("savings", "What everything on costs", caption, finished(layers, height=420), columns, cells, how)
+    return Figure("savings-ratio", "What everything on costs", caption, finished(layers, height=420), columns, cells, how)
 
 
 def matrix(store: "Store", verdicts: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:

@@ -23,7 +23,7 @@ POINTS = 2000
 """Most points of one series that are drawn."""
 
 VEGA_LITE = "6.4"
-"""The version that altair writes, vl-convert draws and the page's bundle reads."""
+"""The version that charts are said in, vl-convert draws and the page's bundle reads."""
 
 LIGHT: dict[str, Any] = {
     "background": "#ffffff",

@@ -17,7 +17,7 @@ import psutil
 
 __all__ = ["circumstances", "fingerprint", "machine_digest"]
 
-_PACKAGES = ("plumbline", "numpy", "scipy", "numba", "pandas", "pyarrow", "rerun-sdk", "altair")
+_PACKAGES = ("plumbline", "numpy", "scipy", "numba", "pandas", "pyarrow", "rerun-sdk", "vl-convert-python")
 
 
 def _processor() -> str:

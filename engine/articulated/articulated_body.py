@@ -53,7 +53,7 @@ from engine.maths.vec import (
     tmat_vec,
 )  # fmt: skip
 
-__all__ = ["accelerations", "transmitted"]
+__all__ = ["accelerations", "answer_forces", "transmitted"]
 
 
 @kernel
@@ -156,6 +156,33 @@ def outwards(tables: Tables) -> None:
 def accelerations(tables: Tables) -> None:
     """Write the change of every column's rate, from inertia and force of every link, which are used up."""
     inwards(tables)
+    outwards(tables)
+
+
+@kernel
+def answer_forces(tables: Tables) -> None:
+    """Write the changes of rates by forces of links alone, with inertia, pull and inverse as `inwards` left them.
+
+    Nothing pushes along columns; rates that are prescribed stay.
+    """
+    body, column, kind = tables.body, tables.column, tables.kind
+    for i in range(kind.shape[0] - 1, -1, -1):
+        first, parent = kind[i, FIRST], kind[i, PARENT]
+        torque, force = load3(body, i, FORCE), load3(body, i, FORCE + 3)
+        for k in range(first + kind[i, COLUMNS] - 1, first - 1, -1):
+            if column[k, ADDED] == math.inf:
+                column[k, CHANGE] = 0.0
+                continue
+            left = -dot(load3(column, k, AXIS_W), torque) - dot(load3(column, k, AXIS_W + 3), force)
+            column[k, LEFT] = left
+            share = column[k, INVERSE] * left
+            torque = axpy(share, load3(column, k, PULL), torque)
+            force = axpy(share, load3(column, k, PULL + 3), force)
+        store3(body, i, FORCE, torque)
+        store3(body, i, FORCE + 3, force)
+        if parent >= 0:
+            store3(body, parent, FORCE, add(load3(body, parent, FORCE), torque))
+            store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), force))
     outwards(tables)
 
 

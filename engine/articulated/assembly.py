@@ -26,7 +26,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
     joint_kind = int_table(ints, at.JOINT_KIND)
     types = [to.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
     n, m = len(forest.links), sum(DEGREES[kind] for kind in types)
-    rows = [n, n, n, n, m, m, n, m], [n, len(forest.others)]
+    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others)]
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], to.FLOAT_COLUMNS.tolist(), strict=True):

@@ -82,10 +82,10 @@ def jumped(tables: Tables, bodies: Bodies) -> bool:
 
 
 @kernel
-def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> None:
-    """Change all rates by what jumps of the bases' velocities do, since they were last seen."""
+def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> bool:
+    """Change all rates by what jumps of the bases' velocities do, since they were last seen. Returns: whether there were any."""
     if not jumped(tables, bodies):
-        return
+        return False
     state, motion, kind, column = bodies.state, tables.motion, tables.kind, tables.column
     move_links(tables, state)
     weigh_links(tables)
@@ -104,3 +104,4 @@ def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> None:
     accelerations(tables)
     for k in range(column.shape[0]):
         column[k, RATE] += column[k, CHANGE]
+    return True

@@ -11,7 +11,8 @@ from typing import Final
 
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.forces import load_links, weigh_links
-from engine.articulated.laws import ALL, next_segment, take_segment, write_laws
+from engine.articulated.laws import ALL, SMOOTH, next_segment, take_segment, write_laws
+from engine.articulated.momenta import load_momenta
 from engine.articulated.tables import (
     ACCELERATION,
     AXIS_W,
@@ -79,14 +80,25 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
 
 @kernel
 def solve_laws(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int) -> bool:
-    """Write the change of every column's rate under all forces and laws over h, or under STIFF_ALONE of them and no force.
+    """Write the change of every column's rate over h under the laws that act: ALL from the momenta that are kept, SMOOTH ones
+    under the forces of the present motion, STIFF_ALONE under none.
 
     Returns: whether there is an answer.
     """
     breaks = write_laws(tables, joints, h, which)
+    return settle_laws(tables, bodies, joints, setting, h, gyroscopic, which, breaks)
+
+
+@kernel
+def settle_laws(
+    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int, breaks: int
+) -> bool:
+    """As `solve_laws`, of laws that are written and have so many breaks."""
     fewest, patience = tables.column.shape[0] + 1, PATIENCE
     for _ in range(ROUNDS * (tables.column.shape[0] + 1)):
         if which == ALL:
+            load_momenta(tables, bodies, setting, h, gyroscopic)
+        elif which == SMOOTH:
             load_links(tables, bodies, setting, gyroscopic)
         else:
             weigh_links(tables)

@@ -53,10 +53,12 @@ from engine.memory.arena import (
 )
 from engine.memory.tables import Joints
 
-__all__ = ["ALL", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
+__all__ = ["ALL", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
 
 # Which laws act.
 ALL: Final = 0
+SMOOTH: Final = 2
+"""Springs and drives."""
 STIFF_ALONE: Final = 1
 """Limits, and springs and drives that are marked as too stiff for explicit stages."""
 
@@ -226,6 +228,8 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
             continue
         k = kind[i, FIRST]
         acting = -1 if which == ALL else joints.kind[j, IMPLICIT] | HAS_LIMITS
+        if which == SMOOTH:
+            acting = HAS_SPRING | HAS_DRIVE
         law[k, WHICH] = joints.kind[j, HAS] & acting
         law[k, X] = tables.coordinate[i, 0]
         write_breaks(law, k, joints.joint, j, h)

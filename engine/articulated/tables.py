@@ -30,8 +30,6 @@ LINEAR_DAMPING: Final = 25
 ANGULAR_DAMPING: Final = 26
 HEAVIER: Final = 27  # what damping over a sub-step makes of the mass
 STIFFER: Final = 28  # and of the inertia
-DRAG: Final = 29  # [1/s] that acts on the velocity at the start of a sub-step
-SPIN_DRAG: Final = 30
 
 # Links: how they move now. Spatial vectors are angular before linear, in W, about the tree's origin.
 MOTION: Final = 1
@@ -81,6 +79,19 @@ WHICH: Final = 17  # bits of HAS that act
 STAGE: Final = 6
 STAGE_RATE: Final = 7
 
+KEPT_RATE: Final = 0
+"""What semi-implicit Euler keeps there: the rate over its last sub-step, by which coordinates moved."""
+
+# Links: what a sub-step of semi-implicit Euler makes of them. Velocities are of the centre of mass, in W.
+PASSAGE: Final = 8
+END_MATRIX: Final = 0  # 9: R_WB at the end
+END_ORIENTATION: Final = 9  # 4: q_WB there
+END_PLACE: Final = 13  # 3: of the centre of mass there, from the tree's origin as it was at the start
+TURNED_INERTIA: Final = 16  # 6: in W at the start
+BEND: Final = 22  # 6: w and v from the start to the end, less those along the tangent of the start
+KEPT_SPIN: Final = 28  # 3: angular momentum that the last sub-step left; w without the gyroscopic effect
+KEPT_VELOCITY: Final = 31  # 3: v from the start to the end of the last sub-step
+
 # Integers.
 KIND: Final = 0
 PARENT: Final = 0  # link, or -1 for the root of a tree
@@ -96,9 +107,9 @@ OTHER: Final = 1  # bodies that no tree has and that are not static
 
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([32, 43, 28, 8, 18, 18, 14, 2])
+FLOAT_COLUMNS: Final = np.array([29, 43, 28, 8, 18, 18, 14, 2, 34])
 INT_COLUMNS: Final = np.array([8, 1])
-FLOAT_TABLES: Final = 8
+FLOAT_TABLES: Final = 9
 BYTES: Final = 8
 
 compiler: Any = numba
@@ -108,7 +119,7 @@ integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
-    """What is known of trees: constants, motion, inertia and coordinates of links, columns, laws, stages, who hangs where."""
+    """What is known of trees: constants, motion, inertia and coordinates of links, columns, laws, stages, sub-steps, who hangs where."""
 
     link: Floats
     motion: Floats
@@ -118,6 +129,7 @@ class Tables(NamedTuple):
     law: Floats
     stage: Floats
     stage_rate: Floats
+    passage: Floats
     kind: Ints
     other: Ints
 
@@ -166,6 +178,7 @@ def tables_of(floats: Floats, ints: Ints) -> Tables:
         floats_at(floats, ints, LAW),
         floats_at(floats, ints, STAGE),
         floats_at(floats, ints, STAGE_RATE),
+        floats_at(floats, ints, PASSAGE),
         ints_at(ints, KIND),
         ints_at(ints, OTHER),
     )

@@ -2,7 +2,7 @@
 
 from engine.articulated.advance import is_finite_forest, write_state
 from engine.articulated.bases import carry_bases, take_jumps
-from engine.articulated.forces import damp_explicitly, damp_over
+from engine.articulated.momenta import begin_momenta, damp_over, project_rates, resume_rates
 from engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
 from engine.articulated.semi_implicit_euler import semi_implicit_euler
 from engine.articulated.tables import tables_of
@@ -31,7 +31,9 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
     h, done, status = dt / substeps, 0, DONE
     damp_over(tables, h)
-    take_jumps(tables, bodies, joints)
+    if take_jumps(tables, bodies, joints) or count[0, STEPS] == 0:
+        begin_momenta(tables, bodies, gyroscopic)
+    resume_rates(tables)
     clear_reactions(joints)
     while done < steps and status == DONE:
         done += 1
@@ -47,6 +49,7 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
         if count_step(bodies.state, count) == DIVERGED or not finite:
             status = DIVERGED
     if done > 0:
+        project_rates(tables, bodies, joints, gyroscopic)
         write_state(tables, bodies, joints)
     return done, status
 
@@ -58,7 +61,6 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     dt, gyroscopic = setting[0, DT], count[0, GYROSCOPIC]
     done, status = 0, DONE
-    damp_explicitly(tables)
     if count[0, STEPS] == 0 and steps > 0:
         mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)

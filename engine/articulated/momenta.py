@@ -1,0 +1,182 @@
+"""The momenta of links, as semi-implicit Euler hands them on from one sub-step to the next.
+
+A sub-step moves a body by the velocities v and w from its start to its end, which leave the momenta m v and L = I w, with the
+inertia I of the start. Those of the next one obey, along every column S of the tangent there,
+
+    S . (exp(c h) (m v, I w) - (m v, L)_last - h (f, tau)) = h (what acts along the column)
+
+with the damping c of free bodies. Momenta are handed on as they are in W: so nothing is known of forces of turning bodies, and
+where nothing acts they are kept to round-off.
+
+Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.1.4 (SHAKE and RATTLE).
+"""
+
+import math
+
+from engine.articulated.articulated_body import accelerations
+from engine.articulated.forces import put_inertia
+from engine.articulated.motion import move_links
+from engine.articulated.tables import (
+    ADDED,
+    ANGULAR_DAMPING,
+    BEND,
+    BIAS,
+    CHANGE,
+    FIRST,
+    FORCE,
+    HEAVIER,
+    INERTIA,
+    JOINT,
+    KEPT_RATE,
+    KEPT_SPIN,
+    KEPT_VELOCITY,
+    LINEAR_DAMPING,
+    MASS,
+    MATRIX,
+    PLACE,
+    PUSH,
+    RATE,
+    ROW,
+    STIFFER,
+    TURNED_INERTIA,
+    VELOCITY,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Floats,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    cross,
+    load3,
+    load6,
+    load9,
+    scale,
+    store3,
+    store6,
+    sub,
+    sym_rotate,
+    sym_vec,
+)  # fmt: skip
+from engine.memory.arena import ARMATURE, GRAVITY, HAS
+from engine.memory.tables import Bodies, Joints
+
+__all__ = ["begin_momenta", "centre_velocity", "damp_over", "keep_momenta", "load_momenta", "project_rates", "put_force", "resume_rates"]
+
+
+@kernel
+def damp_over(tables: Tables, h: float) -> None:
+    """Write what damping over a sub-step h [s] makes of every link."""
+    link = tables.link
+    for i in range(link.shape[0]):
+        link[i, HEAVIER] = math.exp(link[i, LINEAR_DAMPING] * h)
+        link[i, STIFFER] = math.exp(link[i, ANGULAR_DAMPING] * h)
+
+
+@kernel
+def centre_velocity(tables: Tables, i: int) -> Vec:
+    """The velocity [m/s] of the centre of mass of link i along the tangent."""
+    w, r = load3(tables.motion, i, VELOCITY), load3(tables.motion, i, PLACE)
+    return add(load3(tables.motion, i, VELOCITY + 3), cross(w, r))
+
+
+@kernel
+def put_force(tables: Tables, i: int, torque: Vec, f: Vec) -> None:
+    """Write the force of link i, of a torque and a force at its centre of mass."""
+    store3(tables.body, i, FORCE, add(torque, cross(load3(tables.motion, i, PLACE), f)))
+    store3(tables.body, i, FORCE + 3, f)
+
+
+@kernel
+def scaled(f: float, s: Sym) -> Sym:
+    """f S."""
+    return f * s[0], f * s[1], f * s[2], f * s[3], f * s[4], f * s[5]
+
+
+@kernel
+def kept_spin(tables: Tables, i: int, inertia: Sym, gyroscopic: int) -> Vec:
+    """The angular momentum [kg m2/s] that link i comes with; without the gyroscopic effect it is w that stays."""
+    kept = load3(tables.passage, i, KEPT_SPIN)
+    return kept if gyroscopic == 1 else sym_vec(inertia, kept)
+
+
+@kernel
+def keep_momenta(tables: Tables, gyroscopic: int) -> None:
+    """Keep the momenta and rates of this sub-step, from velocities along the tangent and their bends."""
+    passage = tables.passage
+    for i in range(passage.shape[0]):
+        w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
+        spin = sym_vec(load6(passage, i, TURNED_INERTIA), w) if gyroscopic == 1 else w
+        store3(passage, i, KEPT_SPIN, spin)
+        store3(passage, i, KEPT_VELOCITY, add(centre_velocity(tables, i), load3(passage, i, BEND + 3)))
+    for k in range(tables.column.shape[0]):
+        tables.stage_rate[k, KEPT_RATE] = tables.column[k, RATE]
+
+
+@kernel
+def resume_rates(tables: Tables) -> None:
+    """Go on by the rates of the last sub-step, which are not those along the tangent of where it ended."""
+    for k in range(tables.column.shape[0]):
+        tables.column[k, RATE] = tables.stage_rate[k, KEPT_RATE]
+
+
+@kernel
+def begin_momenta(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
+    """Keep the momenta that the present rates mean."""
+    move_links(tables, bodies.state)
+    for i in range(tables.passage.shape[0]):
+        for c in range(6):
+            tables.passage[i, BEND + c] = 0.0
+        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(tables.link, i, INERTIA))
+        store6(tables.passage, i, TURNED_INERTIA, inertia)
+    keep_momenta(tables, gyroscopic)
+
+
+@kernel
+def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyroscopic: int) -> None:
+    """Write inertia of every link, and the force that it needs to go on by the present rates and the bend of the last sub-step."""
+    link, passage, load, g = tables.link, tables.passage, bodies.load, load3(setting, 0, GRAVITY)
+    for i in range(link.shape[0]):
+        m, b = link[i, MASS], tables.kind[i, ROW]
+        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(link, i, INERTIA))
+        store6(passage, i, TURNED_INERTIA, inertia)
+        heavier, stiffer = link[i, HEAVIER] * m, scaled(link[i, STIFFER], inertia)
+        w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
+        v = add(centre_velocity(tables, i), load3(passage, i, BEND + 3))
+        change = sub(scale(heavier, v), scale(m, load3(passage, i, KEPT_VELOCITY)))
+        turn = sub(sym_vec(stiffer, w), kept_spin(tables, i, inertia, gyroscopic))
+        f = sub(axpy(-m, g, scale(1.0 / h, change)), load3(load, b, 0))
+        put_force(tables, i, sub(scale(1.0 / h, turn), load3(load, b, 3)), f)
+        put_inertia(tables.body, i, stiffer, heavier, load3(tables.motion, i, PLACE))
+        for c in range(6):
+            tables.motion[i, BIAS + c] = 0.0
+
+
+@kernel
+def project_rates(tables: Tables, bodies: Bodies, joints: Joints, gyroscopic: int) -> None:
+    """Write the rates along the tangent of the present coordinates that are nearest, by mass, to the momenta that are kept.
+
+    Where a jump holds a rate, it stays.
+    """
+    column, kind, link = tables.column, tables.kind, tables.link
+    move_links(tables, bodies.state)
+    for i in range(kind.shape[0]):
+        m, r = link[i, MASS], load3(tables.motion, i, PLACE)
+        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(link, i, INERTIA))
+        f = scale(m, sub(centre_velocity(tables, i), load3(tables.passage, i, KEPT_VELOCITY)))
+        spin = sym_vec(inertia, load3(tables.motion, i, VELOCITY))
+        put_force(tables, i, sub(spin, kept_spin(tables, i, inertia, gyroscopic)), f)
+        put_inertia(tables.body, i, inertia, m, r)
+        for c in range(6):
+            tables.motion[i, BIAS + c] = 0.0
+        j, k = kind[i, JOINT], kind[i, FIRST]
+        if j >= 0 and joints.kind[j, HAS] != 0:
+            if column[k, ADDED] == math.inf:
+                column[k, CHANGE] = 0.0
+            else:
+                column[k, ADDED], column[k, PUSH] = joints.joint[j, ARMATURE], 0.0
+    accelerations(tables)
+    for k in range(column.shape[0]):
+        column[k, RATE] += column[k, CHANGE]

@@ -42,7 +42,7 @@ from engine.maths.vec import (
 from engine.memory.arena import ARMATURE, HAS, KINEMATIC, MOTION, P, Q, V, W
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["carry_bases", "free_columns", "take_jumps"]
+__all__ = ["carry_bases", "free_columns", "jumped", "take_jumps"]
 
 
 @kernel

@@ -18,6 +18,7 @@ from typing import Final
 
 from engine.articulated.tables import (
     ADDED,
+    BESIDE,
     BREAK,
     BREAKS,
     CHANGE,
@@ -177,7 +178,7 @@ def take_segment(tables: Tables, k: int, joints: Joints, j: int, h: float) -> No
         return
     push, slope = piece(law, k, joint, j, h, middle(law, k, segment // 2, column[k, RATE]))
     column[k, ADDED] = joint[j, ARMATURE] + h * slope
-    column[k, PUSH] = push - slope * column[k, RATE]
+    column[k, PUSH] = push - slope * column[k, RATE] + column[k, BESIDE]
 
 
 @kernel

@@ -18,6 +18,8 @@ from engine.articulated.forces import put_inertia
 from engine.articulated.motion import move_links
 from engine.articulated.tables import (
     ADDED,
+    ANCHOR_B,
+    ANCHOR_W,
     ANGULAR_DAMPING,
     BEND,
     BIAS,
@@ -27,9 +29,9 @@ from engine.articulated.tables import (
     HEAVIER,
     INERTIA,
     JOINT,
-    KEPT_RATE,
     KEPT_SPIN,
     KEPT_VELOCITY,
+    LAST_BEND,
     LINEAR_DAMPING,
     MASS,
     MATRIX,
@@ -43,6 +45,7 @@ from engine.articulated.tables import (
     Tables,
 )
 from engine.compile.jit import kernel
+from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.vec import (
     Floats,
     Sym,
@@ -53,6 +56,7 @@ from engine.maths.vec import (
     load3,
     load6,
     load9,
+    mat_vec,
     scale,
     store3,
     store6,
@@ -60,10 +64,13 @@ from engine.maths.vec import (
     sym_rotate,
     sym_vec,
 )  # fmt: skip
-from engine.memory.arena import ARMATURE, GRAVITY, HAS
+from engine.memory.arena import ARMATURE, GRAVITY, HAS, V, W
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["begin_momenta", "centre_velocity", "damp_over", "keep_momenta", "load_momenta", "project_rates", "put_force", "resume_rates"]
+__all__ = [
+    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "project_rates", "put_force",
+    "write_kept_velocities",
+]  # fmt: skip
 
 
 @kernel
@@ -104,22 +111,25 @@ def kept_spin(tables: Tables, i: int, inertia: Sym, gyroscopic: int) -> Vec:
 
 @kernel
 def keep_momenta(tables: Tables, gyroscopic: int) -> None:
-    """Keep the momenta and rates of this sub-step, from velocities along the tangent and their bends."""
+    """Keep the momenta of this sub-step, from velocities along the tangent and their bends."""
     passage = tables.passage
     for i in range(passage.shape[0]):
         w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
         spin = sym_vec(load6(passage, i, TURNED_INERTIA), w) if gyroscopic == 1 else w
         store3(passage, i, KEPT_SPIN, spin)
         store3(passage, i, KEPT_VELOCITY, add(centre_velocity(tables, i), load3(passage, i, BEND + 3)))
-    for k in range(tables.column.shape[0]):
-        tables.stage_rate[k, KEPT_RATE] = tables.column[k, RATE]
 
 
 @kernel
-def resume_rates(tables: Tables) -> None:
-    """Go on by the rates of the last sub-step, which are not those along the tangent of where it ended."""
-    for k in range(tables.column.shape[0]):
-        tables.column[k, RATE] = tables.stage_rate[k, KEPT_RATE]
+def write_kept_velocities(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
+    """Write the velocities that the kept momenta mean to the bodies, whose poses are there already."""
+    for i in range(tables.kind.shape[0]):
+        b, spin = tables.kind[i, ROW], load3(tables.passage, i, KEPT_SPIN)
+        if gyroscopic == 1:
+            turn_inertia(bodies.state, bodies.body, bodies.turned, b)
+            spin = sym_vec(load6(bodies.turned, b, 0), spin)
+        store3(bodies.state, b, V, load3(tables.passage, i, KEPT_VELOCITY))
+        store3(bodies.state, b, W, spin)
 
 
 @kernel
@@ -128,10 +138,21 @@ def begin_momenta(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
     move_links(tables, bodies.state)
     for i in range(tables.passage.shape[0]):
         for c in range(6):
-            tables.passage[i, BEND + c] = 0.0
+            tables.passage[i, BEND + c] = tables.passage[i, LAST_BEND + c] = 0.0
         inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(tables.link, i, INERTIA))
         store6(tables.passage, i, TURNED_INERTIA, inertia)
     keep_momenta(tables, gyroscopic)
+
+
+@kernel
+def go_on_bending(tables: Tables) -> None:
+    """Expect the bend of every link to change by as much as over the last sub-step."""
+    passage = tables.passage
+    for i in range(passage.shape[0]):
+        for c in range(6):
+            bend = passage[i, BEND + c]
+            passage[i, BEND + c] = 2.0 * bend - passage[i, LAST_BEND + c]
+            passage[i, LAST_BEND + c] = bend
 
 
 @kernel
@@ -139,10 +160,11 @@ def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyro
     """Write inertia of every link, and the force that it needs to go on by the present rates and the bend of the last sub-step."""
     link, passage, load, g = tables.link, tables.passage, bodies.load, load3(setting, 0, GRAVITY)
     for i in range(link.shape[0]):
-        m, b = link[i, MASS], tables.kind[i, ROW]
-        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(link, i, INERTIA))
+        m, b, turn = link[i, MASS], tables.kind[i, ROW], load9(tables.motion, i, MATRIX)
+        inertia = sym_rotate(turn, load6(link, i, INERTIA))
         store6(passage, i, TURNED_INERTIA, inertia)
         heavier, stiffer = link[i, HEAVIER] * m, scaled(link[i, STIFFER], inertia)
+        store3(passage, i, ANCHOR_W, add(load3(tables.motion, i, PLACE), mat_vec(turn, load3(link, i, ANCHOR_B))))
         w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
         v = add(centre_velocity(tables, i), load3(passage, i, BEND + 3))
         change = sub(scale(heavier, v), scale(m, load3(passage, i, KEPT_VELOCITY)))

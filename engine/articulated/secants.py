@@ -1,84 +1,110 @@
 """Where a sub-step takes the links, and by how much their way there leaves the tangent of its start.
 
-    X_i(q + h q') from X_i(q):  v = (p(q + h q') - p(q)) / h,  exp(h w) R(q) = R(q + h q');   bend = (w, v) - T(q) q'
+    v = (p(q + h q') - p(q)) / h,    exp(h w) R(q) = R(q + h q'),    bend = (w, v) - T(q) q'
+
+All is told by turns D = R(q + h q') R(q)^T and ways from the start on, in W, so that no digits are lost in differences:
+
+    D = D_parent exp(h sum S_k q'_k),    way = way_parent + (D_parent - 1) (anchor - p_parent) + (D - 1) (p - anchor)
+
+and what slides goes h q' D_parent n more.
 """
 
 import math
+from typing import Final
 
 from engine.articulated.advance import rates_of
 from engine.articulated.momenta import centre_velocity, put_force
-from engine.articulated.motion import hinge_turn, turn_of
 from engine.articulated.tables import (
     ANCHOR_A,
-    ANCHOR_B,
-    AXIS,
+    ANCHOR_W,
+    AXIS_W,
     BASE,
     BEND,
-    END_MATRIX,
-    END_ORIENTATION,
-    END_PLACE,
     FIRST,
     FREE,
     HEAVIER,
     MASS,
-    ORIENTATION,
+    ORIGIN,
     PARENT,
     PLACE,
     RATE,
-    START_X,
     STIFFER,
-    TURN,
     TURNED_INERTIA,
+    TURNING,
     TYPE,
     VELOCITY,
+    WAY,
     Tables,
 )
 from engine.compile.jit import kernel
 from engine.maths.vec import (
-    Mat,
     Quat,
     Vec,
     add,
     axpy,
+    cross,
     dot,
     load3,
     load4,
     load6,
-    load9,
-    mat_vec,
-    quat_conj,
     quat_mul,
-    quat_turn,
     scale,
     store3,
     store4,
-    store9,
     sub,
     sym_vec,
 )  # fmt: skip
-from engine.memory.arena import BALL, PRISMATIC, REVOLUTE, Q, V, W
+from engine.memory.arena import BALL, KINEMATIC, MOTION, PRISMATIC, REVOLUTE, P, V, W
 from engine.memory.tables import Bodies
 
-__all__ = ["bend_links", "go_to_ends"]
+__all__ = ["bend_links"]
 
-SMALL = 4e-4
-"""The square of half an angle up to which its series is as good as round-off: the next term is below 1e-18 of the first."""
+SMALL: Final = 2.5e-3
+"""The square of half an angle, or of its sine, up to which the series here are as good as round-off: below 1e-17 is left."""
 
-FAR = 2.0
+FAR: Final = 2.0
 """An angle [rad] from which on a turn may be meant as one by more than half a round, or the other way."""
+
+NO_TURN: Quat = (1.0, 0.0, 0.0, 0.0)
+STILL: Vec = (0.0, 0.0, 0.0)
 
 
 @kernel
-def angular_velocity(start: Quat, end: Quat, h: float, near: Vec) -> Vec:
-    """w with exp(h w) start = end; of all those, that nearest to `near`."""
-    d = quat_mul(end, quat_conj(start))
+def turn_by(angle: Vec) -> Quat:
+    """exp(angle), as a quaternion."""
+    square = 0.25 * dot(angle, angle)
+    if square < SMALL:
+        cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+        ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+    else:
+        half = math.sqrt(square)
+        cosine, ratio = math.cos(half), math.sin(half) / half
+    s = 0.5 * ratio
+    return cosine, s * angle[0], s * angle[1], s * angle[2]
+
+
+@kernel
+def moved_by(d: Quat, arm: Vec) -> Vec:
+    """(D - 1) arm."""
+    x = (d[1], d[2], d[3])
+    once = cross(x, arm)
+    return scale(2.0, axpy(d[0], once, cross(x, once)))
+
+
+@kernel
+def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
+    """w with exp(h w) = D; of all those, that nearest to `near`."""
     sign = 1.0 if d[0] >= 0.0 else -1.0
     x = (sign * d[1], sign * d[2], sign * d[3])
     square = dot(x, x)
     far = h * h * dot(near, near) > FAR * FAR
     if square < SMALL and not far:
-        ratio = 2.0 + square * (1.0 / 3.0 + square * (3.0 / 20.0 + square * (5.0 / 56.0 + square * 35.0 / 576.0)))
-        return scale(ratio / h, x)
+        # The series of the arcsine.
+        ratio = 1.0 + square * (
+            1.0 / 6.0
+            + square * (3.0 / 40.0 + square * (5.0 / 112.0 + square * (35.0 / 1152.0 + square * 63.0 / 2816.0)))
+        )
+        return scale(2.0 * ratio / h, x)
     sine = math.sqrt(square)
     if sine == 0.0:
         return near if far else x
@@ -89,56 +115,53 @@ def angular_velocity(start: Quat, end: Quat, h: float, near: Vec) -> Vec:
 
 
 @kernel
-def base_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Mat, Vec]:
-    """Of the base of root i after h seconds: orientation, its matrix, and the way of the tree's origin on it."""
+def base_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
+    """The turn of the base of root i in h seconds, and the way of the tree's origin on it."""
     state, b = bodies.state, tables.kind[i, BASE]
-    start, arm = load4(state, b, Q), load3(tables.link, i, ANCHOR_A)
-    end = quat_turn(start, load3(state, b, W), h)
-    turn = turn_of(end)
-    return end, turn, axpy(h, load3(state, b, V), sub(mat_vec(turn, arm), mat_vec(turn_of(start), arm)))
+    if bodies.kind[b, MOTION] != KINEMATIC:
+        return NO_TURN, STILL
+    d = turn_by(scale(h, load3(state, b, W)))
+    arm = sub(load3(tables.motion, i, ORIGIN), load3(state, b, P))
+    return d, axpy(h, load3(state, b, V), moved_by(d, arm))
 
 
 @kernel
-def go_to_ends(tables: Tables, bodies: Bodies, h: float) -> None:
-    """Write the pose of every link after h seconds by the present rates."""
-    link, passage, coordinate, column = tables.link, tables.passage, tables.coordinate, tables.column
-    for i in range(tables.kind.shape[0]):
-        kind, parent, first = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
-        if kind == FREE:
-            q = quat_turn(load4(coordinate, i, 0), rates_of(tables, first), h)
-            store4(passage, i, END_ORIENTATION, q)
-            store9(passage, i, END_MATRIX, turn_of(q))
-            store3(passage, i, END_PLACE, scale(h, rates_of(tables, first + 3)))
-            continue
-        if parent >= 0:
-            q, turn = load4(passage, parent, END_ORIENTATION), load9(passage, parent, END_MATRIX)
-            anchor = add(load3(passage, parent, END_PLACE), mat_vec(turn, load3(link, i, ANCHOR_A)))
-        else:
-            q, turn, anchor = base_end(tables, bodies, i, h)
-        turn_ab = load4(link, i, TURN)
-        if kind == REVOLUTE:
-            turn_ab = hinge_turn(tables, i, coordinate[i, 0] + h * column[first, RATE])
-        elif kind == PRISMATIC:
-            way = coordinate[i, 0] + h * column[first, RATE] - link[i, START_X]
-            anchor = axpy(way, mat_vec(turn, load3(link, i, AXIS)), anchor)
-        elif kind == BALL:
-            turn_ab = quat_turn(load4(coordinate, i, 0), rates_of(tables, first), h)
-        q = quat_mul(q, turn_ab)
-        turn = turn_of(q)
-        store4(passage, i, END_ORIENTATION, q)
-        store9(passage, i, END_MATRIX, turn)
-        store3(passage, i, END_PLACE, sub(anchor, mat_vec(turn, load3(link, i, ANCHOR_B))))
+def go_to_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
+    """The turn of link i in h seconds by the present rates, and the way of its centre of mass; those of its parent are known."""
+    passage, motion, column = tables.passage, tables.motion, tables.column
+    kind, parent, k = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
+    if kind == FREE:
+        return turn_by(scale(h, rates_of(tables, k))), scale(h, rates_of(tables, k + 3))
+    anchor = load3(passage, i, ANCHOR_W)
+    if parent >= 0:
+        d = load4(passage, parent, TURNING)
+        way = add(load3(passage, parent, WAY), moved_by(d, sub(anchor, load3(motion, parent, PLACE))))
+    else:
+        d, way = base_end(tables, bodies, i, h)
+        way = add(way, moved_by(d, anchor))
+    if kind == REVOLUTE:
+        d = quat_mul(d, turn_by(scale(h * column[k, RATE], load3(column, k, AXIS_W))))
+    elif kind == PRISMATIC:
+        n = load3(column, k, AXIS_W + 3)
+        way = axpy(h * column[k, RATE], add(n, moved_by(d, n)), way)
+    elif kind == BALL:
+        x, y, z = rates_of(tables, k)
+        w = axpy(x, load3(column, k, AXIS_W), axpy(y, load3(column, k + 1, AXIS_W), scale(z, load3(column, k + 2, AXIS_W))))
+        d = quat_mul(d, turn_by(scale(h, w)))
+    return d, add(way, moved_by(d, sub(load3(motion, i, PLACE), anchor)))
 
 
 @kernel
-def bend_links(tables: Tables, h: float) -> None:
-    """Write the bend of every link anew, and the force that it needs for what is new of it."""
+def bend_links(tables: Tables, bodies: Bodies, h: float) -> None:
+    """Write the bend of every link at the present rates, and the force that it needs for what is new of it."""
     link, motion, passage = tables.link, tables.motion, tables.passage
     for i in range(link.shape[0]):
+        d, way = go_to_end(tables, bodies, i, h)
+        store4(passage, i, TURNING, d)
+        store3(passage, i, WAY, way)
         tangent = load3(motion, i, VELOCITY)
-        w = angular_velocity(load4(motion, i, ORIENTATION), load4(passage, i, END_ORIENTATION), h, tangent)
-        v = scale(1.0 / h, sub(load3(passage, i, END_PLACE), load3(motion, i, PLACE)))
-        turning, sliding = sub(w, tangent), sub(v, centre_velocity(tables, i))
+        turning = sub(angular_velocity(d, h, tangent), tangent)
+        sliding = axpy(1.0 / h, way, scale(-1.0, centre_velocity(tables, i)))
         more_w, more_v = sub(turning, load3(passage, i, BEND)), sub(sliding, load3(passage, i, BEND + 3))
         store3(passage, i, BEND, turning)
         store3(passage, i, BEND + 3, sliding)

@@ -20,9 +20,9 @@ from engine.articulated.advance import add_reactions, change_rates, drift_coordi
 from engine.articulated.articulated_body import answer_forces
 from engine.articulated.bounded import solve_laws
 from engine.articulated.laws import ALL
-from engine.articulated.momenta import keep_momenta
+from engine.articulated.momenta import go_on_bending, keep_momenta
 from engine.articulated.motion import move_links
-from engine.articulated.secants import bend_links, go_to_ends
+from engine.articulated.secants import bend_links
 from engine.articulated.tables import ACCELERATION, ADDED, CHANGE, RATE, VELOCITY, Tables
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats
@@ -33,7 +33,8 @@ __all__ = ["semi_implicit_euler"]
 ROUND_OFF = 1e-10
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
 
-MOST_ROUNDS = 12
+MOST_ROUNDS = 50
+"""Three are needed where h times the angular velocities is small; more than these where the step is far too long."""
 
 
 @kernel
@@ -63,6 +64,7 @@ def semi_implicit_euler(
 ) -> bool:
     """Advance all trees by h. Args: reactions: whether to count what joints carry. Returns: whether the laws had an answer."""
     move_links(tables, bodies.state)
+    go_on_bending(tables)
     if not solve_laws(tables, bodies, joints, setting, h, gyroscopic, ALL):
         return False
     if reactions:
@@ -71,8 +73,7 @@ def semi_implicit_euler(
     change_velocities(tables, h)
     before = math.inf
     for _ in range(MOST_ROUNDS):
-        go_to_ends(tables, bodies, h)
-        bend_links(tables, h)
+        bend_links(tables, bodies, h)
         answer_forces(tables)
         if reactions:
             add_reactions(tables, joints, h)

@@ -11,7 +11,7 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1.1
 
 from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
 from engine.articulated.articulated_body import accelerations
-from engine.articulated.bases import carry_bases
+from engine.articulated.bases import carry_bases, free_columns
 from engine.articulated.bounded import settle_laws, solve_laws
 from engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
 from engine.articulated.forces import load_links
@@ -47,6 +47,16 @@ MOST_ROUNDS = 50
 
 
 @kernel
+def go_to_middle(tables: Tables, bodies: Bodies, h: float) -> None:
+    """Write pose and velocity of links in the middle; coordinates stay at the start, which `stage` holds."""
+    drift_coordinates(tables, 0.5 * h)
+    move_links(tables, bodies.state)
+    for i in range(tables.stage.shape[0]):
+        for c in range(7):
+            tables.coordinate[i, c] = tables.stage[i, c]
+
+
+@kernel
 def push_by_momenta(tables: Tables, joints: Joints, h: float) -> None:
     """Write into every column the force over h/2 that brings its momentum to that of the middle, and its law at these rates."""
     column, kind = tables.column, tables.kind
@@ -78,19 +88,15 @@ def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, floa
 @kernel
 def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
     """Write the rates of the middle, whose bases are there already. Returns: whether they were found."""
-    column, kept, stage, coordinate = tables.column, tables.stage_rate, tables.stage, tables.coordinate
+    column, kept, stage = tables.column, tables.stage_rate, tables.stage
     breaks = write_laws(tables, joints, 0.5 * h, SMOOTH)
     for i in range(stage.shape[0]):
         for c in range(7):
-            stage[i, c] = coordinate[i, c]
+            stage[i, c] = tables.coordinate[i, c]
     for k in range(column.shape[0]):
         column[k, RATE] = kept[k, KEPT_RATE] + kept[k, KEPT_CHANGE]
     for _ in range(MOST_ROUNDS):
-        drift_coordinates(tables, 0.5 * h)
-        move_links(tables, bodies.state)
-        for i in range(stage.shape[0]):
-            for c in range(7):
-                coordinate[i, c] = stage[i, c]
+        go_to_middle(tables, bodies, h)
         column_momenta(tables, bodies, joints, setting, gyroscopic)
         push_by_momenta(tables, joints, h)
         if not settle_laws(tables, bodies, joints, setting, 0.5 * h, gyroscopic, SMOOTH, breaks):
@@ -103,7 +109,9 @@ def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats,
 
 @kernel
 def carry_reactions(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> None:
-    """Count what joints carry in the middle, where links are there, for h."""
+    """Count what joints carry in the middle, for h, by the forces there."""
+    go_to_middle(tables, bodies, h)
+    free_columns(tables, joints)
     push_columns(tables, joints)
     load_links(tables, bodies, setting, gyroscopic)
     accelerations(tables)

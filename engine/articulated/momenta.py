@@ -3,7 +3,7 @@
 A sub-step moves a body by the velocities v and w from its start to its end, which leave the momenta m v and L = I w, with the
 inertia I of the start. Those of the next one obey, along every column S of the tangent there,
 
-    S . (exp(c h) (m v, I w) - (m v, L)_last - h (f, tau)) = h (what acts along the column)
+    S . ((m v, I w) - exp(-c h) ((m v, L)_last + h (f, tau))) = h (what acts along the column)
 
 with the damping c of free bodies. Momenta are handed on as they are in W: so nothing is known of forces of turning bodies, and
 where nothing acts they are kept to round-off.
@@ -26,7 +26,6 @@ from engine.articulated.tables import (
     CHANGE,
     FIRST,
     FORCE,
-    HEAVIER,
     INERTIA,
     JOINT,
     KEPT_SPIN,
@@ -39,7 +38,8 @@ from engine.articulated.tables import (
     PUSH,
     RATE,
     ROW,
-    STIFFER,
+    SHARE,
+    SPIN_SHARE,
     TURNED_INERTIA,
     VELOCITY,
     Tables,
@@ -75,11 +75,11 @@ __all__ = [
 
 @kernel
 def damp_over(tables: Tables, h: float) -> None:
-    """Write what damping over a sub-step h [s] makes of every link."""
+    """Write what damping leaves of momenta over a sub-step h [s]."""
     link = tables.link
     for i in range(link.shape[0]):
-        link[i, HEAVIER] = math.exp(link[i, LINEAR_DAMPING] * h)
-        link[i, STIFFER] = math.exp(link[i, ANGULAR_DAMPING] * h)
+        link[i, SHARE] = math.exp(-link[i, LINEAR_DAMPING] * h)
+        link[i, SPIN_SHARE] = math.exp(-link[i, ANGULAR_DAMPING] * h)
 
 
 @kernel
@@ -94,12 +94,6 @@ def put_force(tables: Tables, i: int, torque: Vec, f: Vec) -> None:
     """Write the force of link i, of a torque and a force at its centre of mass."""
     store3(tables.body, i, FORCE, add(torque, cross(load3(tables.motion, i, PLACE), f)))
     store3(tables.body, i, FORCE + 3, f)
-
-
-@kernel
-def scaled(f: float, s: Sym) -> Sym:
-    """f S."""
-    return f * s[0], f * s[1], f * s[2], f * s[3], f * s[4], f * s[5]
 
 
 @kernel
@@ -163,15 +157,14 @@ def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyro
         m, b, turn = link[i, MASS], tables.kind[i, ROW], load9(tables.motion, i, MATRIX)
         inertia = sym_rotate(turn, load6(link, i, INERTIA))
         store6(passage, i, TURNED_INERTIA, inertia)
-        heavier, stiffer = link[i, HEAVIER] * m, scaled(link[i, STIFFER], inertia)
         store3(passage, i, ANCHOR_W, add(load3(tables.motion, i, PLACE), mat_vec(turn, load3(link, i, ANCHOR_B))))
         w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
         v = add(centre_velocity(tables, i), load3(passage, i, BEND + 3))
-        change = sub(scale(heavier, v), scale(m, load3(passage, i, KEPT_VELOCITY)))
-        turn = sub(sym_vec(stiffer, w), kept_spin(tables, i, inertia, gyroscopic))
-        f = sub(axpy(-m, g, scale(1.0 / h, change)), load3(load, b, 0))
-        put_force(tables, i, sub(scale(1.0 / h, turn), load3(load, b, 3)), f)
-        put_inertia(tables.body, i, stiffer, heavier, load3(tables.motion, i, PLACE))
+        pushed = axpy(h, load3(load, b, 0), scale(m, axpy(h, g, load3(passage, i, KEPT_VELOCITY))))
+        turned = axpy(h, load3(load, b, 3), kept_spin(tables, i, inertia, gyroscopic))
+        torque = axpy(-link[i, SPIN_SHARE], turned, sym_vec(inertia, w))
+        put_force(tables, i, scale(1.0 / h, torque), scale(1.0 / h, axpy(-link[i, SHARE], pushed, scale(m, v))))
+        put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, PLACE))
         for c in range(6):
             tables.motion[i, BIAS + c] = 0.0
 

@@ -22,13 +22,11 @@ from engine.articulated.tables import (
     BEND,
     FIRST,
     FREE,
-    HEAVIER,
     MASS,
     ORIGIN,
     PARENT,
     PLACE,
     RATE,
-    STIFFER,
     TURNED_INERTIA,
     TURNING,
     TYPE,
@@ -166,6 +164,4 @@ def bend_links(tables: Tables, bodies: Bodies, h: float) -> None:
         store3(passage, i, BEND, turning)
         store3(passage, i, BEND + 3, sliding)
         torque = sym_vec(load6(passage, i, TURNED_INERTIA), more_w)
-        put_force(
-            tables, i, scale(link[i, STIFFER] / h, torque), scale(link[i, HEAVIER] * link[i, MASS] / h, more_v)
-        )  # fmt: skip
+        put_force(tables, i, scale(1.0 / h, torque), scale(link[i, MASS] / h, more_v))

@@ -28,8 +28,8 @@ MASS: Final = 18
 INERTIA: Final = 19  # 6, in B
 LINEAR_DAMPING: Final = 25
 ANGULAR_DAMPING: Final = 26
-HEAVIER: Final = 27  # what damping over a sub-step makes of the mass
-STIFFER: Final = 28  # and of the inertia
+SHARE: Final = 27  # of momentum that damping leaves over a sub-step
+SPIN_SHARE: Final = 28  # of angular momentum
 
 # Links: how they move now. Spatial vectors are angular before linear, in W, about the tree's origin.
 MOTION: Final = 1

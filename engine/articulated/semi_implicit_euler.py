@@ -23,15 +23,15 @@ from engine.articulated.laws import ALL
 from engine.articulated.momenta import go_on_bending, keep_momenta
 from engine.articulated.motion import move_links
 from engine.articulated.secants import bend_links
-from engine.articulated.tables import ACCELERATION, ADDED, CHANGE, RATE, VELOCITY, Tables
+from engine.articulated.tables import ACCELERATION, VELOCITY, Tables
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats
 from engine.memory.tables import Bodies, Joints
 
 __all__ = ["semi_implicit_euler"]
 
-ROUND_OFF = 1e-10
-"""The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
+ROUND_OFF = 1e-12
+"""The change of a rate, as a share of the largest one, that no round is made for."""
 
 MOST_ROUNDS = 50
 """Three are needed where h times the angular velocities is small; more than these where the step is far too long."""
@@ -44,18 +44,6 @@ def change_velocities(tables: Tables, h: float) -> None:
     for i in range(motion.shape[0]):
         for c in range(6):
             motion[i, VELOCITY + c] += h * motion[i, ACCELERATION + c]
-
-
-@kernel
-def correct_rates(tables: Tables, h: float) -> tuple[float, float]:
-    """Change the rates that no jump holds. Returns: the largest change, and the largest rate."""
-    change, rate = 0.0, 0.0
-    for k in range(tables.column.shape[0]):
-        if tables.column[k, ADDED] != math.inf:
-            tables.column[k, RATE] += h * tables.column[k, CHANGE]
-            change = max(change, abs(h * tables.column[k, CHANGE]))
-        rate = max(rate, abs(tables.column[k, RATE]))
-    return change, rate
 
 
 @kernel
@@ -74,12 +62,12 @@ def semi_implicit_euler(
     before = math.inf
     for _ in range(MOST_ROUNDS):
         bend_links(tables, bodies, h)
-        answer_forces(tables)
+        change, rate = answer_forces(tables, h)
         if reactions:
             add_reactions(tables, joints, h)
-        change_velocities(tables, h)
-        change, rate = correct_rates(tables, h)
-        if change <= ROUND_OFF * rate or change >= before:
+        # The next change would be to this one as this one is to that before.
+        expected = change if before == math.inf else change * (change / before)
+        if expected <= ROUND_OFF * rate or change >= before:
             break
         before = change
     keep_momenta(tables, gyroscopic)

@@ -88,8 +88,11 @@ def add_row(body: Floats, parent: int, i: int) -> None:
 
 
 @kernel
-def inwards(tables: Tables) -> None:
-    """Write the articulated inertia and force of every link, and pull, inverse and what is left of every column."""
+def inwards(tables: Tables, biased: bool) -> None:
+    """Write the articulated inertia and force of every link, and pull, inverse and what is left of every column.
+
+    Args: biased: whether links have a bias; it is zero otherwise.
+    """
     body, column, kind = tables.body, tables.column, tables.kind
     for i in range(kind.shape[0] - 1, -1, -1):
         first, parent = kind[i, FIRST], kind[i, PARENT]
@@ -118,11 +121,13 @@ def inwards(tables: Tables) -> None:
         store9(body, i, COUPLING, coupling)
         store3(body, i, FORCE, torque)
         store3(body, i, FORCE + 3, force)
-        if parent >= 0:
+        if parent < 0:
+            continue
+        add_row(body, parent, i)
+        if biased:
             bias_w, bias_v = load3(tables.motion, i, BIAS), load3(tables.motion, i, BIAS + 3)
             more_w = add(sym_vec(rotation, bias_w), mat_vec(coupling, bias_v))
             more_v = add(tmat_vec(coupling, bias_w), sym_vec(translation, bias_v))
-            add_row(body, parent, i)
             store3(body, parent, FORCE, add(load3(body, parent, FORCE), more_w))
             store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), more_v))
 
@@ -157,9 +162,9 @@ def outwards(tables: Tables) -> None:
 
 
 @kernel
-def accelerations(tables: Tables) -> None:
-    """Write the change of every column's rate, from inertia and force of every link, which are used up."""
-    inwards(tables)
+def accelerations(tables: Tables, biased: bool) -> None:
+    """Write the change of every column's rate, from inertia and force of every link, which are used up. Args: as `inwards`."""
+    inwards(tables, biased)
     outwards(tables)
 
 

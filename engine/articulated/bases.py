@@ -101,7 +101,7 @@ def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> bool:
         store3(motion, i, BIAS + 3, add(sliding, cross(turning, arm)))
         store3(motion, i, BASE_VELOCITY, w)
         store3(motion, i, BASE_VELOCITY + 3, v)
-    accelerations(tables)
+    accelerations(tables, True)
     for k in range(column.shape[0]):
         column[k, RATE] += column[k, CHANGE]
     return True

@@ -100,7 +100,7 @@ def settle_laws(
             load_momenta(tables, bodies, setting, h, gyroscopic)
         else:
             weigh_links(tables)
-        accelerations(tables)
+        accelerations(tables, False)
         if breaks == 0:
             return True
         wrong = change_segments(tables, joints, h, patience == 0)

@@ -6,7 +6,7 @@ from engine.articulated.forest import Forest, NoForest, forest_of
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
-from engine.options import ADAPTIVE, AUTOMATIC, JOINT, Options
+from engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
 
 __all__ = ["chosen_forest"]
 
@@ -20,7 +20,7 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     Args: touching: whether two bodies may touch.
     Raises: NotSupported where joint coordinates are asked for, and nothing else will do.
     """
-    if options.coordinates not in (JOINT, AUTOMATIC) or not joints:
+    if options.used_coordinates == MAXIMAL or not joints:
         return None
     forest: Forest | NoForest = NoForest("contacts", "contacts are solved between bodies with coordinates of their own")
     if options.integrator not in INTEGRATORS:

@@ -145,6 +145,6 @@ def rates_of_momenta(tables: Tables, bodies: Bodies, joints: Joints, setting: Fl
     for k in range(column.shape[0]):
         column[k, PUSH] = tables.stage_rate[k, KEPT_MOMENTUM] - column[k, MOMENTUM]
         column[k, BESIDE] = 0.0
-    accelerations(tables)
+    accelerations(tables, False)
     for k in range(column.shape[0]):
         column[k, RATE] += column[k, CHANGE]

@@ -127,7 +127,7 @@ def find_accelerations(tables: Tables, bodies: Bodies, joints: Joints, setting: 
     move_links(tables, bodies.state)
     push_columns(tables, joints)
     load_links(tables, bodies, setting, gyroscopic)
-    accelerations(tables)
+    accelerations(tables, True)
 
 
 @kernel

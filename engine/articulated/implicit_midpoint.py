@@ -114,7 +114,7 @@ def carry_reactions(tables: Tables, bodies: Bodies, joints: Joints, setting: Flo
     free_columns(tables, joints)
     push_columns(tables, joints)
     load_links(tables, bodies, setting, gyroscopic)
-    accelerations(tables)
+    accelerations(tables, True)
     add_reactions(tables, joints, h)
 
 

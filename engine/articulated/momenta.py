@@ -192,6 +192,6 @@ def project_rates(tables: Tables, bodies: Bodies, joints: Joints, gyroscopic: in
                 column[k, CHANGE] = 0.0
             else:
                 column[k, ADDED], column[k, PUSH] = joints.joint[j, ARMATURE], 0.0
-    accelerations(tables)
+    accelerations(tables, False)
     for k in range(column.shape[0]):
         column[k, RATE] += column[k, CHANGE]

@@ -410,7 +410,8 @@ def test_coordinates_count_turns_and_what_has_none_tells_none() -> None:
     world.step(100)
     assert world.joint_motion("axle") == pytest.approx((9.5, 9.0), rel=1e-12)
     assert np.isnan(world.joint_motion("ball")).all()
-    assert np.isnan(engine.World([wheel], [axle]).joint_motion("axle")).all()
+    own = engine.World([wheel], [axle], options=engine.Options(coordinates="maximal"))
+    assert np.isnan(own.joint_motion("axle")).all()
 
 
 def test_what_is_no_tree_is_refused_with_the_reason_or_keeps_its_bodies_own_coordinates() -> None:
@@ -423,10 +424,12 @@ def test_what_is_no_tree_is_refused_with_the_reason_or_keeps_its_bodies_own_coor
         engine.World(bodies, ring, options=engine.Options(coordinates="joint"))
     assert not engine.World(bodies, ring, options=engine.Options(coordinates="automatic")).in_joint_coordinates
     assert engine.World(bodies, ring[:2], options=engine.Options(coordinates="automatic")).in_joint_coordinates
-    assert not engine.World(bodies, ring[:2]).in_joint_coordinates
+    assert not engine.World(bodies, ring[:2], options=engine.Options(coordinates="maximal")).in_joint_coordinates
+    assert engine.World(bodies, ring[:2]).in_joint_coordinates
+    assert not engine.World(bodies, ring[:2], options=engine.Options(integrator="rk4")).in_joint_coordinates
     with pytest.raises(ValueError, match="in the same coordinates"):
         engine.World(bodies, ring[:2], options=engine.Options(coordinates="joint")).restore(
-            engine.World(bodies, ring[:2]).save()
+            engine.World(bodies, ring[:2], options=engine.Options(coordinates="maximal")).save()
         )
     with pytest.raises(ValueError, match="coordinates 'reduced'"):
         engine.Options(coordinates="reduced")

@@ -112,9 +112,7 @@ class World:
             self._floats, self._ints = with_trees(self._floats, self._ints, forest)
             self._step = joint_coordinates_step(self.options, unsmooth)
         else:
-            self._step = self._exact or choose_step(
-                self.touching, self.jointed, self.options, self.spheres, islands, unsmooth
-            )
+            self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:

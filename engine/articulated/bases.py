@@ -42,7 +42,7 @@ from engine.maths.vec import (
 from engine.memory.arena import ARMATURE, HAS, KINEMATIC, MOTION, P, Q, V, W
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["carry_bases", "free_columns", "jumped", "take_jumps"]
+__all__ = ["carry_bases", "free_columns", "take_jumps"]
 
 
 @kernel
@@ -83,7 +83,7 @@ def jumped(tables: Tables, bodies: Bodies) -> bool:
 
 @kernel
 def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> bool:
-    """Change all rates by what jumps of the bases' velocities do, since they were last seen. Returns: whether there were any."""
+    """Change all rates by what jumps of the bases' velocities do since they were last seen. Returns: whether there were any."""
     if not jumped(tables, bodies):
         return False
     state, motion, kind, column = bodies.state, tables.motion, tables.kind, tables.column

@@ -54,7 +54,6 @@ from engine.maths.vec import (
     load3,
     load6,
     load9,
-    neg,
     scale,
     store3,
     sym_rotate,

@@ -177,9 +177,7 @@ def largest_error(tables: Tables, trial: Trial, h: float) -> float:
 
 
 @kernel
-def try_step(
-    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, trial: Trial
-) -> float:
+def try_step(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, trial: Trial) -> float:
     """Go on by h from y, where accelerations are known, counting what joints carry. Returns: the error."""
     y, k = trial.y, trial.k
     write_slope(tables, k, 0)
@@ -200,9 +198,7 @@ def try_step(
 
 
 @kernel
-def accept(
-    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, ends: bool
-) -> bool:
+def accept(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, ends: bool) -> bool:
     """Make orientations unit ones, and let limits act, after a step h. Returns: whether the laws had an answer."""
     for i in range(tables.kind.shape[0]):
         if tables.kind[i, TYPE] == BALL or tables.kind[i, TYPE] == FREE:

@@ -71,7 +71,7 @@ def push_by_momenta(tables: Tables, joints: Joints, h: float) -> None:
 
 @kernel
 def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, float]:
-    """Write the rates and momenta that a round gives the middle. Returns: the largest change of a rate, and the largest rate."""
+    """Write rates and momenta that a round gives the middle. Returns: the largest change of a rate, and the largest rate."""
     column, kind, change, rate = tables.column, tables.kind, 0.0, 0.0
     for i in range(kind.shape[0]):
         # Of what is added to the inertia, the rotor is in the momentum; the rest is a law's force at the new rate.

@@ -13,21 +13,16 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.1.4
 
 import math
 
-from engine.articulated.articulated_body import accelerations
 from engine.articulated.forces import put_inertia
 from engine.articulated.motion import move_links
 from engine.articulated.tables import (
-    ADDED,
     ANCHOR_B,
     ANCHOR_W,
     ANGULAR_DAMPING,
     BEND,
     BIAS,
-    CHANGE,
-    FIRST,
     FORCE,
     INERTIA,
-    JOINT,
     KEPT_SPIN,
     KEPT_VELOCITY,
     LAST_BEND,
@@ -35,8 +30,6 @@ from engine.articulated.tables import (
     MASS,
     MATRIX,
     PLACE,
-    PUSH,
-    RATE,
     ROW,
     SHARE,
     SPIN_SHARE,
@@ -60,15 +53,14 @@ from engine.maths.vec import (
     scale,
     store3,
     store6,
-    sub,
     sym_rotate,
     sym_vec,
 )  # fmt: skip
-from engine.memory.arena import ARMATURE, GRAVITY, HAS, V, W
-from engine.memory.tables import Bodies, Joints
+from engine.memory.arena import GRAVITY, V, W
+from engine.memory.tables import Bodies
 
 __all__ = [
-    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "project_rates", "put_force",
+    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "put_force",
     "write_kept_velocities",
 ]  # fmt: skip
 
@@ -151,7 +143,7 @@ def go_on_bending(tables: Tables) -> None:
 
 @kernel
 def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyroscopic: int) -> None:
-    """Write inertia of every link, and the force that it needs to go on by the present rates and the bend of the last sub-step."""
+    """Write inertia of every link, and the force that it needs to go on by the present rates and its bend."""
     link, passage, load, g = tables.link, tables.passage, bodies.load, load3(setting, 0, GRAVITY)
     for i in range(link.shape[0]):
         m, b, turn = link[i, MASS], tables.kind[i, ROW], load9(tables.motion, i, MATRIX)
@@ -167,31 +159,3 @@ def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyro
         put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, PLACE))
         for c in range(6):
             tables.motion[i, BIAS + c] = 0.0
-
-
-@kernel
-def project_rates(tables: Tables, bodies: Bodies, joints: Joints, gyroscopic: int) -> None:
-    """Write the rates along the tangent of the present coordinates that are nearest, by mass, to the momenta that are kept.
-
-    Where a jump holds a rate, it stays.
-    """
-    column, kind, link = tables.column, tables.kind, tables.link
-    move_links(tables, bodies.state)
-    for i in range(kind.shape[0]):
-        m, r = link[i, MASS], load3(tables.motion, i, PLACE)
-        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(link, i, INERTIA))
-        f = scale(m, sub(centre_velocity(tables, i), load3(tables.passage, i, KEPT_VELOCITY)))
-        spin = sym_vec(inertia, load3(tables.motion, i, VELOCITY))
-        put_force(tables, i, sub(spin, kept_spin(tables, i, inertia, gyroscopic)), f)
-        put_inertia(tables.body, i, inertia, m, r)
-        for c in range(6):
-            tables.motion[i, BIAS + c] = 0.0
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            if column[k, ADDED] == math.inf:
-                column[k, CHANGE] = 0.0
-            else:
-                column[k, ADDED], column[k, PUSH] = joints.joint[j, ARMATURE], 0.0
-    accelerations(tables, False)
-    for k in range(column.shape[0]):
-        column[k, RATE] += column[k, CHANGE]

@@ -15,7 +15,6 @@ from typing import Final
 from engine.articulated.advance import rates_of
 from engine.articulated.momenta import centre_velocity, put_force
 from engine.articulated.tables import (
-    ANCHOR_A,
     ANCHOR_W,
     AXIS_W,
     BASE,
@@ -99,8 +98,7 @@ def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
     if square < SMALL and not far:
         # The series of the arcsine.
         ratio = 1.0 + square * (
-            1.0 / 6.0
-            + square * (3.0 / 40.0 + square * (5.0 / 112.0 + square * (35.0 / 1152.0 + square * 63.0 / 2816.0)))
+            1.0 / 6.0 + square * (3.0 / 40.0 + square * (5.0 / 112.0 + square * (35.0 / 1152.0 + square * 63.0 / 2816.0)))
         )
         return scale(2.0 * ratio / h, x)
     sine = math.sqrt(square)
@@ -125,7 +123,7 @@ def base_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Ve
 
 @kernel
 def go_to_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
-    """The turn of link i in h seconds by the present rates, and the way of its centre of mass; those of its parent are known."""
+    """The turn of link i in h seconds by the present rates, and the way of its centre of mass, its parent's being known."""
     passage, motion, column = tables.passage, tables.motion, tables.column
     kind, parent, k = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
     if kind == FREE:

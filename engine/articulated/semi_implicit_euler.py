@@ -1,6 +1,7 @@
 """Semi-implicit Euler in joint coordinates: momenta by the forces now, springs and limits at the end, coordinates by the rates.
 
-    T(q)^T (M (x(q + h q') - x(q)) - h P - h^2 f) = h^2 (what acts along coordinates),   q <- q + h q',   P <- M (x(q + h q') - x(q)) / h
+    T(q)^T (M (x(q + h q') - x(q)) - h P - h^2 f) = h^2 (what acts along coordinates)
+    P <- M (x(q + h q') - x(q)) / h,   q <- q + h q'
 
 x are the poses of the bodies, T = dx/dq, and orientations turn by exp(h w). That is SHAKE without its multipliers, which the
 tangent T leaves out, and without its gaps: the same motion as that of bodies with coordinates of their own, symplectic where

@@ -129,7 +129,7 @@ integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
-    """What is known of trees: constants, motion, inertia and coordinates of links, columns, laws, stages, sub-steps, who hangs where."""
+    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps, parents."""
 
     link: Floats
     motion: Floats

@@ -35,7 +35,7 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
         if touching or jointed:
             raise NotSupported(
                 f"integrator '{integrator}' with {'contacts' if touching else 'joints'}",
-                "it advances free bodies, or trees of joints in joint coordinates; semi_implicit_euler and rk4 know constraints",
+                "it advances what nothing ties or touches; semi_implicit_euler and rk4 know constraints",
             )
         return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
     if touching and options.solver == "sequential_impulses":

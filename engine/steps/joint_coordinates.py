@@ -3,12 +3,12 @@
 import numpy as np
 
 from engine.articulated.advance import is_finite_forest, write_state
-from engine.articulated.bases import carry_bases, jumped, take_jumps
+from engine.articulated.bases import carry_bases, take_jumps
 from engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
 from engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
 from engine.articulated.dormand_prince import room_for_trials
-from engine.articulated.momenta import begin_momenta, damp_over, project_rates, write_kept_velocities
 from engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
+from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
 from engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
 from engine.articulated.semi_implicit_euler import semi_implicit_euler
 from engine.articulated.tables import tables_of
@@ -26,14 +26,18 @@ from engine.memory.tables import bodies_of, joints_of
 from engine.steps.count_step import count_step
 
 __all__ = [
-    "step_joint_coordinates_adaptive", "step_joint_coordinates_euler", "step_joint_coordinates_midpoint", "step_joint_coordinates_runge_kutta",
-]  # fmt: skip
+    "step_joint_coordinates_adaptive",
+    "step_joint_coordinates_euler",
+    "step_joint_coordinates_midpoint",
+    "step_joint_coordinates_runge_kutta",
+]
 
 
 @entry
 def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by semi-implicit Euler in sub-steps. Returns: steps done, and DONE, DIVERGED or UNSOLVED.
 
+    A base that is told another velocity on the way needs nothing, since momenta are handed on.
     Bodies get their poses, and joints what they carry, where it can be seen: after the last step.
     """
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
@@ -42,9 +46,6 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
     h, done, status = dt / substeps, 0, DONE
     damp_over(tables, h)
     if count[0, STEPS] == 0:
-        begin_momenta(tables, bodies, gyroscopic)
-    if jumped(tables, bodies):
-        project_rates(tables, bodies, joints, gyroscopic)
         take_jumps(tables, bodies, joints)
         begin_momenta(tables, bodies, gyroscopic)
     clear_reactions(joints)
@@ -105,22 +106,21 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
     setting, count, principal = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, PRINCIPAL)
     substeps, gyroscopic = count[0, SUBSTEPS], count[0, GYROSCOPIC]
     h, done, status = setting[0, DT] / substeps, 0, DONE
-    trial, free = room_for_trials(tables, joints), Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH)))
+    trial, free = (
+        room_for_trials(tables, joints),
+        Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH))),
+    )
     take_jumps(tables, bodies, joints)
     ends = ends_with_laws(tables, joints)
     while done < steps and status == DONE:
         done += 1
         clear_reactions(joints)
         for _ in range(substeps):
-            if status == DONE and not dormand_prince_tree(
-                tables, bodies, joints, setting, h, gyroscopic, ends, trial
-            ):
+            if status == DONE and not dormand_prince_tree(tables, bodies, joints, setting, h, gyroscopic, ends, trial):
                 status = UNSOLVED
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
-                if bodies.kind[b, MOTION] == DYNAMIC and not dormand_prince(
-                    bodies, principal, setting, b, h, gyroscopic, free
-                ):
+                if bodies.kind[b, MOTION] == DYNAMIC and not dormand_prince(bodies, principal, setting, b, h, gyroscopic, free):
                     status = UNSOLVED
         finite = is_finite_forest(tables)
         if count_step(bodies.state, count) == DIVERGED or not finite:

@@ -1,21 +1,34 @@
-"""The reference engine keeps the contract in joint coordinates as well: every check of joints, on both tracks."""
+"""The reference engine keeps the contract in joint coordinates, under every integrator, and in the bodies' own."""
 
 from dataclasses import replace
 
 import pytest
 
 from adapters.reference import ADAPTER
-from harness.adapter import Settings, Unsupported
+from harness.adapter import Adapter, Feature, Settings, Unsupported
 from harness.conformance import CHECKS, run_check
 from harness.study import plugins
 
 
-def in_joint_coordinates(settings: Settings) -> Settings:
-    """These settings with joint coordinates, where the engine knows them."""
-    return replace(settings, options={**settings.options, "coordinates": "automatic"})
+def in_coordinates(settings: Settings, coordinates: str, **fields: str) -> Settings:
+    """These settings in other coordinates."""
+    return replace(settings, options={**settings.options, "coordinates": coordinates}, **fields)
 
 
-OTHER = replace(ADAPTER, tracks={name: in_joint_coordinates(settings) for name, settings in ADAPTER.tracks.items()})
+OTHER = replace(ADAPTER, tracks={name: in_coordinates(settings, "automatic") for name, settings in ADAPTER.tracks.items()})
+OWN = replace(ADAPTER, tracks={"default": in_coordinates(ADAPTER.tracks["default"], "maximal")})
+F = Feature
+LACKED = F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.FRICTION_LOSS | F.SPEED_LIMIT | F.SPHERE | F.BOX
+"""What they have to refuse beside joints: what is no tree, what is not smooth, and what touches."""
+MORE = replace(
+    ADAPTER,
+    features=ADAPTER.features & ~LACKED,
+    tracks={
+        name: in_coordinates(ADAPTER.tracks["tuned"], "automatic", integrator=name)
+        for name in ("implicit_midpoint", "dormand_prince")
+    },
+)
+ALL = [(adapter, track) for adapter in (OTHER, OWN, MORE) for track in adapter.tracks]
 NAMES = tuple(
     check.name
     for check in CHECKS
@@ -24,11 +37,11 @@ NAMES = tuple(
 """The checks whose scenes have joints."""
 
 
-@pytest.mark.parametrize("track", OTHER.tracks)
+@pytest.mark.parametrize(("adapter", "track"), ALL, ids=["euler", "rk4", "own", "midpoint", "adaptive"])
 @pytest.mark.parametrize("name", NAMES)
-def test_a_check_of_joints_holds_in_joint_coordinates(name: str, track: str) -> None:
+def test_a_check_of_joints_holds_in_all_coordinates(name: str, adapter: Adapter, track: str) -> None:
     (check,) = (check for check in CHECKS if check.name == name)
-    outcome = run_check(OTHER, track, check)
+    outcome = run_check(adapter, track, check)
     assert outcome.status in ("passed", "not_applicable"), outcome.message
 
 
@@ -38,6 +51,7 @@ def test_checks_of_joints_are_solved_in_joint_coordinates_and_tell_so() -> None:
     assert resolved.options["coordinates"] == "joint"
     assert OTHER.build(scene, resolved).resolved == resolved
     assert "coordinates" not in ADAPTER.build(scene, ADAPTER.tracks["tuned"]).resolved.options
+    assert ADAPTER.build(scene, ADAPTER.tracks["default"]).resolved.options["coordinates"] == "joint"
 
 
 def test_loops_and_contacts_keep_their_bodies_own_coordinates_or_are_refused_by_name() -> None:

@@ -67,7 +67,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 @pytest.fixture(params=["maximal", "automatic"])
 def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Worlds whose options do not say which coordinates get bodies' own, then those that joints leave where these make trees."""
+    """Worlds whose options do not say which coordinates get bodies' own, then those that trees of joints leave."""
     import engine
 
     monkeypatch.setitem(engine.Options.__init__.__kwdefaults__, "coordinates", request.param)

@@ -352,7 +352,11 @@ def carried_rod(coordinates: str, integrator: str, told: bool) -> np.ndarray:
         engine.Body(name="rod", p_WB=(1.0, 0.0, 0.0), v_WB=(0.1, 2.0, 0.0), w_WB=(0.0, 0.0, 2.0), **rod),
         engine.Body(name="flies", p_WB=(5.0, 0.0, 0.0), v_WB=(0.0, 1.0, 0.0), w_WB=(1.0, 2.0, 0.5), **rod),
     ]
-    joints = [engine.Revolute(name="pin", parent="base", child="rod", anchor_W=(0.5, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))]
+    bodies.append(engine.Body(name="slides", p_WB=(0.0, 1.0, 0.0), v_WB=(-1.9, 0.0, 0.0), w_WB=(0.0, 0.0, 2.0), **rod))
+    joints = [
+        engine.Revolute(name="pin", parent="base", child="rod", anchor_W=(0.5, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0)),
+        engine.Prismatic(name="rail", parent="base", child="slides", anchor_W=(0.0, 1.0, 0.0), axis_W=(0.0, 1.0, 0.0)),
+    ]
     options = engine.Options(dt=1e-3, integrator=integrator, coordinates=coordinates, substeps=1)
     world = engine.World(bodies, joints, options=options)
     world.step(150)

@@ -53,7 +53,7 @@ class Options:
         accelerates by less than sleep_speed / sleep_time. With it a world of spheres alone is solved by manifolds like any
         other, not by the solver of spheres. coordinates: of bodies held by joints, 'maximal' six of each body's own, with the
         joints as constraints; 'joint' those that the joints leave, where these make trees and nothing touches; 'automatic'
-        these where they are known, else the former.
+        these where they are known, else the former (None: 'maximal' under rk4, else 'automatic').
     """
 
     dt: float = 1 / 240
@@ -79,7 +79,7 @@ class Options:
     sleeping: bool = False
     sleep_speed: float = 1e-3
     sleep_time: float = 0.5
-    coordinates: str = MAXIMAL
+    coordinates: str | None = None
 
     def __post_init__(self) -> None:
         positive("options", "dt", self.dt, "s")
@@ -107,7 +107,7 @@ class Options:
             raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
         if self.continuous not in CONTINUOUS:
             raise ValueError(f"options: continuous {self.continuous!r}, expected one of {', '.join(CONTINUOUS)}")
-        if self.coordinates not in COORDINATES:
+        if self.coordinates is not None and self.coordinates not in COORDINATES:
             raise ValueError(f"options: coordinates {self.coordinates!r}, expected one of {', '.join(COORDINATES)}")
         positive("options", "tolerance", self.tolerance, "")
         if self.contact_hertz is not None:
@@ -124,6 +124,11 @@ class Options:
     def used_step_tolerance(self) -> float | None:
         """The relative error [1] of a step that the adaptive integrator aims at; None for the others."""
         return (self.step_tolerance or 1e-12) if self.integrator == ADAPTIVE else None
+
+    @property
+    def used_coordinates(self) -> str:
+        """The coordinates of bodies held by joints, as chosen."""
+        return self.coordinates or (MAXIMAL if self.integrator == "rk4" else AUTOMATIC)
 
     @property
     def stiffest_hertz(self) -> float:

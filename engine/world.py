@@ -108,13 +108,13 @@ class World:
             from engine.respond.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
-        self._step = self._exact or choose_step(
-            self.touching, self.jointed, self.options, self.spheres, islands, unsmooth_of(joints)
-        )
         self.in_joint_coordinates = forest is not None
+        unsmooth = unsmooth_of(joints)
         if forest is not None:
             self._floats, self._ints = with_trees(self._floats, self._ints, forest)
-            self._step = joint_coordinates_step(self.options)
+            self._step = joint_coordinates_step(self.options, unsmooth)
+        else:
+            self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
         self._swept = None
         if self.touching and self.options.continuous == "swept":
             if self.jointed or self._exact is not None:

@@ -14,7 +14,8 @@ Deviations:
       joints and every solver, but a body that just misses another may be turned aside by a contact that never comes about.
     * Swept, the world stops at each impact of a step. Beside joints, and with the solver 'exact', `build` raises `Unsupported`.
     * Bodies that nothing touches in a step follow the integrator; touched ones follow semi-implicit Euler in sub-steps.
-    * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with joints or contacts.
+    * The integrators of free bodies (all but semi-implicit Euler and Runge-Kutta) build no scene with contacts, and of joints
+      implicit midpoint and Dormand-Prince trees alone.
     * With dry friction in a joint the track 'tuned' takes semi-implicit Euler in its sub-steps, as it does with contacts.
     * A spring or drive too stiff for the explicit stages of Runge-Kutta is taken implicitly, which adds numerical damping.
     * Limits stop without a rebound. A joint holds no body whose principal moments of inertia differ by more than 1e10, as of a
@@ -23,11 +24,9 @@ Deviations:
       not pushed out. One that forces move must be closed, and its collision is not swept: else it is `Unsupported`.
       With the option 'level_of_detail' a mesh collides, and meets rays, as its sphere, box, hull or convex pieces; an
       open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
-    * Bodies held by joints keep coordinates of their own unless the option 'coordinates' is 'joint' or 'automatic'; the track
-      'tuned' has the latter where Runge-Kutta carries the joints. In joint coordinates semi-implicit Euler takes the forces of
-      turning bodies as at the start of a sub-step: it neither keeps angular momentum to round-off nor carries a fast top, which
-      Runge-Kutta does. Contacts, loops and distances have none: 'joint' is `Unsupported` there, and 'automatic' keeps the
-      bodies' own.
+    * Trees of joints that nothing touches are solved in joint coordinates on both tracks. Semi-implicit Euler moves them as it
+      does bodies with coordinates of their own. Contacts, loops and distances have none: the option 'coordinates' as 'joint' is
+      `Unsupported` there, and 'automatic' keeps the bodies' own.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart

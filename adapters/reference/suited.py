@@ -32,8 +32,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
 
     Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does.
 
-    Trees of joints: Runge-Kutta errs alike in joint coordinates and in those of the bodies, and takes a fifth to a ninth of the
-    time in the former, which the track asks for; semi-implicit Euler errs less in the bodies' own.
+    Trees of joints: both integrators err alike in joint coordinates and in those of the bodies, and take a fraction of the time
+    in the former, which the track asks for.
 
     Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
     Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made
@@ -42,7 +42,7 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     effects = scene.effects
     laws = ("friction_loss", "speed_limit")
     if settings.integrator == "rk4" and any(getattr(joint, law, None) for joint in scene.joints for law in laws):
-        settings = replace(settings, integrator="semi_implicit_euler", options={**settings.options, "coordinates": "maximal"})
+        settings = replace(settings, integrator="semi_implicit_euler")
     springs = replace(settings, solver=SOFT)
     kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
     if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:

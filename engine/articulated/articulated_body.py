@@ -29,8 +29,10 @@ from engine.articulated.tables import (
     PARENT,
     PULL,
     PUSH,
+    RATE,
     ROTATION,
     TRANSLATION,
+    VELOCITY,
     Tables,
 )
 from engine.compile.jit import kernel
@@ -53,7 +55,9 @@ from engine.maths.vec import (
     tmat_vec,
 )  # fmt: skip
 
-__all__ = ["accelerations", "transmitted"]
+__all__ = ["accelerations", "answer_forces", "transmitted"]
+
+STILL: Vec = (0.0, 0.0, 0.0)
 
 
 @kernel
@@ -84,8 +88,11 @@ def add_row(body: Floats, parent: int, i: int) -> None:
 
 
 @kernel
-def inwards(tables: Tables) -> None:
-    """Write the articulated inertia and force of every link, and pull, inverse and what is left of every column."""
+def inwards(tables: Tables, biased: bool) -> None:
+    """Write the articulated inertia and force of every link, and pull, inverse and what is left of every column.
+
+    Args: biased: whether links have a bias; it is zero otherwise.
+    """
     body, column, kind = tables.body, tables.column, tables.kind
     for i in range(kind.shape[0] - 1, -1, -1):
         first, parent = kind[i, FIRST], kind[i, PARENT]
@@ -114,11 +121,13 @@ def inwards(tables: Tables) -> None:
         store9(body, i, COUPLING, coupling)
         store3(body, i, FORCE, torque)
         store3(body, i, FORCE + 3, force)
-        if parent >= 0:
+        if parent < 0:
+            continue
+        add_row(body, parent, i)
+        if biased:
             bias_w, bias_v = load3(tables.motion, i, BIAS), load3(tables.motion, i, BIAS + 3)
             more_w = add(sym_vec(rotation, bias_w), mat_vec(coupling, bias_v))
             more_v = add(tmat_vec(coupling, bias_w), sym_vec(translation, bias_v))
-            add_row(body, parent, i)
             store3(body, parent, FORCE, add(load3(body, parent, FORCE), more_w))
             store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), more_v))
 
@@ -153,10 +162,63 @@ def outwards(tables: Tables) -> None:
 
 
 @kernel
-def accelerations(tables: Tables) -> None:
-    """Write the change of every column's rate, from inertia and force of every link, which are used up."""
-    inwards(tables)
+def accelerations(tables: Tables, biased: bool) -> None:
+    """Write the change of every column's rate, from inertia and force of every link, which are used up. Args: as `inwards`."""
+    inwards(tables, biased)
     outwards(tables)
+
+
+@kernel
+def forces_inwards(tables: Tables) -> None:
+    """Write what forces of links alone leave along every column, with pull and inverse as `inwards` left them."""
+    body, column, kind = tables.body, tables.column, tables.kind
+    for i in range(kind.shape[0] - 1, -1, -1):
+        first, parent = kind[i, FIRST], kind[i, PARENT]
+        torque, force = load3(body, i, FORCE), load3(body, i, FORCE + 3)
+        for k in range(first + kind[i, COLUMNS] - 1, first - 1, -1):
+            if column[k, ADDED] == math.inf:
+                continue
+            left = -dot(load3(column, k, AXIS_W), torque) - dot(load3(column, k, AXIS_W + 3), force)
+            column[k, LEFT] = left
+            share = column[k, INVERSE] * left
+            torque = axpy(share, load3(column, k, PULL), torque)
+            force = axpy(share, load3(column, k, PULL + 3), force)
+        store3(body, i, FORCE, torque)
+        store3(body, i, FORCE + 3, force)
+        if parent >= 0:
+            store3(body, parent, FORCE, add(load3(body, parent, FORCE), torque))
+            store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), force))
+
+
+@kernel
+def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
+    """Change rates, and velocities of links, by what forces of links do over h; nothing pushes along columns, and links have no
+    bias.
+
+    Rates that are prescribed stay. Returns: the largest change, and the largest rate.
+    """
+    forces_inwards(tables)
+    motion, column, kind = tables.motion, tables.column, tables.kind
+    largest, fastest = 0.0, 0.0
+    for i in range(kind.shape[0]):
+        a_w, a_v = STILL, STILL
+        if kind[i, PARENT] >= 0:
+            a_w = load3(motion, kind[i, PARENT], ACCELERATION)
+            a_v = load3(motion, kind[i, PARENT], ACCELERATION + 3)
+        for k in range(kind[i, FIRST], kind[i, FIRST] + kind[i, COLUMNS]):
+            if column[k, ADDED] != math.inf:
+                taken = dot(load3(column, k, PULL), a_w) + dot(load3(column, k, PULL + 3), a_v)
+                change = column[k, INVERSE] * (column[k, LEFT] - taken)
+                a_w = axpy(change, load3(column, k, AXIS_W), a_w)
+                a_v = axpy(change, load3(column, k, AXIS_W + 3), a_v)
+                column[k, RATE] += h * change
+                largest = max(largest, abs(h * change))
+            fastest = max(fastest, abs(column[k, RATE]))
+        store3(motion, i, ACCELERATION, a_w)
+        store3(motion, i, ACCELERATION + 3, a_v)
+        store3(motion, i, VELOCITY, axpy(h, a_w, load3(motion, i, VELOCITY)))
+        store3(motion, i, VELOCITY + 3, axpy(h, a_v, load3(motion, i, VELOCITY + 3)))
+    return largest, fastest
 
 
 @kernel

@@ -26,7 +26,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
     joint_kind = int_table(ints, at.JOINT_KIND)
     types = [to.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
     n, m = len(forest.links), sum(DEGREES[kind] for kind in types)
-    rows = [n, n, n, n, m, m, n, m], [n, len(forest.others)]
+    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others)]
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], to.FLOAT_COLUMNS.tolist(), strict=True):
@@ -95,17 +95,32 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
         row[0], columns[first, to.RATE] = constants[to.START_X], axis @ w
     elif kind == at.PRISMATIC:
         anchor = inner[:3] + R @ constants[to.ANCHOR_A : to.ANCHOR_A + 3]
-        v_outer, v_inner = (
-            body[at.V : at.W] + np.cross(body[at.W :], anchor - body[:3]) for body in (outer, inner)
-        )  # fmt: skip
-        row[0], columns[first, to.RATE] = constants[to.START_X], axis @ (v_outer - v_inner)
+        speed = velocity_at(outer, anchor) - velocity_at(inner, anchor)
+        row[0], columns[first, to.RATE] = constants[to.START_X], axis @ speed
 
 
 def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
-    """The coordinate [rad or m] of a joint and its rate; NaN where it has not one coordinate."""
+    """The coordinate [rad or m] of a joint, and the rate that the velocities of its bodies mean.
+
+    NaN where it has not one coordinate.
+    """
     kinds = to.int_view(ints, to.KIND)
     link = int(np.flatnonzero(kinds[:, to.JOINT] == joint)[0])
     if kinds[link, to.COLUMNS] != 1:
         return np.nan, np.nan
-    rate = to.float_view(floats, ints, to.COLUMN)[kinds[link, to.FIRST], to.RATE]
-    return float(to.float_view(floats, ints, to.COORDINATE)[link, 0]), float(rate)
+    state, row = float_table(floats, ints, at.STATE), float_table(floats, ints, at.JOINT)[joint]
+    kind = int_table(ints, at.JOINT_KIND)[joint]
+    inner, outer = state[kind[at.PARENT]], state[kind[at.CHILD]]
+    axis = quat_mat(inner[at.Q : at.Q + 4]) @ row[at.AXIS_A : at.AXIS_A + 3]
+    if kind[at.JOINT_TYPE] == at.REVOLUTE:
+        speed = outer[at.W :] - inner[at.W :]
+    else:
+        anchor = outer[:3] + quat_mat(outer[at.Q : at.Q + 4]) @ row[at.ANCHOR_B : at.ANCHOR_B + 3]
+        speed = velocity_at(outer, anchor) - velocity_at(inner, anchor)
+    return float(to.float_view(floats, ints, to.COORDINATE)[link, 0]), float(axis @ speed)
+
+
+def velocity_at(body: FloatArray, point: FloatArray) -> FloatArray:
+    """The velocity [m/s] of a body at a point [m] in W."""
+    velocity: FloatArray = body[at.V : at.W] + np.cross(body[at.W :], point - body[:3])
+    return velocity

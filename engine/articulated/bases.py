@@ -82,10 +82,10 @@ def jumped(tables: Tables, bodies: Bodies) -> bool:
 
 
 @kernel
-def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> None:
-    """Change all rates by what jumps of the bases' velocities do, since they were last seen."""
+def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> bool:
+    """Change all rates by what jumps of the bases' velocities do since they were last seen. Returns: whether there were any."""
     if not jumped(tables, bodies):
-        return
+        return False
     state, motion, kind, column = bodies.state, tables.motion, tables.kind, tables.column
     move_links(tables, state)
     weigh_links(tables)
@@ -101,6 +101,7 @@ def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> None:
         store3(motion, i, BIAS + 3, add(sliding, cross(turning, arm)))
         store3(motion, i, BASE_VELOCITY, w)
         store3(motion, i, BASE_VELOCITY + 3, v)
-    accelerations(tables)
+    accelerations(tables, True)
     for k in range(column.shape[0]):
         column[k, RATE] += column[k, CHANGE]
+    return True

@@ -10,8 +10,9 @@ Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Pro
 from typing import Final
 
 from engine.articulated.articulated_body import accelerations
-from engine.articulated.forces import load_links, weigh_links
+from engine.articulated.forces import weigh_links
 from engine.articulated.laws import ALL, next_segment, take_segment, write_laws
+from engine.articulated.momenta import load_momenta
 from engine.articulated.tables import (
     ACCELERATION,
     AXIS_W,
@@ -31,7 +32,7 @@ from engine.maths.vec import Floats, add, dot, load3, load6, load9, mat_vec, sym
 from engine.memory.arena import ARMATURE, HAS
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["solve_laws"]
+__all__ = ["settle_laws", "solve_laws"]
 
 PATIENCE = 3
 """Rounds, after the best one, in which no fewer columns were on the wrong segment."""
@@ -79,18 +80,27 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
 
 @kernel
 def solve_laws(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int) -> bool:
-    """Write the change of every column's rate under all forces and laws over h, or under STIFF_ALONE of them and no force.
+    """Write the change of every column's rate over h under the laws that act: ALL from the momenta that are kept, others under
+    what pushes along columns alone.
 
     Returns: whether there is an answer.
     """
     breaks = write_laws(tables, joints, h, which)
+    return settle_laws(tables, bodies, joints, setting, h, gyroscopic, which, breaks)
+
+
+@kernel
+def settle_laws(
+    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int, breaks: int
+) -> bool:
+    """As `solve_laws`, of laws that are written and have so many breaks."""
     fewest, patience = tables.column.shape[0] + 1, PATIENCE
     for _ in range(ROUNDS * (tables.column.shape[0] + 1)):
         if which == ALL:
-            load_links(tables, bodies, setting, gyroscopic)
+            load_momenta(tables, bodies, setting, h, gyroscopic)
         else:
             weigh_links(tables)
-        accelerations(tables)
+        accelerations(tables, False)
         if breaks == 0:
             return True
         wrong = change_segments(tables, joints, h, patience == 0)

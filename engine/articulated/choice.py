@@ -6,11 +6,11 @@ from engine.articulated.forest import Forest, NoForest, forest_of
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
-from engine.options import AUTOMATIC, JOINT, Options
+from engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
 
 __all__ = ["chosen_forest"]
 
-INTEGRATORS = ("semi_implicit_euler", "rk4")
+INTEGRATORS = ("semi_implicit_euler", "rk4", "implicit_midpoint", ADAPTIVE)
 """Those that know joint coordinates."""
 
 
@@ -20,11 +20,11 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     Args: touching: whether two bodies may touch.
     Raises: NotSupported where joint coordinates are asked for, and nothing else will do.
     """
-    if options.coordinates not in (JOINT, AUTOMATIC) or not joints:
+    if options.used_coordinates == MAXIMAL or not joints:
         return None
     forest: Forest | NoForest = NoForest("contacts", "contacts are solved between bodies with coordinates of their own")
     if options.integrator not in INTEGRATORS:
-        forest = NoForest(f"the integrator '{options.integrator}'", f"they know {' and '.join(INTEGRATORS)}")
+        forest = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
     elif not touching:
         forest = forest_of(bodies, joints)
     if isinstance(forest, Forest):

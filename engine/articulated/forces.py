@@ -4,21 +4,16 @@ Of a body with its centre at r that moves by w and v_C there, under force f and 
 
     f = m (a_C - g) + m d v_C,    tau = I w' + w x I w + I e w
 
-with a_C = a + w' x r + w x v_C of the spatial acceleration (w', a). Damping at the rates d and e over a sub-step h is as in
-free bodies, v <- exp(-d h) (v + h f / m): that is m exp(d h) for m beside the force m (exp(d h) - 1) / h v_C.
+with a_C = a + w' x r + w x v_C of the spatial acceleration (w', a), with damping at the rates d and e.
 
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inertia about a point) and 2.14 (equation of motion).
 """
-
-import math
 
 from engine.articulated.tables import (
     ANGULAR_DAMPING,
     BIAS,
     COUPLING,
-    DRAG,
     FORCE,
-    HEAVIER,
     INERTIA,
     LINEAR_DAMPING,
     MASS,
@@ -26,8 +21,6 @@ from engine.articulated.tables import (
     PLACE,
     ROTATION,
     ROW,
-    SPIN_DRAG,
-    STIFFER,
     TRANSLATION,
     VELOCITY,
     Tables,
@@ -53,26 +46,7 @@ from engine.maths.vec import (
 from engine.memory.arena import GRAVITY
 from engine.memory.tables import Bodies
 
-__all__ = ["damp_explicitly", "damp_over", "load_links", "weigh_links"]
-
-
-@kernel
-def damp_over(tables: Tables, h: float) -> None:
-    """Write what damping over a sub-step h [s] makes of every link."""
-    link = tables.link
-    for i in range(link.shape[0]):
-        d, e = link[i, LINEAR_DAMPING], link[i, ANGULAR_DAMPING]
-        link[i, HEAVIER], link[i, STIFFER] = math.exp(d * h), math.exp(e * h)
-        link[i, DRAG], link[i, SPIN_DRAG] = math.expm1(d * h) / h, math.expm1(e * h) / h
-
-
-@kernel
-def damp_explicitly(tables: Tables) -> None:
-    """Let damping be the force that it is."""
-    link = tables.link
-    for i in range(link.shape[0]):
-        link[i, HEAVIER] = link[i, STIFFER] = 1.0
-        link[i, DRAG], link[i, SPIN_DRAG] = link[i, LINEAR_DAMPING], link[i, ANGULAR_DAMPING]
+__all__ = ["load_links", "put_inertia", "weigh_links"]
 
 
 @kernel
@@ -103,18 +77,13 @@ def load_links(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int)
         inertia = sym_rotate(load9(motion, i, MATRIX), load6(link, i, INERTIA))
         spin = sym_vec(inertia, w)
         b = tables.kind[i, ROW]
-        torque = axpy(link[i, SPIN_DRAG], spin, neg(load3(bodies.load, b, 3)))
+        torque = axpy(link[i, ANGULAR_DAMPING], spin, neg(load3(bodies.load, b, 3)))
         if gyroscopic == 1:
             torque = add(torque, cross(w, spin))
-        heavier, stiffer = link[i, HEAVIER], link[i, STIFFER]
-        f = axpy(m * heavier, cross(w, v), axpy(m * link[i, DRAG], v, axpy(-m, g, neg(load3(bodies.load, b, 0)))))
+        f = axpy(m, cross(w, v), axpy(m * link[i, LINEAR_DAMPING], v, axpy(-m, g, neg(load3(bodies.load, b, 0)))))
         store3(body, i, FORCE, add(torque, cross(r, f)))
         store3(body, i, FORCE + 3, f)
-        scaled = (
-            stiffer * inertia[0], stiffer * inertia[1], stiffer * inertia[2],
-            stiffer * inertia[3], stiffer * inertia[4], stiffer * inertia[5],
-        )  # fmt: skip
-        put_inertia(body, i, scaled, heavier * m, r)
+        put_inertia(body, i, inertia, m, r)
 
 
 @kernel

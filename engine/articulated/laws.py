@@ -18,6 +18,7 @@ from typing import Final
 
 from engine.articulated.tables import (
     ADDED,
+    BESIDE,
     BREAK,
     BREAKS,
     CHANGE,
@@ -53,10 +54,12 @@ from engine.memory.arena import (
 )
 from engine.memory.tables import Joints
 
-__all__ = ["ALL", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
+__all__ = ["ALL", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
 
 # Which laws act.
 ALL: Final = 0
+SMOOTH: Final = 2
+"""Springs and drives."""
 STIFF_ALONE: Final = 1
 """Limits, and springs and drives that are marked as too stiff for explicit stages."""
 
@@ -175,7 +178,7 @@ def take_segment(tables: Tables, k: int, joints: Joints, j: int, h: float) -> No
         return
     push, slope = piece(law, k, joint, j, h, middle(law, k, segment // 2, column[k, RATE]))
     column[k, ADDED] = joint[j, ARMATURE] + h * slope
-    column[k, PUSH] = push - slope * column[k, RATE]
+    column[k, PUSH] = push - slope * column[k, RATE] + column[k, BESIDE]
 
 
 @kernel
@@ -226,6 +229,8 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
             continue
         k = kind[i, FIRST]
         acting = -1 if which == ALL else joints.kind[j, IMPLICIT] | HAS_LIMITS
+        if which == SMOOTH:
+            acting = HAS_SPRING | HAS_DRIVE
         law[k, WHICH] = joints.kind[j, HAS] & acting
         law[k, X] = tables.coordinate[i, 0]
         write_breaks(law, k, joints.joint, j, h)

@@ -56,7 +56,7 @@ from engine.maths.vec import (
 )  # fmt: skip
 from engine.memory.arena import BALL, FIXED, PRISMATIC, REVOLUTE, P, Q, V, W
 
-__all__ = ["move_links"]
+__all__ = ["hinge_turn", "move_links", "turn_of"]
 
 STILL: Vec = (0.0, 0.0, 0.0)
 UPRIGHT: Quat = (1.0, 0.0, 0.0, 0.0)
@@ -72,6 +72,20 @@ def turn_of(q: Quat) -> Mat:
         2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
         2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
     )  # fmt: skip
+
+
+@kernel
+def hinge_turn(tables: Tables, i: int, x: float) -> Quat:
+    """The orientation of link i on its parent, where its hinge stands at x [rad]."""
+    half = 0.5 * (x - tables.link[i, START_X])
+    c, s = math.cos(half), math.sin(half)
+    start, about = load4(tables.link, i, TURN), load4(tables.link, i, TURNED_AXIS)
+    return (
+        c * start[0] + s * about[0],
+        c * start[1] + s * about[1],
+        c * start[2] + s * about[2],
+        c * start[3] + s * about[3],
+    )
 
 
 @kernel
@@ -129,15 +143,7 @@ def move_links(tables: Tables, state: Floats) -> None:
         turn_ab = load4(link, i, TURN)
         w, v = w_a, v_a
         if kind == REVOLUTE:
-            half = 0.5 * (coordinate[i, 0] - link[i, START_X])
-            c, s = math.cos(half), math.sin(half)
-            about = load4(link, i, TURNED_AXIS)
-            turn_ab = (
-                c * turn_ab[0] + s * about[0],
-                c * turn_ab[1] + s * about[1],
-                c * turn_ab[2] + s * about[2],
-                c * turn_ab[3] + s * about[3],
-            )
+            turn_ab = hinge_turn(tables, i, coordinate[i, 0])
             n = mat_vec(turn_a, load3(link, i, AXIS))
             lever, rate = cross(anchor, n), column[first, RATE]
             put_axis(column, first, n, lever)

@@ -86,7 +86,7 @@ def mark_stiff_columns(tables: Tables, bodies: Bodies, joints: Joints, dt: float
         free_columns(tables, joints)
         column[k, PUSH] = 1.0
         weigh_links(tables)
-        accelerations(tables)
+        accelerations(tables, False)
         mobility = column[k, CHANGE]
         for law, has in ((SPRING, HAS_SPRING), (DRIVE, HAS_DRIVE)):
             stiff = dt * dt * joint[j, law] * mobility > STIFF or dt * joint[j, law + 1] * mobility > DAMPED
@@ -143,7 +143,7 @@ def runge_kutta(
         move_links(tables, bodies.state)
         push_columns(tables, joints)
         load_links(tables, bodies, setting, gyroscopic)
-        accelerations(tables)
+        accelerations(tables, True)
         add_reactions(tables, joints, weight * dt / 6.0)
         write_slopes(tables, weight, 0.5 * dt if n < 2 else dt, n == 3)
     if ends:

@@ -28,10 +28,8 @@ MASS: Final = 18
 INERTIA: Final = 19  # 6, in B
 LINEAR_DAMPING: Final = 25
 ANGULAR_DAMPING: Final = 26
-HEAVIER: Final = 27  # what damping over a sub-step makes of the mass
-STIFFER: Final = 28  # and of the inertia
-DRAG: Final = 29  # [1/s] that acts on the velocity at the start of a sub-step
-SPIN_DRAG: Final = 30
+SHARE: Final = 27  # of momentum that damping leaves over a sub-step
+SPIN_SHARE: Final = 28  # of angular momentum
 
 # Links: how they move now. Spatial vectors are angular before linear, in W, about the tree's origin.
 MOTION: Final = 1
@@ -65,6 +63,8 @@ RATE: Final = 14
 CHANGE: Final = 15  # acceleration
 ADDED: Final = 16  # to the inertia along it: rotor, implicit springs and dampers; inf where CHANGE is prescribed
 PUSH: Final = 17  # force along it
+BESIDE: Final = 18  # force along it beside its law
+MOMENTUM: Final = 19  # along it, of all that hangs on it
 
 # Columns: the law of what acts along one.
 LAW: Final = 5
@@ -77,9 +77,30 @@ SEGMENT: Final = 15  # 2 i below break i, 2 i + 1 at it
 X: Final = 16  # the coordinate
 WHICH: Final = 17  # bits of HAS that act
 
-# Stages of Runge-Kutta: at the start, and the weighted sum of slopes; seven numbers each a link, one a column.
+# Stages of Runge-Kutta: at the start, and the weighted sum of slopes; seven numbers each a link, one a column. The other
+# integrators keep there what they hand on from one sub-step to the next.
 STAGE: Final = 6
 STAGE_RATE: Final = 7
+
+KEPT_RATE: Final = 0  # over the last sub-step, by which coordinates moved
+KEPT_MOMENTUM: Final = 1  # after it
+KEPT_CHANGE: Final = 2  # of the kept rate, from the sub-step before it
+
+# Links: what a sub-step of semi-implicit Euler makes of them. Velocities are of the centre of mass, in W.
+PASSAGE: Final = 8
+TURNING: Final = 0  # 4: from the orientation at the start to that at the end, in W
+WAY: Final = 4  # 3: from the start to the end
+ANCHOR_W: Final = 7  # 3: of the joint at the start, from the tree's origin
+TURNED_INERTIA: Final = 10  # 6: in W at the start
+BEND: Final = 16  # 6: w and v from the start to the end, less those along the tangent of the start
+LAST_BEND: Final = 22  # 6: that of the last sub-step
+KEPT_SPIN: Final = 28  # 3: angular momentum that the last sub-step left; w without the gyroscopic effect
+KEPT_VELOCITY: Final = 31  # 3: v from the start to the end of the last sub-step
+KEPT_STRIDE: Final = 34  # step of Dormand-Prince, in the first row
+
+# Links: what implicit midpoint sums up of a link and all that hangs on it, about the tree's origin, in the same table.
+WHOLE_MOMENTUM: Final = 0  # 6
+WHOLE_FORCE: Final = 6  # 6
 
 # Integers.
 KIND: Final = 0
@@ -96,9 +117,9 @@ OTHER: Final = 1  # bodies that no tree has and that are not static
 
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([32, 43, 28, 8, 18, 18, 14, 2])
+FLOAT_COLUMNS: Final = np.array([29, 43, 28, 8, 20, 18, 14, 3, 35])
 INT_COLUMNS: Final = np.array([8, 1])
-FLOAT_TABLES: Final = 8
+FLOAT_TABLES: Final = 9
 BYTES: Final = 8
 
 compiler: Any = numba
@@ -108,7 +129,7 @@ integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
-    """What is known of trees: constants, motion, inertia and coordinates of links, columns, laws, stages, who hangs where."""
+    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps, parents."""
 
     link: Floats
     motion: Floats
@@ -118,6 +139,7 @@ class Tables(NamedTuple):
     law: Floats
     stage: Floats
     stage_rate: Floats
+    passage: Floats
     kind: Ints
     other: Ints
 
@@ -166,6 +188,7 @@ def tables_of(floats: Floats, ints: Ints) -> Tables:
         floats_at(floats, ints, LAW),
         floats_at(floats, ints, STAGE),
         floats_at(floats, ints, STAGE_RATE),
+        floats_at(floats, ints, PASSAGE),
         ints_at(ints, KIND),
         ints_at(ints, OTHER),
     )

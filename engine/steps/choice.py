@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from engine.broad.choice import DropApart, FindPairs
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
-from engine.options import FREE_INTEGRATORS, Options
+from engine.options import ADAPTIVE, FREE_INTEGRATORS, Options
 
 __all__ = ["Kernels", "Step", "choose_step", "joint_coordinates_step", "unsmooth_of"]
 
@@ -38,7 +38,7 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
         if touching or jointed:
             raise NotSupported(
                 f"integrator '{integrator}' with {'contacts' if touching else 'joints'}",
-                "it advances free bodies only; semi_implicit_euler and rk4 know constraints",
+                "it advances what nothing ties or touches; semi_implicit_euler and rk4 know constraints",
             )
         return cast(Step, getattr(import_module(FREE_INTEGRATORS[integrator]), f"step_{integrator}"))
     if touching and options.solver == "sequential_impulses":
@@ -67,18 +67,29 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
 
     if not jointed:
         return smooth.step_free
-    if unsmooth and integrator == "rk4":
-        raise NotSupported(
-            f"integrator 'rk4' with {unsmooth} in a joint", "its stages are smooth; semi_implicit_euler knows it"
-        )
+    refuse_unsmooth(integrator, unsmooth)
     return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler
 
 
-def joint_coordinates_step(options: Options) -> Step:
-    """The compiled step of trees in joint coordinates."""
+def refuse_unsmooth(integrator: str, unsmooth: str) -> None:
+    """Keep from an integrator of smooth forces what is not. Raises: NotSupported."""
+    if unsmooth and integrator != "semi_implicit_euler":
+        raise NotSupported(
+            f"integrator '{integrator}' with {unsmooth} in a joint", "its stages are smooth; semi_implicit_euler knows it"
+        )
+
+
+def joint_coordinates_step(options: Options, unsmooth: str) -> Step:
+    """The compiled step of trees in joint coordinates. Args: unsmooth: as `choose_step`. Raises: NotSupported."""
+    refuse_unsmooth(options.integrator, unsmooth)
     from engine.steps import joint_coordinates as steps
 
-    return steps.step_joint_coordinates_runge_kutta if options.integrator == "rk4" else steps.step_joint_coordinates_euler
+    return {
+        "semi_implicit_euler": steps.step_joint_coordinates_euler,
+        "rk4": steps.step_joint_coordinates_runge_kutta,
+        "implicit_midpoint": steps.step_joint_coordinates_midpoint,
+        ADAPTIVE: steps.step_joint_coordinates_adaptive,
+    }[options.integrator]
 
 
 def unsmooth_of(joints: Sequence[Joint]) -> str:

@@ -1,29 +1,43 @@
-"""Steps of worlds without contact whose joints make trees, in joint coordinates, under either integrator."""
+"""Steps of worlds without contact whose joints make trees, in joint coordinates, one entry for each integrator."""
+
+import numpy as np
 
 from engine.articulated.advance import is_finite_forest, write_state
 from engine.articulated.bases import carry_bases, take_jumps
-from engine.articulated.forces import damp_explicitly, damp_over
+from engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
+from engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
+from engine.articulated.dormand_prince import room_for_trials
+from engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
+from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
 from engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
 from engine.articulated.semi_implicit_euler import semi_implicit_euler
 from engine.articulated.tables import tables_of
 from engine.compile.jit import entry
 from engine.constrain.reactions import clear_reactions
+from engine.integrate.dormand_prince import LENGTH, STAGES, Trial, dormand_prince
+from engine.integrate.implicit_midpoint import implicit_midpoint
 from engine.integrate.runge_kutta import runge_kutta_free
 from engine.integrate.semi_implicit_euler import drift_free
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, DT, DYNAMIC, GYROSCOPIC, MOTION, SETTING, STEPS, SUBSTEPS
+from engine.memory.arena import COUNT, DT, DYNAMIC, GYROSCOPIC, MOTION, PRINCIPAL, SETTING, STEPS, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import bodies_of, joints_of
 from engine.steps.count_step import count_step
 
-__all__ = ["step_joint_coordinates_euler", "step_joint_coordinates_runge_kutta"]
+__all__ = [
+    "step_joint_coordinates_adaptive",
+    "step_joint_coordinates_euler",
+    "step_joint_coordinates_midpoint",
+    "step_joint_coordinates_runge_kutta",
+]
 
 
 @entry
 def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by semi-implicit Euler in sub-steps. Returns: steps done, and DONE, DIVERGED or UNSOLVED.
 
+    A base that is told another velocity on the way needs nothing, since momenta are handed on.
     Bodies get their poses, and joints what they carry, where it can be seen: after the last step.
     """
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
@@ -31,7 +45,9 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
     h, done, status = dt / substeps, 0, DONE
     damp_over(tables, h)
-    take_jumps(tables, bodies, joints)
+    if count[0, STEPS] == 0:
+        take_jumps(tables, bodies, joints)
+        begin_momenta(tables, bodies, gyroscopic)
     clear_reactions(joints)
     while done < steps and status == DONE:
         done += 1
@@ -48,6 +64,69 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)
+        write_kept_velocities(tables, bodies, gyroscopic)
+    return done, status
+
+
+@entry
+def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance trees by implicit midpoint in sub-steps. Returns: as `step_joint_coordinates_euler`."""
+    bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
+    setting, count, principal = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, PRINCIPAL)
+    substeps, gyroscopic = count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    h, done, status = setting[0, DT] / substeps, 0, DONE
+    if take_jumps(tables, bodies, joints) or count[0, STEPS] == 0:
+        begin_column_momenta(tables, bodies, joints, setting, gyroscopic)
+    ends = ends_with_laws(tables, joints)
+    clear_reactions(joints)
+    while done < steps and status == DONE:
+        done += 1
+        for _ in range(substeps):
+            if status == DONE and not implicit_midpoint_tree(
+                tables, bodies, joints, setting, h, gyroscopic, ends, done == steps
+            ):
+                status = UNSOLVED
+            for n in range(tables.other.shape[0]):
+                b = tables.other[n, 0]
+                if bodies.kind[b, MOTION] == DYNAMIC and not implicit_midpoint(bodies, principal, setting, b, h, gyroscopic):
+                    status = UNSOLVED
+        finite = is_finite_forest(tables)
+        if count_step(bodies.state, count) == DIVERGED or not finite:
+            status = DIVERGED
+    if done > 0:
+        rates_of_momenta(tables, bodies, joints, setting, gyroscopic)
+        write_state(tables, bodies, joints)
+    return done, status
+
+
+@entry
+def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance trees by Dormand and Prince's method, sub-step by sub-step. Returns: as `step_joint_coordinates_euler`."""
+    bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
+    setting, count, principal = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, PRINCIPAL)
+    substeps, gyroscopic = count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    h, done, status = setting[0, DT] / substeps, 0, DONE
+    trial, free = (
+        room_for_trials(tables, joints),
+        Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH))),
+    )
+    take_jumps(tables, bodies, joints)
+    ends = ends_with_laws(tables, joints)
+    while done < steps and status == DONE:
+        done += 1
+        clear_reactions(joints)
+        for _ in range(substeps):
+            if status == DONE and not dormand_prince_tree(tables, bodies, joints, setting, h, gyroscopic, ends, trial):
+                status = UNSOLVED
+            for n in range(tables.other.shape[0]):
+                b = tables.other[n, 0]
+                if bodies.kind[b, MOTION] == DYNAMIC and not dormand_prince(bodies, principal, setting, b, h, gyroscopic, free):
+                    status = UNSOLVED
+        finite = is_finite_forest(tables)
+        if count_step(bodies.state, count) == DIVERGED or not finite:
+            status = DIVERGED
+    if done > 0:
+        write_state(tables, bodies, joints)
     return done, status
 
 
@@ -58,7 +137,6 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     dt, gyroscopic = setting[0, DT], count[0, GYROSCOPIC]
     done, status = 0, DONE
-    damp_explicitly(tables)
     if count[0, STEPS] == 0 and steps > 0:
         mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)

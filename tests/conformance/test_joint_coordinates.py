@@ -1,24 +1,34 @@
-"""The reference engine keeps the contract in both choices of coordinates: every check of joints, on both tracks."""
+"""The reference engine keeps the contract in joint coordinates, under every integrator, and in the bodies' own."""
 
 from dataclasses import replace
 
 import pytest
 
 from adapters.reference import ADAPTER
-from harness.adapter import Settings, Unsupported
+from harness.adapter import Adapter, Feature, Settings, Unsupported
 from harness.conformance import CHECKS, run_check
 from harness.study import plugins
 
-CHOICE = {"default": "automatic", "tuned": "maximal"}
-"""The coordinates that a track does not take by itself, where the engine knows both."""
+
+def in_coordinates(settings: Settings, coordinates: str, **fields: str) -> Settings:
+    """These settings in other coordinates."""
+    return replace(settings, options={**settings.options, "coordinates": coordinates}, **fields)
 
 
-def turned(track: str, settings: Settings) -> Settings:
-    """The settings of a track with the other choice of coordinates."""
-    return replace(settings, options={**settings.options, "coordinates": CHOICE[track]})
-
-
-OTHER = replace(ADAPTER, tracks={name: turned(name, settings) for name, settings in ADAPTER.tracks.items()})
+OTHER = replace(ADAPTER, tracks={name: in_coordinates(settings, "automatic") for name, settings in ADAPTER.tracks.items()})
+OWN = replace(ADAPTER, tracks={name: in_coordinates(settings, "maximal") for name, settings in ADAPTER.tracks.items()})
+F = Feature
+LACKED = F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.FRICTION_LOSS | F.SPEED_LIMIT | F.SPHERE | F.BOX
+"""What they have to refuse beside joints: what is no tree, what is not smooth, and what touches."""
+MORE = replace(
+    ADAPTER,
+    features=ADAPTER.features & ~LACKED,
+    tracks={
+        name: in_coordinates(ADAPTER.tracks["tuned"], "automatic", integrator=name)
+        for name in ("implicit_midpoint", "dormand_prince")
+    },
+)
+ALL = [(adapter, track) for adapter in (OTHER, OWN, MORE) for track in adapter.tracks]
 NAMES = tuple(
     check.name
     for check in CHECKS
@@ -27,30 +37,21 @@ NAMES = tuple(
 """The checks whose scenes have joints."""
 
 
-@pytest.mark.parametrize("track", OTHER.tracks)
+@pytest.mark.parametrize(("adapter", "track"), ALL, ids=["euler", "rk4", "own_euler", "own_rk4", "midpoint", "adaptive"])
 @pytest.mark.parametrize("name", NAMES)
-def test_a_check_of_joints_holds_in_the_other_coordinates(name: str, track: str) -> None:
+def test_a_check_of_joints_holds_in_all_coordinates(name: str, adapter: Adapter, track: str) -> None:
     (check,) = (check for check in CHECKS if check.name == name)
-    outcome = run_check(OTHER, track, check)
+    outcome = run_check(adapter, track, check)
     assert outcome.status in ("passed", "not_applicable"), outcome.message
 
 
 def test_checks_of_joints_are_solved_in_joint_coordinates_and_tell_so() -> None:
     scene = plugins.case("joint_chain").scene()
-    for adapter, track in ((ADAPTER, "tuned"), (OTHER, "default")):
-        resolved = adapter.build(scene, adapter.tracks[track]).resolved
+    for track in ADAPTER.tracks:
+        resolved = ADAPTER.build(scene, ADAPTER.tracks[track]).resolved
         assert resolved.options["coordinates"] == "joint"
-        assert adapter.build(scene, resolved).resolved == resolved
-    for adapter, track in ((ADAPTER, "default"), (OTHER, "tuned")):
-        assert "coordinates" not in adapter.build(scene, adapter.tracks[track]).resolved.options
-
-
-def test_dry_friction_in_a_joint_is_taken_by_euler_in_the_bodies_own_coordinates() -> None:
-    scene = plugins.case("joint_chain").scene()
-    rough = replace(scene, joints=tuple(replace(joint, friction_loss=0.1) for joint in scene.joints))
-    resolved = ADAPTER.build(rough, ADAPTER.tracks["tuned"]).resolved
-    assert resolved.integrator == "semi_implicit_euler"
-    assert "coordinates" not in resolved.options
+        assert ADAPTER.build(scene, resolved).resolved == resolved
+        assert "coordinates" not in OWN.build(scene, OWN.tracks[track]).resolved.options
 
 
 def test_loops_and_contacts_keep_their_bodies_own_coordinates_or_are_refused_by_name() -> None:

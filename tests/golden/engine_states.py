@@ -1,4 +1,4 @@
-"""Where the reference engine takes five worlds: their states, which hold to rounding everywhere, and hashes, to the last bit.
+"""Where the reference engine takes six worlds: their states, which hold to rounding everywhere, and hashes, to the last bit.
 
 The bits depend on the processor, which may or may not fuse a product and a sum, and on the compiler, so a hash holds for one
 processor, one Numba and one LLVM. What such a difference makes of a state has been measured, by compiling without any of the
@@ -83,7 +83,7 @@ def pile(threads: int) -> engine.World:
     return engine.World([GROUND, *bodies], surfaces=ROUGH, options=engine.Options(threads=threads))
 
 
-def chain(threads: int) -> engine.World:
+def chain(threads: int, coordinates: str = "maximal") -> engine.World:
     """A chain of five links that swings from the horizontal."""
     links = [engine.Body(name=f"b{k}", inertia=0.01 * np.eye(3), p_WB=(0.2 * k + 0.1, 0, 0)) for k in range(5)]
     ends = [engine.WORLD, *(body.name for body in links)]
@@ -91,7 +91,12 @@ def chain(threads: int) -> engine.World:
         engine.Revolute(name=f"j{k}", parent=ends[k], child=ends[k + 1], anchor_W=(0.2 * k, 0, 0), axis_W=(0, 1, 0.1 * k))
         for k in range(5)
     ]
-    return engine.World(links, joints, options=engine.Options(threads=threads))
+    return engine.World(links, joints, options=engine.Options(threads=threads, coordinates=coordinates))
+
+
+def tree(threads: int) -> engine.World:
+    """That chain in joint coordinates."""
+    return chain(threads, "joint")
 
 
 def spheres(threads: int) -> engine.World:
@@ -108,7 +113,7 @@ def spheres(threads: int) -> engine.World:
 
 
 WORLDS: dict[str, Callable[[int], engine.World]] = {
-    build.__name__: build for build in (free_box, stack, pile, chain, spheres)
+    build.__name__: build for build in (free_box, stack, pile, chain, tree, spheres)
 }  # fmt: skip
 
 

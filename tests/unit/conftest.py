@@ -65,6 +65,16 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         left[name] -= time.process_time() - begun
 
 
+@pytest.fixture(params=["maximal", "automatic"])
+def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Worlds whose options do not say which coordinates get bodies' own, then those that trees of joints leave."""
+    import engine
+
+    monkeypatch.setitem(engine.Options.__init__.__kwdefaults__, "coordinates", request.param)
+    chosen: str = request.param
+    return chosen
+
+
 def name_of(test: pytest.Item) -> str:
     """The name of a test without its parameters."""
     return test.nodeid.partition("[")[0]

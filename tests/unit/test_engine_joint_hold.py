@@ -11,6 +11,8 @@ import engine
 from harness.adapter import Settings, Unsupported
 from harness.scene import Body, Revolute, Scene
 
+pytestmark = pytest.mark.usefixtures("both_coordinates")
+
 G = 9.81
 TRACKS = pytest.mark.parametrize("integrator", ["rk4", "semi_implicit_euler"])
 

@@ -8,6 +8,8 @@ import pytest
 import engine
 from engine.build.joint_order import elimination_order, factor_cost
 
+pytestmark = pytest.mark.usefixtures("both_coordinates")
+
 Mechanism = tuple[list[engine.Body], list[engine.Joint]]
 
 

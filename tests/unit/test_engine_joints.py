@@ -9,6 +9,8 @@ from scipy.special import ellipk
 
 import engine
 
+pytestmark = pytest.mark.usefixtures("both_coordinates")
+
 G = 9.81
 
 

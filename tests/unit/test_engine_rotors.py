@@ -14,6 +14,8 @@ from harness.study import plugins
 from harness.trajectory import State
 from tests.unit.test_importers_exactness import at_a_state, random_tree, rotors
 
+pytestmark = pytest.mark.usefixtures("both_coordinates")
+
 G, ROTOR, LOSS = 9.81, 3.0, 1.5
 
 

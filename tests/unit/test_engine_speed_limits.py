@@ -8,6 +8,8 @@ import pytest
 
 import engine
 
+pytestmark = pytest.mark.usefixtures("both_coordinates")
+
 LIMIT = 1.5
 FREE = (0.0, 0.0, 0.0)
 

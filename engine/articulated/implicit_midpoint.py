@@ -1,0 +1,151 @@
+"""Implicit midpoint in joint coordinates and their momenta: of second order, symmetric and, for hinges and slides, symplectic.
+
+    p_m = p + h/2 p'(q_m, q'_m),  q_m = q + h/2 q'_m,    p <- 2 p_m - p,  q <- q + h q'_m   (orientations turn by exp(h w))
+
+with p = M(q) q'. What is linear in p or of second degree in p and q is kept to round-off where nothing acts on it, so momentum
+and angular momentum about any point. The equation is solved by Newton's method with the mass matrix alone, whose rounds make
+the error smaller by about h/2 times the angular velocities; springs and drives are in it, limits act at the end of the step.
+
+Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1.1, V.1 and VI.4.2 (theorem 4.2).
+"""
+
+from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
+from engine.articulated.articulated_body import accelerations
+from engine.articulated.bases import carry_bases, free_columns
+from engine.articulated.bounded import settle_laws, solve_laws
+from engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
+from engine.articulated.forces import load_links
+from engine.articulated.laws import SMOOTH, STIFF_ALONE, take_segment, write_laws
+from engine.articulated.motion import move_links
+from engine.articulated.runge_kutta import push_columns
+from engine.articulated.tables import (
+    ADDED,
+    BESIDE,
+    CHANGE,
+    FIRST,
+    JOINT,
+    KEPT_CHANGE,
+    KEPT_MOMENTUM,
+    KEPT_RATE,
+    MOMENTUM,
+    PUSH,
+    RATE,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats
+from engine.memory.arena import ARMATURE, HAS
+from engine.memory.tables import Bodies, Joints
+
+__all__ = ["implicit_midpoint"]
+
+ROUND_OFF = 1e-11
+"""The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
+
+MOST_ROUNDS = 50
+"""Some eight are needed where h times the angular velocities is small; more than these where the step is far too long."""
+
+
+@kernel
+def go_to_middle(tables: Tables, bodies: Bodies, h: float) -> None:
+    """Write pose and velocity of links in the middle; coordinates stay at the start, which `stage` holds."""
+    drift_coordinates(tables, 0.5 * h)
+    move_links(tables, bodies.state)
+    for i in range(tables.stage.shape[0]):
+        for c in range(7):
+            tables.coordinate[i, c] = tables.stage[i, c]
+
+
+@kernel
+def push_by_momenta(tables: Tables, joints: Joints, h: float) -> None:
+    """Write into every column the force over h/2 that brings its momentum to that of the middle, and its law at these rates."""
+    column, kind = tables.column, tables.kind
+    for k in range(column.shape[0]):
+        column[k, BESIDE] += (tables.stage_rate[k, KEPT_MOMENTUM] - column[k, MOMENTUM]) / (0.5 * h)
+        column[k, ADDED], column[k, PUSH] = 0.0, column[k, BESIDE]
+    for i in range(kind.shape[0]):
+        j = kind[i, JOINT]
+        if j >= 0 and joints.kind[j, HAS] != 0:
+            take_segment(tables, kind[i, FIRST], joints, j, 0.5 * h)
+
+
+@kernel
+def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, float]:
+    """Write rates and momenta that a round gives the middle. Returns: the largest change of a rate, and the largest rate."""
+    column, kind, change, rate = tables.column, tables.kind, 0.0, 0.0
+    for i in range(kind.shape[0]):
+        # Of what is added to the inertia, the rotor is in the momentum; the rest is a law's force at the new rate.
+        j, k = kind[i, JOINT], kind[i, FIRST]
+        if j >= 0 and joints.kind[j, HAS] != 0:
+            column[k, PUSH] -= (column[k, ADDED] - joints.joint[j, ARMATURE]) * column[k, CHANGE]
+    for k in range(column.shape[0]):
+        column[k, MOMENTUM] += 0.5 * h * column[k, PUSH]
+        column[k, RATE] += 0.5 * h * column[k, CHANGE]
+        change, rate = max(change, abs(0.5 * h * column[k, CHANGE])), max(rate, abs(column[k, RATE]))
+    return change, rate
+
+
+@kernel
+def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
+    """Write the rates of the middle, whose bases are there already. Returns: whether they were found."""
+    column, kept, stage = tables.column, tables.stage_rate, tables.stage
+    breaks = write_laws(tables, joints, 0.5 * h, SMOOTH)
+    for i in range(stage.shape[0]):
+        for c in range(7):
+            stage[i, c] = tables.coordinate[i, c]
+    for k in range(column.shape[0]):
+        column[k, RATE] = kept[k, KEPT_RATE] + kept[k, KEPT_CHANGE]
+    for _ in range(MOST_ROUNDS):
+        go_to_middle(tables, bodies, h)
+        column_momenta(tables, bodies, joints, setting, gyroscopic)
+        push_by_momenta(tables, joints, h)
+        if not settle_laws(tables, bodies, joints, setting, 0.5 * h, gyroscopic, SMOOTH, breaks):
+            return False
+        change, rate = change_middle(tables, joints, h)
+        if change <= ROUND_OFF * rate:
+            return True
+    return False
+
+
+@kernel
+def carry_reactions(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> None:
+    """Count what joints carry in the middle, for h, by the forces there."""
+    go_to_middle(tables, bodies, h)
+    free_columns(tables, joints)
+    push_columns(tables, joints)
+    load_links(tables, bodies, setting, gyroscopic)
+    accelerations(tables, True)
+    add_reactions(tables, joints, h)
+
+
+@kernel
+def implicit_midpoint(
+    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, ends: bool, reactions: bool
+) -> bool:
+    """Advance all trees and bases by h.
+
+    Args: ends: whether limits act at the end; reactions: whether to count what joints carry. Returns: whether the equation of
+        the step and the laws had an answer.
+    """
+    column, kept = tables.column, tables.stage_rate
+    carry_bases(tables, bodies, 0.5 * h)
+    if not find_middle(tables, bodies, joints, setting, h, gyroscopic):
+        return False
+    for k in range(column.shape[0]):
+        kept[k, KEPT_CHANGE] = column[k, RATE] - kept[k, KEPT_RATE]
+        kept[k, KEPT_RATE] = column[k, RATE]
+        kept[k, KEPT_MOMENTUM] = 2.0 * column[k, MOMENTUM] - kept[k, KEPT_MOMENTUM]
+    if reactions:
+        carry_reactions(tables, bodies, joints, setting, h, gyroscopic)
+    drift_coordinates(tables, h)
+    carry_bases(tables, bodies, 0.5 * h)
+    if not ends:
+        return True
+    rates_of_momenta(tables, bodies, joints, setting, gyroscopic)
+    if not solve_laws(tables, bodies, joints, setting, h, gyroscopic, STIFF_ALONE):
+        return False
+    if reactions:
+        add_reactions(tables, joints, h)
+    change_rates(tables, h)
+    begin_column_momenta(tables, bodies, joints, setting, gyroscopic)
+    return True

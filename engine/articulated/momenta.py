@@ -1,0 +1,161 @@
+"""The momenta of links, as semi-implicit Euler hands them on from one sub-step to the next.
+
+A sub-step moves a body by the velocities v and w from its start to its end, which leave the momenta m v and L = I w, with the
+inertia I of the start. Those of the next one obey, along every column S of the tangent there,
+
+    S . ((m v, I w) - exp(-c h) ((m v, L)_last + h (f, tau))) = h (what acts along the column)
+
+with the damping c of free bodies. Momenta are handed on as they are in W: so nothing is known of forces of turning bodies, and
+where nothing acts they are kept to round-off.
+
+Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.1.4 (SHAKE and RATTLE).
+"""
+
+import math
+
+from engine.articulated.forces import put_inertia
+from engine.articulated.motion import move_links
+from engine.articulated.tables import (
+    ANCHOR_B,
+    ANCHOR_W,
+    ANGULAR_DAMPING,
+    BEND,
+    BIAS,
+    FORCE,
+    INERTIA,
+    KEPT_SPIN,
+    KEPT_VELOCITY,
+    LAST_BEND,
+    LINEAR_DAMPING,
+    MASS,
+    MATRIX,
+    PLACE,
+    ROW,
+    SHARE,
+    SPIN_SHARE,
+    TURNED_INERTIA,
+    VELOCITY,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.integrate.semi_implicit_euler import turn_inertia
+from engine.maths.vec import (
+    Floats,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    cross,
+    load3,
+    load6,
+    load9,
+    mat_vec,
+    scale,
+    store3,
+    store6,
+    sym_rotate,
+    sym_vec,
+)  # fmt: skip
+from engine.memory.arena import GRAVITY, V, W
+from engine.memory.tables import Bodies
+
+__all__ = [
+    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "put_force",
+    "write_kept_velocities",
+]  # fmt: skip
+
+
+@kernel
+def damp_over(tables: Tables, h: float) -> None:
+    """Write what damping leaves of momenta over a sub-step h [s]."""
+    link = tables.link
+    for i in range(link.shape[0]):
+        link[i, SHARE] = math.exp(-link[i, LINEAR_DAMPING] * h)
+        link[i, SPIN_SHARE] = math.exp(-link[i, ANGULAR_DAMPING] * h)
+
+
+@kernel
+def centre_velocity(tables: Tables, i: int) -> Vec:
+    """The velocity [m/s] of the centre of mass of link i along the tangent."""
+    w, r = load3(tables.motion, i, VELOCITY), load3(tables.motion, i, PLACE)
+    return add(load3(tables.motion, i, VELOCITY + 3), cross(w, r))
+
+
+@kernel
+def put_force(tables: Tables, i: int, torque: Vec, f: Vec) -> None:
+    """Write the force of link i, of a torque and a force at its centre of mass."""
+    store3(tables.body, i, FORCE, add(torque, cross(load3(tables.motion, i, PLACE), f)))
+    store3(tables.body, i, FORCE + 3, f)
+
+
+@kernel
+def kept_spin(tables: Tables, i: int, inertia: Sym, gyroscopic: int) -> Vec:
+    """The angular momentum [kg m2/s] that link i comes with; without the gyroscopic effect it is w that stays."""
+    kept = load3(tables.passage, i, KEPT_SPIN)
+    return kept if gyroscopic == 1 else sym_vec(inertia, kept)
+
+
+@kernel
+def keep_momenta(tables: Tables, gyroscopic: int) -> None:
+    """Keep the momenta of this sub-step, from velocities along the tangent and their bends."""
+    passage = tables.passage
+    for i in range(passage.shape[0]):
+        w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
+        spin = sym_vec(load6(passage, i, TURNED_INERTIA), w) if gyroscopic == 1 else w
+        store3(passage, i, KEPT_SPIN, spin)
+        store3(passage, i, KEPT_VELOCITY, add(centre_velocity(tables, i), load3(passage, i, BEND + 3)))
+
+
+@kernel
+def write_kept_velocities(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
+    """Write the velocities that the kept momenta mean to the bodies, whose poses are there already."""
+    for i in range(tables.kind.shape[0]):
+        b, spin = tables.kind[i, ROW], load3(tables.passage, i, KEPT_SPIN)
+        if gyroscopic == 1:
+            turn_inertia(bodies.state, bodies.body, bodies.turned, b)
+            spin = sym_vec(load6(bodies.turned, b, 0), spin)
+        store3(bodies.state, b, V, load3(tables.passage, i, KEPT_VELOCITY))
+        store3(bodies.state, b, W, spin)
+
+
+@kernel
+def begin_momenta(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
+    """Keep the momenta that the present rates mean."""
+    move_links(tables, bodies.state)
+    for i in range(tables.passage.shape[0]):
+        for c in range(6):
+            tables.passage[i, BEND + c] = tables.passage[i, LAST_BEND + c] = 0.0
+        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(tables.link, i, INERTIA))
+        store6(tables.passage, i, TURNED_INERTIA, inertia)
+    keep_momenta(tables, gyroscopic)
+
+
+@kernel
+def go_on_bending(tables: Tables) -> None:
+    """Expect the bend of every link to change by as much as over the last sub-step."""
+    passage = tables.passage
+    for i in range(passage.shape[0]):
+        for c in range(6):
+            bend = passage[i, BEND + c]
+            passage[i, BEND + c] = 2.0 * bend - passage[i, LAST_BEND + c]
+            passage[i, LAST_BEND + c] = bend
+
+
+@kernel
+def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyroscopic: int) -> None:
+    """Write inertia of every link, and the force that it needs to go on by the present rates and its bend."""
+    link, passage, load, g = tables.link, tables.passage, bodies.load, load3(setting, 0, GRAVITY)
+    for i in range(link.shape[0]):
+        m, b, turn = link[i, MASS], tables.kind[i, ROW], load9(tables.motion, i, MATRIX)
+        inertia = sym_rotate(turn, load6(link, i, INERTIA))
+        store6(passage, i, TURNED_INERTIA, inertia)
+        store3(passage, i, ANCHOR_W, add(load3(tables.motion, i, PLACE), mat_vec(turn, load3(link, i, ANCHOR_B))))
+        w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
+        v = add(centre_velocity(tables, i), load3(passage, i, BEND + 3))
+        pushed = axpy(h, load3(load, b, 0), scale(m, axpy(h, g, load3(passage, i, KEPT_VELOCITY))))
+        turned = axpy(h, load3(load, b, 3), kept_spin(tables, i, inertia, gyroscopic))
+        torque = axpy(-link[i, SPIN_SHARE], turned, sym_vec(inertia, w))
+        put_force(tables, i, scale(1.0 / h, torque), scale(1.0 / h, axpy(-link[i, SHARE], pushed, scale(m, v))))
+        put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, PLACE))
+        for c in range(6):
+            tables.motion[i, BIAS + c] = 0.0

@@ -1,0 +1,165 @@
+"""Where a sub-step takes the links, and by how much their way there leaves the tangent of its start.
+
+    v = (p(q + h q') - p(q)) / h,    exp(h w) R(q) = R(q + h q'),    bend = (w, v) - T(q) q'
+
+All is told by turns D = R(q + h q') R(q)^T and ways from the start on, in W, so that no digits are lost in differences:
+
+    D = D_parent exp(h sum S_k q'_k),    way = way_parent + (D_parent - 1) (anchor - p_parent) + (D - 1) (p - anchor)
+
+and what slides goes h q' D_parent n more.
+"""
+
+import math
+from typing import Final
+
+from engine.articulated.advance import rates_of
+from engine.articulated.momenta import centre_velocity, put_force
+from engine.articulated.tables import (
+    ANCHOR_W,
+    AXIS_W,
+    BASE,
+    BEND,
+    FIRST,
+    FREE,
+    MASS,
+    ORIGIN,
+    PARENT,
+    PLACE,
+    RATE,
+    TURNED_INERTIA,
+    TURNING,
+    TYPE,
+    VELOCITY,
+    WAY,
+    Tables,
+)
+from engine.compile.jit import kernel
+from engine.maths.vec import (
+    Quat,
+    Vec,
+    add,
+    axpy,
+    cross,
+    dot,
+    load3,
+    load4,
+    load6,
+    quat_mul,
+    scale,
+    store3,
+    store4,
+    sub,
+    sym_vec,
+)  # fmt: skip
+from engine.memory.arena import BALL, KINEMATIC, MOTION, PRISMATIC, REVOLUTE, P, V, W
+from engine.memory.tables import Bodies
+
+__all__ = ["bend_links"]
+
+SMALL: Final = 2.5e-3
+"""The square of half an angle, or of its sine, up to which the series here are as good as round-off: below 1e-17 is left."""
+
+FAR: Final = 2.0
+"""An angle [rad] from which on a turn may be meant as one by more than half a round, or the other way."""
+
+NO_TURN: Quat = (1.0, 0.0, 0.0, 0.0)
+STILL: Vec = (0.0, 0.0, 0.0)
+
+
+@kernel
+def turn_by(angle: Vec) -> Quat:
+    """exp(angle), as a quaternion."""
+    square = 0.25 * dot(angle, angle)
+    if square < SMALL:
+        cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+        ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+    else:
+        half = math.sqrt(square)
+        cosine, ratio = math.cos(half), math.sin(half) / half
+    s = 0.5 * ratio
+    return cosine, s * angle[0], s * angle[1], s * angle[2]
+
+
+@kernel
+def moved_by(d: Quat, arm: Vec) -> Vec:
+    """(D - 1) arm."""
+    x = (d[1], d[2], d[3])
+    once = cross(x, arm)
+    return scale(2.0, axpy(d[0], once, cross(x, once)))
+
+
+@kernel
+def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
+    """w with exp(h w) = D; of all those, that nearest to `near`."""
+    sign = 1.0 if d[0] >= 0.0 else -1.0
+    x = (sign * d[1], sign * d[2], sign * d[3])
+    square = dot(x, x)
+    far = h * h * dot(near, near) > FAR * FAR
+    if square < SMALL and not far:
+        # The series of the arcsine.
+        ratio = 1.0 + square * (
+            1.0 / 6.0 + square * (3.0 / 40.0 + square * (5.0 / 112.0 + square * (35.0 / 1152.0 + square * 63.0 / 2816.0)))
+        )
+        return scale(2.0 * ratio / h, x)
+    sine = math.sqrt(square)
+    if sine == 0.0:
+        return near if far else x
+    angle = 2.0 * math.atan2(sine, sign * d[0])
+    if far:
+        angle += 2.0 * math.pi * math.floor((h * dot(near, x) / sine - angle) / (2.0 * math.pi) + 0.5)
+    return scale(angle / (h * sine), x)
+
+
+@kernel
+def base_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
+    """The turn of the base of root i in h seconds, and the way of the tree's origin on it."""
+    state, b = bodies.state, tables.kind[i, BASE]
+    if bodies.kind[b, MOTION] != KINEMATIC:
+        return NO_TURN, STILL
+    d = turn_by(scale(h, load3(state, b, W)))
+    arm = sub(load3(tables.motion, i, ORIGIN), load3(state, b, P))
+    return d, axpy(h, load3(state, b, V), moved_by(d, arm))
+
+
+@kernel
+def go_to_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
+    """The turn of link i in h seconds by the present rates, and the way of its centre of mass, its parent's being known."""
+    passage, motion, column = tables.passage, tables.motion, tables.column
+    kind, parent, k = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
+    if kind == FREE:
+        return turn_by(scale(h, rates_of(tables, k))), scale(h, rates_of(tables, k + 3))
+    anchor = load3(passage, i, ANCHOR_W)
+    if parent >= 0:
+        d = load4(passage, parent, TURNING)
+        way = add(load3(passage, parent, WAY), moved_by(d, sub(anchor, load3(motion, parent, PLACE))))
+    else:
+        d, way = base_end(tables, bodies, i, h)
+        way = add(way, moved_by(d, anchor))
+    if kind == REVOLUTE:
+        d = quat_mul(d, turn_by(scale(h * column[k, RATE], load3(column, k, AXIS_W))))
+    elif kind == PRISMATIC:
+        n = load3(column, k, AXIS_W + 3)
+        way = axpy(h * column[k, RATE], add(n, moved_by(d, n)), way)
+    elif kind == BALL:
+        x, y, z = rates_of(tables, k)
+        w = axpy(x, load3(column, k, AXIS_W), axpy(y, load3(column, k + 1, AXIS_W), scale(z, load3(column, k + 2, AXIS_W))))
+        d = quat_mul(d, turn_by(scale(h, w)))
+    return d, add(way, moved_by(d, sub(load3(motion, i, PLACE), anchor)))
+
+
+@kernel
+def bend_links(tables: Tables, bodies: Bodies, h: float) -> None:
+    """Write the bend of every link at the present rates, and the force that it needs for what is new of it."""
+    link, motion, passage = tables.link, tables.motion, tables.passage
+    for i in range(link.shape[0]):
+        d, way = go_to_end(tables, bodies, i, h)
+        store4(passage, i, TURNING, d)
+        store3(passage, i, WAY, way)
+        tangent = load3(motion, i, VELOCITY)
+        turning = sub(angular_velocity(d, h, tangent), tangent)
+        sliding = axpy(1.0 / h, way, scale(-1.0, centre_velocity(tables, i)))
+        more_w, more_v = sub(turning, load3(passage, i, BEND)), sub(sliding, load3(passage, i, BEND + 3))
+        store3(passage, i, BEND, turning)
+        store3(passage, i, BEND + 3, sliding)
+        torque = sym_vec(load6(passage, i, TURNED_INERTIA), more_w)
+        put_force(tables, i, scale(1.0 / h, torque), scale(link[i, MASS] / h, more_v))

@@ -63,7 +63,7 @@ ADVANTAGES: Mapping[str, Advantage] = {
     "default/sensor_imu_lag": _quarter("by one ours errs .0021, as DART does; Bullet's .0014 is its hidden damping"),
     "default/sensor_imu_turntable": _quarter("by one ours errs .015, as DART does"),
     "default/spin_asymmetric_top": _quarter("by one ours errs .054 for .045 (MuJoCo, DART)"),
-    "default/spin_heavy_top": _quarter("by one ours gives up, as its joint opens"),
+    "default/spin_heavy_top": _quarter("by one ours loses the top, .17 m off within the run"),
     "default/spin_symmetric_top": _quarter("by one ours errs .011 for .009 (DART)"),
     "default/stack_arch": _quarter("by one ours errs .0033 for .0017 (DART)"),
     "default/stack_pile": _quarter("by one ours sinks 180 um, Bullet 20"),

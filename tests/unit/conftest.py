@@ -70,7 +70,9 @@ def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyP
     """Worlds whose options do not say which coordinates get bodies' own, then those that trees of joints leave."""
     import engine
 
-    monkeypatch.setitem(engine.Options.__init__.__kwdefaults__, "coordinates", request.param)
+    defaults = engine.Options.__init__.__kwdefaults__
+    assert defaults is not None
+    monkeypatch.setitem(defaults, "coordinates", request.param)
     chosen: str = request.param
     return chosen
 

@@ -353,7 +353,7 @@ def carried_rod(coordinates: str, integrator: str, told: bool) -> np.ndarray:
         engine.Body(name="flies", p_WB=(5.0, 0.0, 0.0), v_WB=(0.0, 1.0, 0.0), w_WB=(1.0, 2.0, 0.5), **rod),
     ]
     bodies.append(engine.Body(name="slides", p_WB=(0.0, 1.0, 0.0), v_WB=(-1.9, 0.0, 0.0), w_WB=(0.0, 0.0, 2.0), **rod))
-    joints = [
+    joints: list[engine.Joint] = [
         engine.Revolute(name="pin", parent="base", child="rod", anchor_W=(0.5, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0)),
         engine.Prismatic(name="rail", parent="base", child="slides", anchor_W=(0.0, 1.0, 0.0), axis_W=(0.0, 1.0, 0.0)),
     ]

@@ -25,8 +25,7 @@ MORE = replace(
     ADAPTER,
     features=ADAPTER.features & ~LACKED,
     tracks={
-        name: in_coordinates(ADAPTER.tracks["tuned"], "automatic", name)
-        for name in ("implicit_midpoint", "dormand_prince")
+        name: in_coordinates(ADAPTER.tracks["tuned"], "automatic", name) for name in ("implicit_midpoint", "dormand_prince")
     },
 )
 ALL = [(adapter, track) for adapter in (OTHER, OWN, MORE) for track in adapter.tracks]

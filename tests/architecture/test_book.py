@@ -169,12 +169,15 @@ def test_a_concept_that_is_missing_or_told_twice_is_seen() -> None:
 
 
 @pytest.mark.parametrize(
-    ("concepts", "orphan"),
+    ("concepts", "lost"),
     [
-        (["adaptive Dormand-Prince", "variable step"], "engine/integrate/dormand_prince.py"),
-        (["implicit midpoint"], "engine/integrate/implicit_midpoint.py"),
-        (["event-driven collision"], "engine/respond/events.py"),
+        (
+            ["adaptive Dormand-Prince", "variable step", "adaptive Dormand-Prince in joint coordinates"],
+            ["engine/integrate/dormand_prince.py"],
+        ),
+        (["implicit midpoint"], ["engine/integrate/implicit_midpoint.py"]),
+        (["event-driven collision"], ["engine/respond/events.py"]),
     ],
 )
-def test_a_technique_that_nothing_leads_to_is_seen(concepts: list[str], orphan: str) -> None:
-    assert orphans(without(PAGE, concepts)) == [orphan]
+def test_a_technique_that_nothing_leads_to_is_seen(concepts: list[str], lost: list[str]) -> None:
+    assert orphans(without(PAGE, concepts)) == lost

@@ -108,6 +108,8 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
         _step("steps.smooth.step_jointed_runge_kutta"),
         _step("steps.joint_coordinates.step_joint_coordinates_euler"),
         _step("steps.joint_coordinates.step_joint_coordinates_runge_kutta"),
+        _step("steps.joint_coordinates.step_joint_coordinates_midpoint"),
+        _step("steps.joint_coordinates.step_joint_coordinates_adaptive"),
     ),
     (
         Job(

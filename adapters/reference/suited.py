@@ -32,8 +32,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
 
     Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does.
 
-    Trees of joints: both integrators err alike in joint coordinates and in those of the bodies, and take a fraction of the time
-    in the former, which the track asks for.
+    Trees of joints: the track asks for joint coordinates, in which semi-implicit Euler is the same motion and Runge-Kutta one
+    of the same order, at a fraction of the time (docs/decisions/0020 says where its constants are larger).
 
     Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
     Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made

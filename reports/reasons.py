@@ -19,12 +19,8 @@ __all__ = ["notices", "reasons"]
 def reasons(store: "Store") -> Mapping[str, str]:
     """By trial. One that was judged says which checks do not hold, by how much, or which could not be measured; others say
     what the run said."""
-    measured: dict[str, list[dict[str, Any]]] = {}
-    columns = ["trial", "metric", "value", "unit", "at_most", "passed"]
-    for row in store.measurements[columns].to_dict("records"):
-        measured.setdefault(str(row["trial"]), []).append(row)
     ended = store.trials[["trial", "status", "reason"]].itertuples(index=False)
-    return {str(trial): _reason(str(status), str(reason), measured.get(str(trial), [])) for trial, status, reason in ended}
+    return {str(trial): _reason(str(status), str(reason), store.measured.get(trial, ())) for trial, status, reason in ended}
 
 
 def _reason(status: str, stored: str, measured: Sequence[Mapping[str, Any]]) -> str:

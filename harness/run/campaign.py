@@ -22,9 +22,10 @@ from harness.run.fork_servers import expect
 from harness.run.guide import UNGUIDED, Guide
 from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
+from harness.run.pieces import Awaited, awaited, clocked_pieces, pieces_of
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
-from harness.run.remaining_time import Awaited, RemainingTime, awaited, clocked_pieces, pieces_of
+from harness.run.remaining_time import RemainingTime
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder

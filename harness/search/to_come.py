@@ -23,12 +23,14 @@ class ToCome:
     """Trials like this one that will be asked for.
 
     Terms: answers, clocks: how many, in expectation. run [s]: of its steps, the mean of those known, 0 where none is.
+    at_once: how many of the answers at a time; the next follow from theirs.
     """
 
     like: Trial
     answers: float
     clocks: float = 0.0
     run: float = 0.0
+    at_once: int = 1
 
 
 def seconds_of_run(record: Record, case: Case) -> float:
@@ -77,7 +79,8 @@ def _of_limits(
         tried = any(trial.trial in sick for trial in group)
         if first.track in limit.remedies and broke > 0 and not tried:
             count = sum(1 for _ in remedied(first, cases[first.case], adapters[first.engine], 1))
-            yield ToCome(group[-1], broke * count * (1 + chances.helps * (first_break.REMEDY_VALUES - 1)))
+            asked = broke * count * (1 + chances.helps * (first_break.REMEDY_VALUES - 1))
+            yield ToCome(group[-1], asked, at_once=max(1, count))
 
 
 def _chances(trials: Sequence[Trial], records: Mapping[str, Record]) -> _Chances:
@@ -141,4 +144,5 @@ def _of_sweeps(
         clocks = min(front.CLOCKED, len(group) + answers) if first.experiment.timing else 0
         runs = [seconds_of_run(records[trial.trial], cases[trial.case]) for trial in group if trial.trial in records]
         run = fmean(runs) if runs else 0.0
-        yield ToCome(min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt)), answers, clocks, run)
+        like = min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt))
+        yield ToCome(like, answers, clocks, run, front.PER_ROUND)

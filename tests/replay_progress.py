@@ -97,7 +97,7 @@ def played(recording: Recording) -> list[Look]:
             case "b":
                 remaining.answers_begin([names[k] for k in told[0]], told[1])
             case "a":
-                remaining.answered(names[told[0]], told[1], to_clock=bool(told[2]))
+                remaining.answered(names[told[0]], told[1], to_clock=bool(told[2]), run=told[3])
             case "p":
                 remaining.chosen_for_clock(pieces[k] for k in told[0])
             case "c":
@@ -151,10 +151,10 @@ class _Recorder(RemainingTime):
         self.events.append(["b", self._numbers(names), self._at(now)])
         super().answers_begin(names, now)
 
-    def answered(self, name: str, now: float, *, to_clock: bool) -> None:
-        super().answered(name, now, to_clock=to_clock)
+    def answered(self, name: str, now: float, *, to_clock: bool, run: float = 0.0) -> None:
+        super().answered(name, now, to_clock=to_clock, run=run)
         self._write_searches()
-        self.events.append(["a", self._numbers([name])[0], self._at(now), int(to_clock)])
+        self.events.append(["a", self._numbers([name])[0], self._at(now), int(to_clock), float(f"{run:.2g}")])
 
     def chosen_for_clock(self, pieces: Iterable[Piece]) -> None:
         pieces = list(pieces)
@@ -263,6 +263,8 @@ def recorded(folder: Path, workers: int = 2) -> Recording:
             trajectories.joinpath(path.name).symlink_to(path.resolve())
         campaign.carry_out(study, Path(out) / "run", cases, engines, workers=workers, resume=False)
     told = kept[0]
+    if told._waiting:
+        raise ValueError(f"{folder}: {len(told._waiting)} trials of today's study have no answer; the run is of another version")
     return Recording(study.name, workers, round(tape.end - tape.begin, 3), [*map(list, told.pieces)], told.events)
 
 

@@ -79,46 +79,62 @@ class Estimate:
 
 @dataclass(slots=True)
 class _Kind:
-    """What is known of the answers of a kind: how many came, their seconds and steps in sum."""
+    """What is known of the answers of a kind: how many came, their seconds in sum, and the sums of a straight line.
+
+    Seconds over steps, each answer weighted by what it was foreseen to take, so that along a ladder each counts alike.
+    """
 
     count: int = 0
     seconds: float = 0.0
-    steps: float = 0.0
+    weights: float = 0.0
+    x: float = 0.0
+    xx: float = 0.0
+    y: float = 0.0
+    xy: float = 0.0
 
-    def add(self, piece: Piece, seconds: float) -> None:
-        self.count, self.seconds, self.steps = self.count + 1, self.seconds + seconds, self.steps + piece.steps
+    def add(self, steps: float, seconds: float, foreseen: float) -> None:
+        weight = 1.0 / max(foreseen, 1e-6) ** 2
+        self.count, self.seconds, self.weights = self.count + 1, self.seconds + seconds, self.weights + weight
+        self.x, self.xx = self.x + weight * steps, self.xx + weight * steps**2
+        self.y, self.xy = self.y + weight * seconds, self.xy + weight * steps * seconds
 
-    def rate(self, start: float) -> float:
-        """Seconds a step beyond the start."""
-        return max(0.0, self.seconds - self.count * start) / self.steps
+    def of(self, steps: float, start: float) -> float:
+        """Seconds of so many steps: by the line through all answers and, for as much as one of them, a start without steps."""
+        one = 1.0 / max(start, 1e-6) ** 2
+        weights, y = self.weights + one, self.y + one * start
+        slope = max(0.0, (weights * self.xy - self.x * y) / (weights * self.xx - self.x**2))
+        return max(0.5 * start, (y - slope * self.x) / weights + slope * steps)
 
 
 class _Answers:
     """Seconds of an answer, as foreseen by those that came; and what those took over what they had been foreseen to take."""
 
     def __init__(self) -> None:
-        self._first: dict[str, tuple[Piece, float]] = {}
+        self._first: set[str] = set()
         self._ordered: list[float] = []
         self._all, self._cases, self._sides = _Kind(), dict[str, _Kind](), dict[tuple[str, str], _Kind]()
-        self._took: dict[str, float] = {}
+        self._took: dict[str, tuple[float, float]] = {}
         self._late: list[tuple[Piece, float]] = []
+        self._runs = self._beyond = 0.0
 
-    def add(self, piece: Piece, seconds: float) -> None:
+    def add(self, piece: Piece, seconds: float, run: float) -> None:
+        """Args: run [s]: of its steps, where that is known; else 0."""
         if piece.engine not in self._first:
-            self._first[piece.engine] = piece, seconds
+            self._first.add(piece.engine)
             return
-        self._took[piece.name] = seconds
+        foreseen = self.seconds(piece) if self.known else seconds
+        self._took[piece.name] = seconds, run
         self._late = [*self._late[1 - LATELY :], (piece, seconds)]
         insort(self._ordered, seconds)
-        for kind in (
-            self._all,
-            self._cases.setdefault(piece.case, _Kind()),
-            self._sides.setdefault((piece.case, piece.engine), _Kind()),
-        ):
-            kind.add(piece, seconds)
+        self._all.add(piece.steps, seconds, foreseen)
+        self._cases.setdefault(piece.case, _Kind()).add(piece.steps, seconds, foreseen)
+        self._sides.setdefault((piece.case, piece.engine), _Kind()).add(piece.steps, seconds, foreseen)
+        if run:
+            self._runs, self._beyond = self._runs + run, self._beyond + max(0.0, seconds - self.start)
 
     @property
     def known(self) -> bool:
+        """Is anything known?"""
         return bool(self._ordered)
 
     @property
@@ -127,6 +143,7 @@ class _Answers:
         return self._ordered[len(self._ordered) // 4]
 
     def doubt(self, piece: Piece) -> float:
+        """How far off an answer may be, by what is known of its kind."""
         if (piece.case, piece.engine) in self._sides:
             return SIDE
         return CASE if piece.case in self._cases else STRANGE
@@ -138,18 +155,21 @@ class _Answers:
         return (sum(seconds for _, seconds in self._late) + usual) / (foreseen + usual)
 
     def seconds(self, piece: Piece) -> float:
-        """Of this piece; of a case that nothing is known of, between the mean of the known ones and the mean rate of all."""
+        """Of this piece; of a case that nothing is known of, between the mean of the known ones and what its steps say."""
         start = self.start
         kind = self._sides.get((piece.case, piece.engine)) or self._cases.get(piece.case)
         if kind is not None:
-            return start + kind.rate(start) * piece.steps
+            return kind.of(piece.steps, start)
         mean = sum(kind.seconds / kind.count for kind in self._cases.values()) / len(self._cases)
-        return 0.5 * mean + 0.5 * (start + self._all.rate(start) * piece.steps)
+        return 0.5 * mean + 0.5 * self._all.of(piece.steps, start)
 
-    def of(self, piece: Piece) -> float:
-        """As it was, or as it is foreseen."""
-        took = self._took.get(piece.name)
-        return self.seconds(piece) if took is None else took
+    def run(self, piece: Piece, busy: float) -> float:
+        """Seconds of its steps alone: as they were clocked, or a share of its answer. Args: busy: seconds for one of CPU time."""
+        took, run = self._took.get(piece.name, (0.0, 0.0))
+        if known := piece.run or run:
+            return busy * known
+        share = busy * self._runs / self._beyond if self._beyond else STEPPING
+        return min(1.0, share) * max(0.0, (took or self.seconds(piece)) - self.start)
 
 
 @dataclass(slots=True)
@@ -217,8 +237,11 @@ class RemainingTime:
         self._ends = [now] * self._workers
         self._now = now
 
-    def answered(self, name: str, now: float, *, to_clock: bool) -> None:
-        """A piece has ended. The n-th that was begun began with the n-th time that a worker was free."""
+    def answered(self, name: str, now: float, *, to_clock: bool, run: float = 0.0) -> None:
+        """A piece has ended. The n-th that was begun began with the n-th time that a worker was free.
+
+        Args: run [s]: of its steps, of CPU time and roughly; 0 where that is not known.
+        """
         self._now = now
         piece = self._pieces.get(name)
         if piece is None or name not in self._waiting:
@@ -230,7 +253,7 @@ class RemainingTime:
             self._to_clock.discard(name)
         if self._answers.known and self._answers.doubt(piece) == STRANGE:
             self._news = "a case began of which nothing was known"
-        self._answers.add(piece, now - (self._ends[-2] if begun is None else begun))
+        self._answers.add(piece, now - (self._ends[-2] if begun is None else begun), run)
 
     def chosen_for_clock(self, pieces: Iterable[Piece]) -> None:
         """Points of a sweep that are clocked after all, with their samples: which was not known before they were tried."""
@@ -361,8 +384,9 @@ class RemainingTime:
 
     def _clock_of(self, piece: Piece) -> float:
         """Seconds of a trial in a timing run beyond the start of its processes."""
-        busy, start = max(1.0, self._start / START), self._start
-        run = busy * piece.run or STEPPING * max(0.0, self._answers.of(piece) - start)
+        start = self._start
+        busy = max(1.0, start / START)
+        run = self._answers.run(piece, busy)
         sample = busy * piece.sample
         runs = min(max(sample, run), CUT * sample)
         return piece.count * (runs + busy * CANARY) + piece.processes * (runs + CALIBRATION * start)

@@ -4,6 +4,7 @@ Along an axis the bracket says how often it is still halved. Where nothing broke
 share of those that did so far. Of a sweep, the points that are left are spent at the pace at which its runs gave points.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
@@ -16,6 +17,9 @@ from harness.store.record import Record
 from harness.study.trial import Trial
 
 __all__ = ["ToCome", "seconds_of_run", "to_come"]
+
+BEHIND = 1
+"""Rounds that a sweep may be behind the newest one and still go on: one whose knobs needed no second turn began earlier."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,10 +139,15 @@ def _of_sweeps(
     spent = [(front.room_in(group, records), sum(trial.round > front.SCREENING for trial in group)) for group in groups]
     points = sum(group[0].experiment.sweep - room for group, (room, late) in zip(groups, spent, strict=True) if late)
     pace = (sum(late for _, late in spent) + 1) / (points + 1)
+    newest = max((trial.round for group in groups for trial in group), default=0)
     for group, (room, late) in zip(groups, spent, strict=True):
         first = group[0]
         rounds = max(trial.round for trial in group)
         answers = min(max(0, room) * pace, front.RUNS * first.experiment.sweep - late)
+        if rounds > front.SCREENING:
+            answers = min(answers, _still_found(sum(trial.round == rounds for trial in group)))
+        if newest > front.SCREENING and rounds < newest - BEHIND:
+            answers = 0.0
         if rounds < front.SCREENING:
             answers += len(adapters[first.engine].knobs_in(first.scene(cases[first.case]))) * (front.SCREENING - rounds) / 2
         clocks = min(front.CLOCKED, len(group) + answers) if first.experiment.timing else 0
@@ -146,3 +155,8 @@ def _of_sweeps(
         run = fmean(runs) if runs else 0.0
         like = min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt))
         yield ToCome(like, answers, clocks, run, front.PER_ROUND)
+
+
+def _still_found(last: int) -> float:
+    """Answers that a sweep asks for at most: one that found less to try than a round may hold runs dry, by half each round."""
+    return math.inf if last >= front.PER_ROUND else 2.0 * last

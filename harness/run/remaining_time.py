@@ -20,6 +20,7 @@ from bisect import insort
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from heapq import heapreplace
+from statistics import geometric_mean
 
 from harness.run.pieces import Awaited, Piece
 
@@ -37,7 +38,7 @@ CANARY = 0.004
 """Seconds of the fixed kernel that is clocked beside each sample."""
 CUT = 10.0
 """A run of a scene that is longer than so many samples have to be is clocked in part (`harness.trial.bench.LONGEST`)."""
-STEPPING = 0.3
+STEPPING = 0.1
 """Share of an answer beyond its start in which its scene is run once; the rest is other runs and judging it."""
 TRUST = 3
 """Pieces, for as many of which what was foreseen counts beside those that came: one odd piece does not turn all."""
@@ -49,15 +50,15 @@ RECENT = 6
 
 SURE = 1.64
 """Standard deviations to both sides within which nine of ten values lie, where their logarithm is normal."""
-PACE = 0.2
+PACE = 0.25
 """Doubt of all together: that the machine is as busy from now on as it was."""
-SIDE, CASE, STRANGE = 0.3, 0.5, 1.0
+SIDE, CASE, STRANGE = 0.2, 0.4, 0.8
 """Doubt of the answers of a case on an engine: where such have come, where some of the case have, where none has."""
-SEARCHED = 0.6
+SEARCHED = 0.4
 """Doubt of what a search will still ask for; half of it is common to all searches."""
-CLOCK = 0.6
+CLOCK = 0.4
 """Doubt of the clock before any group of trials was clocked; it falls with the root of the number of groups."""
-TELLING = 3.5
+TELLING = 6.0
 """A range that would be wider is not told."""
 LEAP = 1.5
 """By how much what is told may grow from one look to the next where nothing was learned."""
@@ -160,8 +161,8 @@ class _Answers:
         kind = self._sides.get((piece.case, piece.engine)) or self._cases.get(piece.case)
         if kind is not None:
             return kind.of(piece.steps, start)
-        mean = sum(kind.seconds / kind.count for kind in self._cases.values()) / len(self._cases)
-        return 0.5 * mean + 0.5 * self._all.of(piece.steps, start)
+        mean = geometric_mean(kind.seconds / kind.count for kind in self._cases.values())
+        return math.sqrt(mean * self._all.of(piece.steps, start))
 
     def run(self, piece: Piece, busy: float) -> float:
         """Seconds of its steps alone: as they were clocked, or a share of its answer. Args: busy: seconds for one of CPU time."""
@@ -287,7 +288,7 @@ class RemainingTime:
         parts = self._parts()
         if parts.seconds <= 0.0:
             return Estimate(0.0, 0.0)
-        parts.common(PACE)
+        parts.common(math.hypot(PACE, math.log(self._answers.pace())))
         width = math.exp(2 * SURE * math.sqrt(parts.square) / parts.seconds)
         if width > TELLING:
             return None

@@ -1,16 +1,19 @@
 """What searches will still ask for: how many answers and clocks, in expectation, by what their trials have shown so far.
 
 Along an axis the bracket says how often it is still halved. Where nothing broke yet, each value of the scan breaks with the
-share of those that did so far. Of a sweep, the points that are left are spent at the pace at which its runs gave points.
+share of those that did so far. Of a sweep, the points that are left are spent at the pace at which its runs gave points; one
+that finds less to try than a round may hold runs dry. A ladder is halved down to its finest step as long as its budget allows;
+whether it goes on beyond, and whether perturbed starts follow, is as likely as not.
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import fmean
 
 from harness.adapter import Adapter
 from harness.case import Case
+from harness.case.alteration import AS_IT_IS
 from harness.search import first_break, front
 from harness.search.remedies import remedied
 from harness.store.record import Record
@@ -20,6 +23,8 @@ __all__ = ["ToCome", "seconds_of_run", "to_come"]
 
 BEHIND = 1
 """Rounds that a sweep may be behind the newest one and still go on: one whose knobs needed no second turn began earlier."""
+EVEN = 0.5
+"""The chance of what nothing is known of before the last of its ladders has ended."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +54,7 @@ def to_come(
     return [
         *_of_limits([trial for trial in trials if trial.experiment.limit is not None], records, cases, adapters),
         *_of_sweeps(trials, records, cases, adapters),
+        *_of_ladders([trial for trial in trials if trial.experiment.refine is not None], records, cases),
     ]
 
 
@@ -160,3 +166,31 @@ def _of_sweeps(
 def _still_found(last: int) -> float:
     """Answers that a sweep asks for at most: one that found less to try than a round may hold runs dry, by half each round."""
     return math.inf if last >= front.PER_ROUND else 2.0 * last
+
+
+def _of_ladders(trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> Iterator[ToCome]:
+    ladders: dict[str, list[Trial]] = {}
+    for trial in trials:
+        if trial.alteration == AS_IT_IS:
+            side = (trial.experiment.name, trial.case, dict(trial.parameters), trial.seed, trial.engine, trial.track)
+            ladders.setdefault(repr(side), []).append(trial)
+    begun = any(trial.alteration.start for trial in trials)
+    newest = max((trial.round for trial in trials), default=0)
+    for ladder in ladders.values():
+        asked, case = ladder[0].experiment.refine, cases[ladder[0].case]
+        last = min(ladder, key=lambda trial: trial.settings.dt)
+        assert asked is not None
+        over = begun or (last.trial in records and last.round < newest)
+        costs = {trial.trial: seconds_of_run(records[trial.trial], case) for trial in ladder if trial.trial in records}
+        share, spent = asked.budget / len(ladders), sum(costs.values())
+        known = min((trial for trial in ladder if costs.get(trial.trial)), key=lambda trial: trial.settings.dt, default=None)
+        a_step = 0.0 if known is None else costs[known.trial] * known.settings.dt
+        spent += sum(a_step / trial.settings.dt for trial in ladder if trial.trial not in records)
+        dt, coarsest = last.settings.dt / 2, asked.finest / 2**asked.further
+        while not over and dt > coarsest * (1 - 1e-9) and spent + a_step / dt <= share:
+            chance = 1.0 if dt > asked.finest * (1 - 1e-9) else EVEN
+            yield ToCome(replace(last, settings=last.settings.with_dt(dt)), chance, chance, a_step / dt)
+            spent, dt = spent + chance * a_step / dt, dt / 2
+        if not begun and known is not None:
+            near = min(ladder, key=lambda trial: abs(trial.settings.dt - asked.member_dt))
+            yield ToCome(near, EVEN * asked.members, at_once=max(1, asked.members))

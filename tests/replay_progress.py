@@ -14,6 +14,7 @@ import math
 import tempfile
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Self
 
@@ -264,7 +265,7 @@ def recorded(folder: Path, workers: int = 2) -> Recording:
         campaign.carry_out(study, Path(out) / "run", cases, engines, workers=workers, resume=False)
     told = kept[0]
     if told._waiting:
-        raise ValueError(f"{folder}: {len(told._waiting)} trials of today's study have no answer; the run is of another version")
+        raise ValueError(f"{folder}: {len(told._waiting)} trials of today's study have no answer; run it anew")
     return Recording(study.name, workers, round(tape.end - tape.begin, 3), [*map(list, told.pieces)], told.events)
 
 
@@ -290,7 +291,7 @@ def held(looks: Sequence[Look]) -> Held:
     count = [look for look in looks if FIRST * look.whole < look.now < LAST * look.whole]
     told = [(look, look.said) for look in count if look.said is not None]
     leaps = 0
-    for (before, said), (after, then) in zip(told, told[1:], strict=False):
+    for (before, said), (after, then) in pairwise(told):
         rest = max(said.middle - (after.now - before.now), 0.1 * said.middle)
         leaps += then.middle > 1.5 * rest * (1 + 1e-9) and not then.news
     return Held(

@@ -217,7 +217,9 @@ def _searched(
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
     if beside := guide.beside(trials, journal.records):
-        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, cases, cluster, guide, remaining)
+        _accuracy(
+            "searches, where they ended", beside, reasons, journal, folder, workers, machine, cases, cluster, guide, remaining
+        )
         extended += beside
     searches = [
         go_on

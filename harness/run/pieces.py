@@ -65,7 +65,8 @@ def clocked_pieces(trials: Iterable[Trial], records: Mapping[str, Record], cases
 def awaited(expected: Iterable[ToCome], cases: Mapping[str, Case]) -> list[Awaited]:
     """What searches will ask for, as work."""
     return [
-        Awaited(_piece(each.like, cases[each.like.case], each.run), each.answers, each.clocks, each.at_once) for each in expected
+        Awaited(_piece(each.like, cases[each.like.case], each.run), each.answers, each.clocks, each.at_once)
+        for each in expected
     ]
 
 

@@ -10,14 +10,15 @@ sample has to be, and no longer than a cut. How far that is off is learnt from t
 What a search will still ask for counts as so many pieces like one that it asked for already, one after the other where it waits
 for each before it asks for the next.
 
-What is told is a range: the middle, and the doubts of what it is made of. They are shares of its parts, and shrink as a kind of
-work becomes known; `tests/replay_progress.py` plays recorded runs back, by which they were chosen. Where the range would be wider
-than a factor of three and a half, nothing is said; it is never told wider than three, beyond which it would help nobody.
+What is told is a range, that of nine values in ten by the doubts of what it is made of. They are shares of its parts, and
+shrink as a kind of work becomes known; `tests/replay_progress.py` plays recorded runs back, by which they were chosen. Beyond a
+factor of three from end to end a range helps nobody: a wider one is told as one of three around the same middle, and one that
+would be more than twice as wide is not told.
 """
 
 import math
 from bisect import insort
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from heapq import heapreplace
 from statistics import geometric_mean
@@ -66,7 +67,7 @@ LEAP = 1.5
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Seconds until all work is done, in nine of ten cases. Terms: news: what was learned, where it is much more than before."""
+    """Seconds until all work is done, in nine of ten cases. Terms: news: what was learned, where it is far more than before."""
 
     low: float
     high: float
@@ -165,7 +166,7 @@ class _Answers:
         return math.sqrt(mean * self._all.of(piece.steps, start))
 
     def run(self, piece: Piece, busy: float) -> float:
-        """Seconds of its steps alone: as they were clocked, or a share of its answer. Args: busy: seconds for one of CPU time."""
+        """Seconds of its steps alone, as they were clocked or a share of its answer. Args: busy: seconds for one of the CPU."""
         took, run = self._took.get(piece.name, (0.0, 0.0))
         if known := piece.run or run:
             return busy * known

@@ -3,7 +3,7 @@
 Along an axis the bracket says how often it is still halved. Where nothing broke yet, each value of the scan breaks with the
 share of those that did so far. Of a sweep, the points that are left are spent at the pace at which its runs gave points; one
 that finds less to try than a round may hold runs dry. A ladder is halved down to its finest step as long as its budget allows;
-whether it goes on beyond, and whether perturbed starts follow, is as likely as not.
+that it goes on beyond, and that perturbed starts follow, happens rarely.
 """
 
 import math
@@ -23,8 +23,8 @@ __all__ = ["ToCome", "seconds_of_run", "to_come"]
 
 BEHIND = 1
 """Rounds that a sweep may be behind the newest one and still go on: one whose knobs needed no second turn began earlier."""
-EVEN = 0.5
-"""The chance of what nothing is known of before the last of its ladders has ended."""
+RARELY = 0.25
+"""The chance that ladders go on beyond their finest step, and that starts follow: few motions are not to be foreseen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +188,9 @@ def _of_ladders(trials: Sequence[Trial], records: Mapping[str, Record], cases: M
         spent += sum(a_step / trial.settings.dt for trial in ladder if trial.trial not in records)
         dt, coarsest = last.settings.dt / 2, asked.finest / 2**asked.further
         while not over and dt > coarsest * (1 - 1e-9) and spent + a_step / dt <= share:
-            chance = 1.0 if dt > asked.finest * (1 - 1e-9) else EVEN
+            chance = 1.0 if dt > asked.finest * (1 - 1e-9) else RARELY
             yield ToCome(replace(last, settings=last.settings.with_dt(dt)), chance, chance, a_step / dt)
             spent, dt = spent + chance * a_step / dt, dt / 2
         if not begun and known is not None:
             near = min(ladder, key=lambda trial: abs(trial.settings.dt - asked.member_dt))
-            yield ToCome(near, EVEN * asked.members, at_once=max(1, asked.members))
+            yield ToCome(near, RARELY * asked.members, at_once=max(1, asked.members))

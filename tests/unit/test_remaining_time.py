@@ -154,7 +154,7 @@ def test_nothing_is_told_while_nearly_all_is_of_a_kind_that_nobody_has_seen() ->
 
 
 def test_where_nothing_was_learned_it_grows_by_half_at_most() -> None:
-    """An answer takes thirty times as long as those before it, of its own kind: that alone is no news, and is taken in by and by.
+    """An answer takes thirty times as long as those before it of its kind: that alone is no news, and is taken in bit by bit.
 
     Two new trials are; they are told of in words.
     """
@@ -166,7 +166,8 @@ def test_where_nothing_was_learned_it_grows_by_half_at_most() -> None:
     before = remaining.left()
     remaining.answered("6", 36.0, to_clock=False)
     after = remaining.left()
-    assert before is not None and after is not None
+    assert before is not None
+    assert after is not None
     assert after.middle <= LEAP * before.middle
     assert not after.news
     remaining.expect([Piece(name=f"more{k}", case="x", engine="e", steps=1) for k in range(50)])

@@ -22,6 +22,7 @@ import pytest
 
 from harness.run import campaign
 from harness.run.pieces import Awaited, Piece
+from harness.run.progress import Progress
 from harness.run.remaining_time import Estimate, RemainingTime
 from harness.store.record import Record, Timing
 from harness.store.store import Store
@@ -177,7 +178,7 @@ class _Recorder(RemainingTime):
             for each in self._awaited()
             if each.answers or each.clocks
         ]
-        last = next((event[1] for event in reversed(self.events) if event[0] == "s"), [])
+        last: list[Any] = next((event[1] for event in reversed(self.events) if event[0] == "s"), [])
         if searched != last:
             self.events.append(["s", searched])
 
@@ -234,7 +235,7 @@ def recorded(folder: Path, workers: int = 2) -> Recording:
     """What a run with so many workers would have been told. Raises: KeyError, where lines bear no time."""
     tape, kept = _Tape(folder), list[_Recorder]()
 
-    class Silent(campaign.Progress):
+    class Silent(Progress):
         """Shows nothing."""
 
         def __enter__(self) -> Self:
@@ -257,7 +258,7 @@ def recorded(folder: Path, workers: int = 2) -> Recording:
         patch.setattr(campaign, "expect", lambda _: None)
         patch.setattr(campaign, "Progress", Silent)
         patch.setattr(campaign, "RemainingTime", recorder)
-        patch.setattr(campaign.time, "monotonic", lambda: tape.now)
+        patch.setattr("harness.run.campaign.time.monotonic", lambda: tape.now)
         trajectories = Path(out) / "run" / "trajectories"
         trajectories.mkdir(parents=True)
         for path in (folder / "trajectories").glob("[!.]*.npz"):

@@ -108,8 +108,8 @@ def _accuracy(
                 else:
                     kept = replace(record, answered_on=record.answered_on or machine)
                     journal.append(guide.answered(by_name[record.trial], kept))
-                run, timed = seconds_of_run(record, cases[record.case]), record.status in _TIMED
-                remaining.answered(record.trial, time.monotonic(), to_clock=timed, run=run)
+                run = seconds_of_run(by_name[record.trial], record, cases[record.case])
+                remaining.answered(record.trial, time.monotonic(), to_clock=record.status in _TIMED, run=run)
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")

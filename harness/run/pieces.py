@@ -59,7 +59,9 @@ def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]
 
 def clocked_pieces(trials: Iterable[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> list[Piece]:
     """These trials as work, all of them clocked. Args: records: theirs, by which a whole run is known to take so long."""
-    return [_piece(trial, cases[trial.case], seconds_of_run(records[trial.trial], cases[trial.case])) for trial in trials]
+    return [
+        _piece(trial, cases[trial.case], seconds_of_run(trial, records[trial.trial], cases[trial.case])) for trial in trials
+    ]
 
 
 def awaited(expected: Iterable[ToCome], cases: Mapping[str, Case]) -> list[Awaited]:

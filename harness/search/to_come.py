@@ -23,6 +23,8 @@ __all__ = ["ToCome", "seconds_of_run", "to_come"]
 
 BEHIND = 1
 """Rounds that a sweep may be behind the newest one and still go on: one whose knobs needed no second turn began earlier."""
+STEPS = 0.5
+"""Of what is known of a run of a ladder, all that its process took, the share of the steps: the rest is judging them."""
 RARELY = 0.25
 """The chance that ladders go on beyond their finest step, and that starts follow: few motions are not to be foreseen."""
 
@@ -42,9 +44,14 @@ class ToCome:
     at_once: int = 1
 
 
-def seconds_of_run(record: Record, case: Case) -> float:
+def seconds_of_run(trial: Trial, record: Record, case: Case) -> float:
     """What the steps of a run take, of CPU time and roughly; 0 where that is not known or what is clocked is no step."""
-    return (record.rough_cost or 0.0) * case.duration if case.rays is None else 0.0
+    share = 1.0 if trial.experiment.refine is None else STEPS
+    return share * _cost(record, case) if case.rays is None else 0.0
+
+
+def _cost(record: Record, case: Case) -> float:
+    return (record.rough_cost or 0.0) * case.duration
 
 
 def to_come(
@@ -157,7 +164,7 @@ def _of_sweeps(
         if rounds < front.SCREENING:
             answers += len(adapters[first.engine].knobs_in(first.scene(cases[first.case]))) * (front.SCREENING - rounds) / 2
         clocks = min(front.CLOCKED, len(group) + answers) if first.experiment.timing else 0
-        runs = [seconds_of_run(records[trial.trial], cases[trial.case]) for trial in group if trial.trial in records]
+        runs = [seconds_of_run(trial, records[trial.trial], cases[trial.case]) for trial in group if trial.trial in records]
         run = fmean(runs) if runs else 0.0
         like = min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt))
         yield ToCome(like, answers, clocks, run, front.PER_ROUND)
@@ -181,7 +188,7 @@ def _of_ladders(trials: Sequence[Trial], records: Mapping[str, Record], cases: M
         last = min(ladder, key=lambda trial: trial.settings.dt)
         assert asked is not None
         over = begun or (last.trial in records and last.round < newest)
-        costs = {trial.trial: seconds_of_run(records[trial.trial], case) for trial in ladder if trial.trial in records}
+        costs = {trial.trial: _cost(records[trial.trial], case) for trial in ladder if trial.trial in records}
         share, spent = asked.budget / len(ladders), sum(costs.values())
         known = min((trial for trial in ladder if costs.get(trial.trial)), key=lambda trial: trial.settings.dt, default=None)
         a_step = 0.0 if known is None else costs[known.trial] * known.settings.dt
@@ -189,7 +196,7 @@ def _of_ladders(trials: Sequence[Trial], records: Mapping[str, Record], cases: M
         dt, coarsest = last.settings.dt / 2, asked.finest / 2**asked.further
         while not over and dt > coarsest * (1 - 1e-9) and spent + a_step / dt <= share:
             chance = 1.0 if dt > asked.finest * (1 - 1e-9) else RARELY
-            yield ToCome(replace(last, settings=last.settings.with_dt(dt)), chance, chance, a_step / dt)
+            yield ToCome(replace(last, settings=last.settings.with_dt(dt)), chance, chance, STEPS * a_step / dt)
             spent, dt = spent + chance * a_step / dt, dt / 2
         if not begun and known is not None:
             near = min(ladder, key=lambda trial: abs(trial.settings.dt - asked.member_dt))

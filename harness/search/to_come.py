@@ -196,8 +196,9 @@ def _of_ladders(trials: Sequence[Trial], records: Mapping[str, Record], cases: M
         dt, coarsest = last.settings.dt / 2, asked.finest / 2**asked.further
         while not over and dt > coarsest * (1 - 1e-9) and spent + a_step / dt <= share:
             chance = 1.0 if dt > asked.finest * (1 - 1e-9) else RARELY
-            yield ToCome(replace(last, settings=last.settings.with_dt(dt)), chance, chance, STEPS * a_step / dt)
+            clocks = chance if last.experiment.timing else 0.0
+            yield ToCome(replace(last, settings=last.settings.with_dt(dt)), chance, clocks, STEPS * a_step / dt)
             spent, dt = spent + chance * a_step / dt, dt / 2
-        if not begun and known is not None:
+        if asked.members and not begun and known is not None:
             near = min(ladder, key=lambda trial: abs(trial.settings.dt - asked.member_dt))
             yield ToCome(near, RARELY * asked.members, at_once=max(1, asked.members))

@@ -20,6 +20,7 @@ def test_of_a_recorded_run_no_range_is_wide_and_no_leap_unexplained(recording: R
     assert of.looks > 0
     assert of.widest <= WIDEST * (1 + 1e-12)
     assert of.leaps == 0
+    assert of.within >= 0.6 * of.told
     last = looks[-1].said
     assert last is not None
     assert last.high <= 0.1 * recording.whole

@@ -16,8 +16,8 @@ __all__ = ["Progress", "in_words"]
 
 
 def in_words(left: Estimate) -> str:
-    """From how long to how long, to two digits, in the unit of the longer: an estimate holds no more."""
-    size, unit = next(((size, unit) for size, unit in ((1, "s"), (60, "min")) if left.high / size < 99.5), (3600, "h"))
+    """From how long to how long, to two digits, in the unit of the shorter: an estimate holds no more."""
+    size, unit = next(((size, unit) for size, unit in ((1, "s"), (60, "min")) if left.low / size < 60), (3600, "h"))
     low, high = (f"{float(f'{seconds / size:.2g}'):g}" for seconds in (left.low, left.high))
     span = high if low == high else f"{low} to {high}"
     return f"about {span} {unit} left" + (f", as {left.news}" if left.news else "")

@@ -184,6 +184,7 @@ def test_where_nothing_was_learned_it_grows_by_half_at_most() -> None:
         (Estimate(0.0, 0.0), "about 0 s left"),
         (Estimate(20.2, 47.3), "about 20 to 47 s left"),
         (Estimate(47.1, 47.3), "about 47 s left"),
+        (Estimate(40.0, 119.6), "about 40 to 120 s left"),
         (Estimate(63.0, 130.0), "about 1.1 to 2.2 min left"),
         (Estimate(1500.0, 3025.0), "about 25 to 50 min left"),
         (Estimate(4000.0, 9000.0, "the clock began"), "about 1.1 to 2.5 h left, as the clock began"),

@@ -22,14 +22,15 @@ from harness.run.fork_servers import expect
 from harness.run.guide import UNGUIDED, Guide
 from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
+from harness.run.pieces import Awaited, awaited, clocked_pieces, pieces_of
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
-from harness.run.remaining_time import Awaited, RemainingTime, awaited, clocked_pieces, pieces_of
+from harness.run.remaining_time import RemainingTime
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
 from harness.search import first_break, front, needless_effects, refined_ladder
 from harness.search.front import due_for_clock
-from harness.search.to_come import to_come
+from harness.search.to_come import seconds_of_run, to_come
 from harness.store import disk
 from harness.store.journal import FolderTaken, Journal, StoreError
 from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
@@ -74,6 +75,7 @@ def _accuracy(
     folder: Path,
     workers: int,
     machine: str,
+    cases: Mapping[str, Case],
     cluster: "Workplace | None",
     guide: Guide,
     remaining: RemainingTime,
@@ -106,7 +108,8 @@ def _accuracy(
                 else:
                     kept = replace(record, answered_on=record.answered_on or machine)
                     journal.append(guide.answered(by_name[record.trial], kept))
-                remaining.answered(record.trial, time.monotonic(), to_clock=record.status in _TIMED)
+                run = seconds_of_run(by_name[record.trial], record, cases[record.case])
+                remaining.answered(record.trial, time.monotonic(), to_clock=record.status in _TIMED, run=run)
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
@@ -214,7 +217,9 @@ def _searched(
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
     extended, number = list(trials), 0
     if beside := guide.beside(trials, journal.records):
-        _accuracy("searches, where they ended", beside, reasons, journal, folder, workers, machine, cluster, guide, remaining)
+        _accuracy(
+            "searches, where they ended", beside, reasons, journal, folder, workers, machine, cases, cluster, guide, remaining
+        )
         extended += beside
     searches = [
         go_on
@@ -235,7 +240,7 @@ def _searched(
         number += 1
         remaining.expect(pieces_of(more, cases))
         remaining.foresee(partial(_awaited, [*extended, *more], journal, cases, adapters))
-        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cluster, guide, remaining)
+        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cases, cluster, guide, remaining)
         extended += more
     return extended
 
@@ -315,7 +320,7 @@ def carry_out(
             for batch in guide.batches(trials):
                 remaining.expect(pieces_of(batch, cases))
                 remaining.foresee(partial(_awaited, batch, journal, cases, adapters))
-                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cluster, guide, remaining)
+                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cases, cluster, guide, remaining)
                 batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide, remaining)
                 remaining.foresee()
                 _timing(batch, journal, folder, cases, machine, cluster, guide, remaining)

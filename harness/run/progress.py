@@ -7,31 +7,29 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from harness.intake.safe_text import LONGEST, one_line
+from harness.run.remaining_time import Estimate
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
 __all__ = ["Progress", "in_words"]
 
-FIRST = 0.05
-"""Share of the pieces before which nothing is said of the time that is left: too little is known."""
 
-
-def in_words(seconds: float) -> str:
-    """About how long, to two digits: an estimate holds no more."""
-    if seconds < 99.5:
-        return f"{float(f'{seconds:.2g}'):.0f} s"
-    minutes = seconds / 60
-    return f"{minutes:.2g} min" if minutes < 99.5 else f"{minutes / 60:.2g} h"
+def in_words(left: Estimate) -> str:
+    """From how long to how long, to two digits, in the unit of the shorter: an estimate holds no more."""
+    size, unit = next(((size, unit) for size, unit in ((1, "s"), (60, "min")) if left.low / size < 60), (3600, "h"))
+    low, high = (f"{float(f'{seconds / size:.2g}'):g}" for seconds in (left.low, left.high))
+    span = high if low == high else f"{low} to {high}"
+    return f"about {span} {unit} left" + (f", as {left.news}" if left.news else "")
 
 
 class Progress:
     """Counts finished pieces of work; use as a context.
 
-    Args: left: seconds until all work is done, this and what comes after it; None while that is not known.
+    Args: left: until all work is done, this and what comes after it; None while too little is known of that.
     """
 
-    def __init__(self, title: str, total: int, left: Callable[[], float | None] = lambda: None) -> None:
+    def __init__(self, title: str, total: int, left: Callable[[], Estimate | None] = lambda: None) -> None:
         self.title, self.total, self.done, self._left = title, total, 0, left
         self._bar: Bar | None = None
         self._said = time.monotonic()
@@ -65,10 +63,10 @@ class Progress:
                 self._bar.update(self._task, advance=1, last=last)
             return
         self._said = now
-        left = self._left() if self.done >= FIRST * self.total else None
-        remaining = "" if left is None else f"about {in_words(left)} left"
+        left = self._left()
+        remaining = "" if left is None else in_words(left)
         if self._bar is not None:
-            self._bar.update(self._task, advance=1, last=last, left=remaining)
+            self._bar.update(self._task, advance=1, last=last, left=remaining or "estimating")
         else:
             said = f", {remaining}" if remaining else ""
             print(f"{self.title}: {self.done}/{self.total}{said} ({last})", file=sys.stderr, flush=True)

@@ -1,124 +1,202 @@
-"""How long a run will still take, by how long its pieces took so far.
+"""How long a run will still take, and how surely, by how long its pieces took so far.
 
-An answer takes what a process takes to start, and a time that grows with the number of steps: along a ladder with 1/dt. Both
-are learnt from the answers that there are: of the same case on the same engine, else of the same case, else of all. The first
-answer of an engine is left out as long as there is another, since it pays for what all share: an engine that is loaded, or
-compiles. The timing run of a group of trials starts a process for each engine; each trial takes its samples, and a share of
-what its answer took, for the warm-up and the calibration. How far that is off is learnt from the groups that were clocked.
+An answer takes what a process takes to start, and a time that grows with its steps, times the bodies that are stepped: along a
+ladder with 1/dt. Both are learnt from the answers that there are: of the same case on the same engine, else of the same case,
+else of all. The first answer of an engine is left out as long as there is another, since it pays for what all share: an engine
+that is loaded, or compiles. What runs already has had its time so far. The timing run of a group of trials starts a process for
+each engine; each trial is calibrated there and takes its samples, each a whole run of its scene where that is longer than a
+sample has to be, and no longer than a cut. How far that is off is learnt from the groups that were clocked.
 
-What a search will still ask for counts as so many pieces like one that it asked for already.
+What a search will still ask for counts as so many pieces like one that it asked for already, one after the other where it waits
+for each before it asks for the next.
+
+What is told is a range, that of nine values in ten by the doubts of what it is made of. They are shares of its parts, and
+shrink as a kind of work becomes known; `tests/replay_progress.py` plays recorded runs back, by which they were chosen. Beyond a
+factor of three from end to end a range helps nobody: a wider one is told as one of three around the same middle, and one that
+would be more than twice as wide is not told.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+import math
+from bisect import insort
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, field
 from heapq import heapreplace
-from statistics import fmean
+from statistics import geometric_mean
 
-from harness.case import Case
-from harness.case.alteration import REFINED
-from harness.search.to_come import ToCome, seconds_of_run
-from harness.store.record import Record
-from harness.study.trial import Trial
-from harness.trial.bench import LONGEST
+from harness.run.pieces import Awaited, Piece
 
-__all__ = ["Awaited", "Piece", "RemainingTime", "awaited", "clocked_pieces", "pieces_of"]
+__all__ = ["WIDEST", "Estimate", "RemainingTime"]
 
-WARM_UP = 0.02
-"""Of the time of an answer, that each process of a timing run takes before its samples: until a group has shown it."""
+WIDEST = 3.0
+"""Largest over smallest end of a range that is told."""
 
-LOADING, STARTS = 0.7, 1.0
-"""Seconds, and starts of an answer, that a process of a timing run takes to load its engine off a server of its own: until a
-group has shown it. The starts tell how busy the machine is."""
+
+START = 0.3
+"""Seconds that a process takes to start on a machine with nothing else to do: how much longer it takes here, all takes."""
+CALIBRATION = 0.2
+"""Starts that a trial takes in a timing run before its samples, beside running its scene once: until a group has shown it."""
+CANARY = 0.004
+"""Seconds of the fixed kernel that is clocked beside each sample."""
+CUT = 10.0
+"""A run of a scene that is longer than so many samples have to be is clocked in part (`harness.trial.bench.LONGEST`)."""
+STEPPING = 0.1
+"""Share of an answer beyond its start in which its scene is run once; the rest is other runs and judging it."""
 TRUST = 3
-"""Groups, for as many of which what was foreseen counts beside those that were clocked: one odd group does not turn all."""
+"""Pieces, for as many of which what was foreseen counts beside those that came: one odd piece does not turn all."""
 LATELY = 12
 """Answers that came last, by which the pace of those that wait is foreseen: a machine is as busy as it was lately, and a
 process that stood still once does not stand still again."""
 RECENT = 6
 """Groups that were clocked last, by which those that wait are foreseen: what else the machine does changes within a run."""
 
+SURE = 1.64
+"""Standard deviations to both sides within which nine of ten values lie, where their logarithm is normal."""
+PACE = 0.25
+"""Doubt of all together: that the machine is as busy from now on as it was."""
+SIDE, CASE, STRANGE = 0.2, 0.4, 0.8
+"""Doubt of the answers of a case on an engine: where such have come, where some of the case have, where none has."""
+SEARCHED = 0.4
+"""Doubt of what a search will still ask for; half of it is common to all searches."""
+CLOCK = 0.4
+"""Doubt of the clock before any group of trials was clocked; it falls with the root of the number of groups."""
+TELLING = 6.0
+"""A range that would be wider is not told."""
+LEAP = 1.5
+"""By how much what is told may grow from one look to the next where nothing was learned."""
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Piece:
-    """A trial as work.
 
-    Terms: steps: that its engine takes. samples [s]: of its timing run, 0 without one; processes: of it; group: those that are
-    clocked together, in one process an engine. warm_up: share of its answer that goes before the samples, 0 where they hold it.
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Seconds until all work is done, in nine of ten cases. Terms: news: what was learned, where it is far more than before."""
+
+    low: float
+    high: float
+    news: str = ""
+
+    @property
+    def middle(self) -> float:
+        """By a ratio as far from one end as from the other."""
+        return math.sqrt(self.low * self.high)
+
+
+@dataclass(slots=True)
+class _Kind:
+    """What is known of the answers of a kind: how many came, their seconds in sum, and the sums of a straight line.
+
+    Seconds over steps, each answer weighted by what it was foreseen to take, so that along a ladder each counts alike.
     """
 
-    name: str
-    case: str
-    engine: str
-    steps: float
-    samples: float = 0.0
-    processes: int = 1
-    group: str = ""
-    warm_up: float = WARM_UP
+    count: int = 0
+    seconds: float = 0.0
+    weights: float = 0.0
+    x: float = 0.0
+    xx: float = 0.0
+    y: float = 0.0
+    xy: float = 0.0
+
+    def add(self, steps: float, seconds: float, foreseen: float) -> None:
+        weight = 1.0 / max(foreseen, 1e-6) ** 2
+        self.count, self.seconds, self.weights = self.count + 1, self.seconds + seconds, self.weights + weight
+        self.x, self.xx = self.x + weight * steps, self.xx + weight * steps**2
+        self.y, self.xy = self.y + weight * seconds, self.xy + weight * steps * seconds
+
+    def of(self, steps: float, start: float) -> float:
+        """Seconds of so many steps: by the line through all answers and, for as much as one of them, a start without steps."""
+        one = 1.0 / max(start, 1e-6) ** 2
+        weights, y = self.weights + one, self.y + one * start
+        slope = max(0.0, (weights * self.xy - self.x * y) / (weights * self.xx - self.x**2))
+        return max(0.5 * start, (y - slope * self.x) / weights + slope * steps)
 
 
-@dataclass(frozen=True, slots=True)
-class Awaited:
-    """Pieces like this one that a search will ask for. Terms: answers, clocks: how many, in expectation."""
+class _Answers:
+    """Seconds of an answer, as foreseen by those that came; and what those took over what they had been foreseen to take."""
 
-    like: Piece
-    answers: float
-    clocks: float
+    def __init__(self) -> None:
+        self._first: set[str] = set()
+        self._ordered: list[float] = []
+        self._all, self._cases, self._sides = _Kind(), dict[str, _Kind](), dict[tuple[str, str], _Kind]()
+        self._took: dict[str, tuple[float, float]] = {}
+        self._late: list[tuple[Piece, float]] = []
+        self._runs = self._beyond = 0.0
+
+    def add(self, piece: Piece, seconds: float, run: float) -> None:
+        """Args: run [s]: of its steps, where that is known; else 0."""
+        if piece.engine not in self._first:
+            self._first.add(piece.engine)
+            return
+        foreseen = self.seconds(piece) if self.known else seconds
+        self._took[piece.name] = seconds, run
+        self._late = [*self._late[1 - LATELY :], (piece, seconds)]
+        insort(self._ordered, seconds)
+        self._all.add(piece.steps, seconds, foreseen)
+        self._cases.setdefault(piece.case, _Kind()).add(piece.steps, seconds, foreseen)
+        self._sides.setdefault((piece.case, piece.engine), _Kind()).add(piece.steps, seconds, foreseen)
+        if run:
+            self._runs, self._beyond = self._runs + run, self._beyond + max(0.0, seconds - self.start)
+
+    @property
+    def known(self) -> bool:
+        """Is anything known?"""
+        return bool(self._ordered)
+
+    @property
+    def start(self) -> float:
+        """What most take at least: a quarter takes less."""
+        return self._ordered[len(self._ordered) // 4]
+
+    def doubt(self, piece: Piece) -> float:
+        """How far off an answer may be, by what is known of its kind."""
+        if (piece.case, piece.engine) in self._sides:
+            return SIDE
+        return CASE if piece.case in self._cases else STRANGE
+
+    def pace(self) -> float:
+        """What the last answers took over what they would have by all of them."""
+        usual = TRUST * self._all.seconds / self._all.count
+        foreseen = sum(self.seconds(piece) for piece, _ in self._late)
+        return (sum(seconds for _, seconds in self._late) + usual) / (foreseen + usual)
+
+    def seconds(self, piece: Piece) -> float:
+        """Of this piece; of a case that nothing is known of, between the mean of the known ones and what its steps say."""
+        start = self.start
+        kind = self._sides.get((piece.case, piece.engine)) or self._cases.get(piece.case)
+        if kind is not None:
+            return kind.of(piece.steps, start)
+        mean = geometric_mean(kind.seconds / kind.count for kind in self._cases.values())
+        return math.sqrt(mean * self._all.of(piece.steps, start))
+
+    def run(self, piece: Piece, busy: float) -> float:
+        """Seconds of its steps alone, as they were clocked or a share of its answer. Args: busy: seconds for one of the CPU."""
+        took, run = self._took.get(piece.name, (0.0, 0.0))
+        if known := piece.run or run:
+            return busy * known
+        share = busy * self._runs / self._beyond if self._beyond else STEPPING
+        return min(1.0, share) * max(0.0, (took or self.seconds(piece)) - self.start)
 
 
-def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]:
-    """These trials as work; which settings of a sweep are clocked is not known before they are tried."""
-    pieces = []
-    for trial in trials:
-        asked = trial.experiment
-        altered = trial.alteration.name in REFINED or trial.alteration.start or trial.alteration.undropped
-        clocked = asked.timing and not asked.sweep and asked.limit is None and not altered
-        piece = _piece(trial, cases[trial.case])
-        pieces.append(piece if clocked else replace(piece, samples=0.0))
-    return pieces
+@dataclass(slots=True)
+class _Parts:
+    """Seconds of parts of the work, and the square of how far off their sum may be."""
+
+    seconds: float = 0.0
+    square: float = 0.0
+
+    def add(self, seconds: float, doubt: float) -> None:
+        """One more, whose doubt is its own."""
+        self.seconds += seconds
+        self.square += (doubt * seconds) ** 2
+
+    def common(self, doubt: float) -> None:
+        """A doubt of all so far."""
+        self.square += (doubt * self.seconds) ** 2
 
 
-def clocked_pieces(trials: Iterable[Trial], records: Mapping[str, Record], cases: Mapping[str, Case]) -> list[Piece]:
-    """These trials as work, all of them clocked. Args: records: theirs, by which a whole run is known to take so long."""
-    return [_piece(trial, cases[trial.case], seconds_of_run(records[trial.trial], cases[trial.case])) for trial in trials]
-
-
-def _piece(trial: Trial, case: Case, run: float = 0.0) -> Piece:
-    """A trial as work that is clocked. Args: run [s]: what its steps take, where that is known.
-
-    A sample is a whole run, and so is the calibration before; of one that is too long it is a part.
-    """
-    asked, settings = trial.experiment, trial.settings
-    sample = max(asked.sample_seconds, min(run, LONGEST * asked.sample_seconds))
-    samples = asked.samples * asked.sample_seconds if run == 0.0 else (asked.samples + 1) * sample
-    return Piece(
-        name=trial.trial,
-        case=trial.case,
-        engine=trial.engine,
-        steps=case.duration / settings.dt * (settings.substeps or 1) * trial.members,
-        samples=asked.processes * samples,
-        processes=asked.processes,
-        group=repr((asked.name, trial.case, trial.parameters)),
-        warm_up=WARM_UP if run == 0.0 else 0.0,
-    )
-
-
-def awaited(expected: Iterable[ToCome], cases: Mapping[str, Case]) -> list[Awaited]:
-    """What searches will ask for, as work."""
-    return [Awaited(_piece(each.like, cases[each.like.case], each.run), each.answers, each.clocks) for each in expected]
-
-
-@dataclass(frozen=True, slots=True)
-class _Took:
-    piece: Piece
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Group:
     """Clocked together. Terms: seconds: all of it."""
 
-    names: list[str]
-    seconds: float
+    names: list[str] = field(default_factory=list)
+    seconds: float = 0.0
 
 
 class RemainingTime:
@@ -131,11 +209,12 @@ class RemainingTime:
         self._to_clock: set[str] = set()
         self._order: dict[str, int] = {}
         self._ends: list[float] = []
-        self._first: dict[str, _Took] = {}
-        self._took: dict[str, _Took] = {}
+        self._answers = _Answers()
         self._clocked: dict[str, _Group] = {}
-        self._last_clock = 0.0
+        self._now = self._last_clock = 0.0
         self._awaited: Callable[[], Sequence[Awaited]] = tuple
+        self._told: tuple[float, float] | None = None
+        self._news = ""
 
     def expect(self, pieces: Iterable[Piece]) -> None:
         """These are to be answered, and clocked where they have samples."""
@@ -143,7 +222,8 @@ class RemainingTime:
             if piece.name not in self._pieces:
                 self._pieces[piece.name] = piece
                 self._waiting.add(piece.name)
-                self._to_clock |= {piece.name} if piece.samples else set()
+                self._to_clock |= {piece.name} if piece.count else set()
+                self._news = "searches ask for more"
 
     def foresee(self, awaited: Callable[[], Sequence[Awaited]] = tuple) -> None:
         """What searches will ask for beyond what is expected, told anew at each look; nothing more where it is left out."""
@@ -157,21 +237,25 @@ class RemainingTime:
         """All workers are free, and take these in this order."""
         self._order = {name: place for place, name in enumerate(names)}
         self._ends = [now] * self._workers
+        self._now = now
 
-    def answered(self, name: str, now: float, *, to_clock: bool) -> None:
-        """A piece has ended. The n-th that was begun began with the n-th time that a worker was free."""
+    def answered(self, name: str, now: float, *, to_clock: bool, run: float = 0.0) -> None:
+        """A piece has ended. The n-th that was begun began with the n-th time that a worker was free.
+
+        Args: run [s]: of its steps, of CPU time and roughly; 0 where that is not known.
+        """
+        self._now = now
         piece = self._pieces.get(name)
         if piece is None or name not in self._waiting:
             return
         self._waiting.discard(name)
-        took = _Took(piece, now - self._ends[min(self._order.get(name, len(self._ends)), len(self._ends) - 1)])
+        begun = self._begun(name)
         self._ends.append(now)
         if not to_clock:
             self._to_clock.discard(name)
-        if piece.engine in self._first:
-            self._took[name] = took
-        else:
-            self._first[piece.engine] = took
+        if self._answers.known and self._answers.doubt(piece) == STRANGE:
+            self._news = "a case began of which nothing was known"
+        self._answers.add(piece, now - (self._ends[-2] if begun is None else begun), run)
 
     def chosen_for_clock(self, pieces: Iterable[Piece]) -> None:
         """Points of a sweep that are clocked after all, with their samples: which was not known before they were tried."""
@@ -179,29 +263,95 @@ class RemainingTime:
 
     def clocks_begin(self, names: Collection[str], now: float) -> None:
         """No other pieces than these wait for the clock now."""
-        self._to_clock, self._last_clock = set(names) & set(self._pieces), now
+        self._to_clock, self._now, self._last_clock = set(names) & set(self._pieces), now, now
+        self._news = "the clock began"
 
     def clocked(self, name: str, now: float) -> None:
-        """A timing has come; those of a group come together, the time is that of them all."""
+        """A timing has come; with the first of a group come all, and the time is that of them all."""
+        self._now = now
         piece = self._pieces.get(name)
         if piece is None:
             return
-        self._to_clock.discard(name)
-        group = self._clocked.setdefault(piece.group, _Group([], 0.0))
-        self._clocked[piece.group] = _Group([*group.names, name], group.seconds + now - self._last_clock)
+        group = self._clocked.get(piece.group)
+        if group is None or name not in group.names:
+            more = [other for other in self._to_clock if self._pieces[other].group == piece.group]
+            group = self._clocked.setdefault(piece.group, _Group())
+            group.names += more
+            self._to_clock -= set(more)
+            self._news = self._news or ("the first trials were clocked" if len(self._clocked) == 1 else "")
+        group.seconds += now - self._last_clock
         self._last_clock = now
 
-    def left(self) -> float | None:
-        """Seconds until all that is known of is done; None while nothing is known of how long a piece takes."""
-        known = self._took or self._first
-        if not known:
+    def left(self) -> Estimate | None:
+        """Until all that is known of is done; None while too little is known of how long a piece takes."""
+        if not self._answers.known:
             return None
-        model = _Model(list(known.values()))
+        parts = self._parts()
+        if parts.seconds <= 0.0:
+            return Estimate(0.0, 0.0)
+        parts.common(math.hypot(PACE, math.log(self._answers.pace())))
+        width = math.exp(2 * SURE * math.sqrt(parts.square) / parts.seconds)
+        if width > TELLING:
+            return None
+        middle, news = self._smoothed(parts.seconds)
+        half = math.sqrt(min(width, WIDEST))
+        return Estimate(middle / half, middle * half, news)
+
+    def _smoothed(self, middle: float) -> tuple[float, str]:
+        """What is told, no leap above what was told before where nothing was learned; and what was learned where it is one."""
+        news, self._news = self._news, ""
+        leaps = False
+        if self._told is not None:
+            told, then = self._told
+            most = LEAP * max(told - (self._now - then), 0.1 * told)
+            leaps = middle > most
+            middle = middle if news or not leaps else most
+        self._told = middle, self._now
+        return middle, news if leaps else ""
+
+    def _parts(self) -> _Parts:
+        pace, parts = self._answers.pace(), _Parts()
         waiting = [name for name in self._pieces if name in self._waiting]
-        searched = self._awaited()
-        due = self._shared([model.seconds(self._pieces[name]) for name in waiting])
-        to_come = sum(each.answers * model.seconds(each.like) for each in searched) / self._workers
-        return due + to_come + self._clock_left(model, searched)
+        due = [self._of_waiting(name, pace) for name in waiting]
+        total, share = sum(due), self._shared(due)
+        kinds: dict[tuple[str, float], float] = {}
+        for name, seconds in zip(waiting, due, strict=True):
+            piece = self._pieces[name]
+            doubt = self._answers.doubt(piece)
+            key = piece.case + piece.engine if doubt == SIDE else piece.case, doubt
+            kinds[key] = kinds.get(key, 0.0) + seconds
+        for (_, doubt), seconds in kinds.items():
+            parts.add(seconds / total * share if total else 0.0, doubt)
+
+        searched, chains = _Parts(), [0.0]
+        asked = self._awaited()
+        for each in asked:
+            seconds = pace * self._answers.seconds(each.like)
+            searched.add(each.answers * seconds / self._workers, SEARCHED)
+            chains.append(math.ceil(each.answers / each.at_once) * seconds)
+        searched.common(SEARCHED / 2)
+        if searched.seconds:
+            longer = max(1.0, max(chains) / searched.seconds)
+            parts.seconds += longer * searched.seconds
+            parts.square += longer**2 * searched.square
+
+        clock = self._clock_left(asked)
+        clock.common(CLOCK / math.sqrt(1 + len(self._clocked)))
+        parts.seconds += clock.seconds
+        parts.square += clock.square
+        return parts
+
+    def _begun(self, name: str) -> float | None:
+        """When a piece was begun; None of one that waits for a worker, or whose place nobody knows."""
+        place = self._order.get(name, len(self._ends))
+        return self._ends[place] if place < len(self._ends) else None
+
+    def _of_waiting(self, name: str, pace: float) -> float:
+        """What is left of it: one that runs for longer than was foreseen will take half as long again."""
+        foreseen, begun = pace * self._answers.seconds(self._pieces[name]), self._begun(name)
+        if begun is None:
+            return foreseen
+        return max(foreseen - (self._now - begun), (self._now - begun) / 2)
 
     def _shared(self, seconds: Sequence[float]) -> float:
         """Until the last of these is done, each taken by the worker that is free first."""
@@ -210,69 +360,35 @@ class RemainingTime:
             heapreplace(free, free[0] + each)
         return max(free)
 
-    def _clock_left(self, model: "_Model", searched: Sequence[Awaited]) -> float:
-        def foreseen(names: Collection[str]) -> float:
-            pieces = [self._pieces[name] for name in names]
-            starts = {(piece.group, piece.engine): piece.processes for piece in pieces}
-            warm_up = sum(self._clock_of(piece, model) for piece in pieces)
-            return sum(starts.values()) * start + warm_up
-
-        start = LOADING + STARTS * model.start
-        clocked = [each for each in searched if each.clocks]
-        to_come = sum(each.clocks * self._clock_of(each.like, model) + each.like.processes * start for each in clocked)
-
+    def _clock_left(self, searched: Sequence[Awaited]) -> _Parts:
         recent = list(self._clocked.values())[-RECENT:]
-        behind = foreseen([name for group in recent for name in group.names])
+        behind = sum(self._of_group([self._pieces[name] for name in group.names]) for group in recent)
         usual = TRUST * behind / len(recent) if recent else 1.0
-        return (foreseen(self._to_clock) + to_come) * (sum(group.seconds for group in recent) + usual) / (behind + usual)
+        scale = (sum(group.seconds for group in recent) + usual) / (behind + usual)
+        groups: dict[str, list[Piece]] = {}
+        for name in self._to_clock:
+            groups.setdefault(self._pieces[name].group, []).append(self._pieces[name])
+        left = _Parts()
+        for group in groups.values():
+            left.add(scale * self._of_group(group), SIDE)
+        for each in searched:
+            if each.clocks:
+                left.add(scale * (each.like.processes * self._start + each.clocks * self._clock_of(each.like)), SEARCHED)
+        return left
 
-    def _clock_of(self, piece: Piece, model: "_Model") -> float:
-        """Seconds of a timing run beyond the start of its processes."""
-        return piece.samples + piece.warm_up * piece.processes * self._seconds(piece, model)
+    @property
+    def _start(self) -> float:
+        return self._answers.start
 
-    def _seconds(self, piece: Piece, model: "_Model") -> float:
-        """Of its answer: as it was, or as it is foreseen."""
-        took = self._took.get(piece.name)
-        return took.seconds if took is not None else model.seconds(piece)
+    def _of_group(self, pieces: Sequence[Piece]) -> float:
+        processes = {piece.engine: piece.processes for piece in pieces}
+        return sum(processes.values()) * self._start + sum(self._clock_of(piece) for piece in pieces)
 
-
-class _Model:
-    """Seconds of an answer: start + rate x steps, the rate of the same case and engine, else of the same case, else of all;
-    times the pace of late, which is what the last answers took over what they would have by these."""
-
-    def __init__(self, known: Sequence[_Took]) -> None:
-        self._pace = 1.0
-        ordered = sorted(took.seconds for took in known)
-        self.start = ordered[len(ordered) // 4]
-        self._by_side = _rates(known, self.start, lambda piece: (piece.case, piece.engine))
-        self._by_case = _rates(known, self.start, lambda piece: (piece.case,))
-        self._mean = fmean(fmean(each) for each in _grouped(known).values())
-        self._by_all = _rates(known, self.start, lambda _: ())[()]
-        late = known[-LATELY:]
-        usual = TRUST * fmean(took.seconds for took in known)
-        self._pace = (sum(took.seconds for took in late) + usual) / (sum(self.seconds(took.piece) for took in late) + usual)
-
-    def seconds(self, piece: Piece) -> float:
-        """Of this piece; of a case that nothing is known of, between the mean of the known ones and the mean rate of all."""
-        rate = self._by_side.get((piece.case, piece.engine), self._by_case.get((piece.case,)))
-        if rate is not None:
-            return self._pace * (self.start + rate * piece.steps)
-        return self._pace * (0.5 * self._mean + 0.5 * (self.start + self._by_all * piece.steps))
-
-
-def _grouped(known: Sequence[_Took]) -> dict[str, list[float]]:
-    groups: dict[str, list[float]] = {}
-    for took in known:
-        groups.setdefault(took.piece.case, []).append(took.seconds)
-    return groups
-
-
-def _rates(known: Sequence[_Took], start: float, key: Callable[[Piece], tuple[str, ...]]) -> dict[tuple[str, ...], float]:
-    """Seconds a step beyond the start, by key."""
-    groups: dict[tuple[str, ...], list[_Took]] = {}
-    for took in known:
-        groups.setdefault(key(took.piece), []).append(took)
-    return {
-        name: max(0.0, sum(took.seconds - start for took in group)) / sum(took.piece.steps for took in group)
-        for name, group in groups.items()
-    }
+    def _clock_of(self, piece: Piece) -> float:
+        """Seconds of a trial in a timing run beyond the start of its processes."""
+        start = self._start
+        busy = max(1.0, start / START)
+        run = self._answers.run(piece, busy)
+        sample = busy * piece.sample
+        runs = min(max(sample, run), CUT * sample)
+        return piece.count * (runs + busy * CANARY) + piece.processes * (runs + CALIBRATION * start)

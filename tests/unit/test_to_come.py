@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 from harness.search.first_break import next_trials
+from harness.search.front import PER_ROUND, SCREENING
 from harness.search.to_come import to_come
 from harness.store.record import Record
 from harness.study.experiment import Experiment, Limit
+from harness.study.refinement import Refinement
 from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trial.ensemble import endure
+from tests.unit import test_refined_ladder as ladders
+from tests.unit import test_sweep as sweeps
 from tests.unit.test_limits import EASY, EXTREME, BrittleEngine, case_of
 
 CASE = case_of()
@@ -67,3 +71,48 @@ def test_nothing_is_to_come_of_a_study_without_searches() -> None:
     study = Study(name="plain", experiments=(Experiment(name="look", tracks=("tuned",), timing=False),))
     trials = list(study.trials({CASE.name: CASE}, {engine.name: engine}, {engine.name: "1"}))
     assert to_come(trials, {}, {CASE.name: CASE}, {engine.name: engine}) == []
+
+
+@pytest.mark.parametrize(("budget", "halvings"), [(4.0, 0), (8.0, 1), (16.0, 2)])
+def test_a_ladder_is_foreseen_down_to_its_finest_step_or_to_the_end_of_its_budget(budget: float, halvings: int) -> None:
+    """Two engines on two tracks share the budget; a run costs .1 s at the first of three steps, twice that at the next."""
+    trials, records = ladders.carried_out(dict.fromkeys("ab", ladders.first_order), Refinement(budget=budget))
+    begun = [trial for trial in trials if trial.round == 0]
+    known = {trial.trial: records[trial.trial] for trial in begun}
+    sure = [each for each in to_come(begun, known, {ladders.CASE.name: ladders.CASE}, {}) if each.answers == 1.0]
+    asked = [trial for trial in trials if trial.round > 0]
+    assert len(asked) == 4 * halvings
+    assert sorted(each.like.settings.dt for each in sure) == pytest.approx(sorted(trial.settings.dt for trial in asked))
+    for each in sure:
+        assert each.run == pytest.approx(0.5 * 0.1 / 240 / each.like.settings.dt)
+        assert each.clocks == 0.0
+
+
+def test_a_ladder_that_others_went_on_from_is_over() -> None:
+    """Ladders are halved side by side: one that has no trial in the newest round, and waits for none, was not halved."""
+    trials, records = ladders.carried_out(dict.fromkeys("ab", ladders.first_order), Refinement(budget=1e6, members=0))
+    newest = max(trial.round for trial in trials)
+    before = [trial for trial in trials if trial.round < newest]
+    left_behind = [trial for trial in trials if trial.round < newest or trial.engine == "b"]
+
+    def engines(here: list[Trial]) -> set[str]:
+        return {each.like.engine for each in to_come(here, records, {ladders.CASE.name: ladders.CASE}, {}) if each.answers}
+
+    assert engines(before) == {"a", "b"}
+    assert "a" not in engines(left_behind)
+
+
+def test_a_sweep_that_finds_less_than_a_round_may_hold_runs_dry() -> None:
+    trials, records = sweeps.unfolded(sweep=10_000)
+    adapters, cases = {"made": sweeps.Made()}, {sweeps.CASE.name: sweeps.CASE}
+    last = max(trial.round for trial in trials)
+    late = [trial for trial in trials if trial.round == last]
+    assert last > SCREENING
+    assert len(late) == PER_ROUND
+
+    def foreseen(found: int) -> float:
+        here = [trial for trial in trials if trial.round < last] + late[:found]
+        return sum(each.answers for each in to_come(here, records, cases, adapters))
+
+    assert foreseen(PER_ROUND) > 1000
+    assert [foreseen(found) for found in (1, 2, 3)] == [2.0, 4.0, 6.0]

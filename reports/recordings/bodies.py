@@ -40,7 +40,6 @@ def log_moving(
     root: str,
     bodies: Sequence[Batch],
     arrays: Mapping[str, Floats],
-    steps: Floats,
     paint: Paint,
 ) -> None:
     """Log bodies that move below `root`: shapes once, as is what neither moves nor turns; poses in columns.
@@ -64,7 +63,7 @@ def log_moving(
         if moving:
             each: Any = moving
             rows = rr.InstancePoses3D.columns(**each)
-            rec.send_columns(path, columns(time, steps), rows.partition(np.full(len(time), len(batch.bodies))))
+            rec.send_columns(path, columns(time), rows.partition(np.full(len(time), len(batch.bodies))))
 
 
 def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, extent: float) -> None:

@@ -35,4 +35,4 @@ def log_inertial(rec: "rr.RecordingStream", sensor: Mapping[str, Any], source: S
         names, width = [f"{source.name} {axis}" for axis in AXES], 2.0 if source.truth else 1.0
         rec.log(where, rr.SeriesLines(colors=[source.colour] * 3, names=names, widths=[width] * 3), static=True)
         values = rr.Scalars.columns(scalars=signal[finite].reshape(-1)).partition(np.full(int(finite.sum()), 3))
-        rec.send_columns(where, columns(time[finite], source.steps_at(time[finite])), values)
+        rec.send_columns(where, columns(time[finite]), values)

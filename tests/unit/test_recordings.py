@@ -1,5 +1,6 @@
 """Recordings: what stands in the files is what stood in the store."""
 
+import dataclasses
 import subprocess
 from pathlib import Path
 
@@ -212,6 +213,24 @@ def test_inertial_signals_are_plotted_axis_by_axis_at_their_stamps(folder: Folde
     )
     seconds = [stamp.total_seconds() for stamp in read.column("/sensors/imu/gyroscope/mujoco/tuned", "sim_time")]
     assert seconds == pytest.approx(TIMES[1:])
+
+
+def test_an_inertial_signal_of_more_readings_than_frames_keeps_every_peak_and_dip_of_each_axis(folder: Folder) -> None:
+    scene, actual = sensing()
+    signal = np.random.default_rng(2).normal(size=(10_000, 3))
+    for axis in range(3):
+        signal[2000 + 777 * axis, axis], signal[7000 + 777 * axis, axis] = 50.0 + axis, -60.0 - axis
+    streams = {"imu/time": np.linspace(0.0, TIMES[-1], len(signal)), "imu/accelerometer": signal, "imu/gyroscope": -signal}
+    folder.add(record("sense", "mujoco"), scene, dataclasses.replace(actual, streams=streams))
+    read = Read(folder.write()[0])
+    shown = read.array("/sensors/imu/accelerometer/mujoco/tuned", "Scalars:scalars")
+    assert shown.max(axis=0) == pytest.approx([50.0, 51.0, 52.0])
+    assert shown.min(axis=0) == pytest.approx([-60.0, -61.0, -62.0])
+    # A tenth of a second plays for 6 s of 60 frames: stretches of 27 readings, and in two of them six extremes at most.
+    assert 2 * 360 <= len(shown) <= 3 * 10_000 / 27 + 56
+    seconds = np.array([stamp.total_seconds() for stamp in read.column("/sensors/imu/accelerometer/mujoco/tuned", "sim_time")])
+    nearest = np.abs(streams["imu/time"] - seconds[:, None]).argmin(axis=1)
+    assert shown == pytest.approx(signal[nearest])
 
 
 def test_a_scan_is_a_cloud_where_its_beams_ended_in_the_world(folder: Folder) -> None:

@@ -120,7 +120,7 @@ def fills(stage: Stage, fill: str) -> list[Any]:
 
     mode: Any = rr.components.FillMode.auto(fill)
     moving = {shape["shape"]["type"] for k in stage.moving for shape in placed_shapes(stage.bodies[k])}
-    kinds = {
+    kinds: dict[str, Any] = {
         "box": rr.Boxes3D,
         "sphere": rr.Ellipsoids3D,
         "ellipsoid": rr.Ellipsoids3D,

@@ -65,8 +65,8 @@ def test_a_pose_more_takes_its_numbers_and_a_share_of_its_row(tmp_path: Path, bo
     """Poses alone, as they lie on the disk: 700 instants against 350, by how much the file is the larger over its poses more.
 
     Without curves, ways and contacts, of which a run has as many whether one body moves or a hundred. A row's number takes 4
-    bytes, its time 6 to 7 and its offset 4, which its bodies share: 28 + 15 / bodies at most, and a byte for LZ4's tokens. Of these
-    bodies no number follows from another; one alone has no whole 40.
+    bytes, its time 6 to 7 and its offset 4, which its bodies share: 28 + 15 / bodies at most, and a byte for LZ4's tokens. Of
+    these bodies no number follows from another; one of them alone takes more than 40.
     """
     sizes = []
     for instants in (350, 700):

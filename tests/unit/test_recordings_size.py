@@ -82,7 +82,7 @@ def test_a_pose_more_takes_its_numbers_and_a_share_of_its_row(tmp_path: Path, bo
         rec.flush()
         rec.disconnect()
         sizes.append(path.stat().st_size)
-    assert (sizes[1] - sizes[0]) / (bodies * 350) <= BYTES
+    assert (sizes[1] - sizes[0]) / (bodies * 350) <= most
 
 
 def test_a_recording_holds_the_poses_of_the_trajectory_to_single_precision(tmp_path: Path) -> None:

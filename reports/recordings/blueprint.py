@@ -1,6 +1,6 @@
 """The layout that a recording opens with: engines overlaid, each by itself, plots and text."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from reports.recordings.camera import Framing
@@ -11,6 +11,7 @@ from reports.recordings.metrics import TITLES
 from reports.recordings.runs import Run, Stage
 from reports.recordings.sampling import playing_time
 from reports.recordings.sensors import Sensed, View
+from reports.recordings.shapes import placed_shapes
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
@@ -74,20 +75,21 @@ def worlds(stage: Stage, frame: Framing, sensors: Sensed) -> "list[rrb.View | rr
     import rerun.blueprint as rrb
 
     tracks = list(dict.fromkeys(run.track for run in stage.runs))
+    look = furnishing(stage, frame)
+    overlaid = look | {"defaults": fills(stage, OVERLAID)}
     together: list[Any] = [
-        space(stage, f"All engines, {track}", [run for run in stage.runs if run.track == track], frame, sensors, OVERLAID)
-        for track in tracks
+        space(f"All engines, {track}", [run for run in stage.runs if run.track == track], sensors, overlaid) for track in tracks
     ]
     # A solid would hide the arrows of its contacts.
-    alone_fill = OVERLAID if any("contacts_count" in run.arrays for run in stage.runs) else ALONE
-    alone = [space(stage, f"{run.engine} {run.track}", [run], frame, sensors, alone_fill) for run in stage.runs]
+    touching = any("contacts_count" in run.arrays for run in stage.runs)
+    by_itself = overlaid if touching else look | {"defaults": fills(stage, ALONE)}
+    alone = [space(f"{run.engine} {run.track}", [run], sensors, by_itself) for run in stage.runs]
     across = 2 if len(alone) <= 4 else 3 if len(alone) <= 6 else 4
     return [*together, rrb.Grid(*alone, grid_columns=across, name="Side by side")]
 
 
-def space(stage: Stage, name: str, runs: Sequence[Run], frame: Framing, sensors: Sensed, fill: str) -> "rrb.Spatial3DView":
-    """A view of the world with these runs, the truth and what never moves; solids are filled as told."""
-    import rerun as rr
+def space(name: str, runs: Sequence[Run], sensors: Sensed, look: Mapping[str, Any]) -> "rrb.Spatial3DView":
+    """A view of the world with these runs, the truth and what never moves."""
     import rerun.blueprint as rrb
 
     paths = [run.path for run in runs]
@@ -96,20 +98,37 @@ def space(stage: Stage, name: str, runs: Sequence[Run], frame: Framing, sensors:
     # Together, engines show their frusta alone: pictures and depth would cover each other.
     below = "/**" if len(runs) == 1 else ""
     contents += [f"+ /{where}/{path}{below}" for where in sensors.cameras for path in paths]
-    mode: Any = rr.components.FillMode.auto(fill)
-    kinds = (rr.Boxes3D, rr.Ellipsoids3D, rr.Capsules3D, rr.Cylinders3D)
+    return rrb.Spatial3DView(origin=f"/{WORLD}", contents=contents, name=name, **look)
+
+
+def furnishing(stage: Stage, frame: Framing) -> dict[str, Any]:
+    """What all views of a stage have alike, made once: an eye, a background and a floor."""
+    import rerun.blueprint as rrb
+
     floor = any(p["shape"]["type"] == "plane" for body in stage.bodies for p in body["collision"])
-    # Where a scene has no ground, a faint grid below the motion tells up from down and far from near.
-    grid: Any = floor_grid(frame) if not floor else False
-    return rrb.Spatial3DView(
-        origin=f"/{WORLD}",
-        contents=contents,
-        name=name,
-        defaults=[kind.from_fields(fill_mode=mode) for kind in kinds],
-        eye_controls=rrb.EyeControls3D(position=frame.eye, look_target=frame.target, eye_up=(0.0, 0.0, 1.0)),
-        line_grid=grid,
-        background=BACKGROUND,
-    )
+    return {
+        "eye_controls": rrb.EyeControls3D(position=frame.eye, look_target=frame.target, eye_up=(0.0, 0.0, 1.0)),
+        "background": rrb.Background(color=BACKGROUND),
+        # Where a scene has no ground, a faint grid below the motion tells up from down and far from near.
+        "line_grid": rrb.LineGrid3D(visible=False) if floor else floor_grid(frame),
+    }
+
+
+def fills(stage: Stage, fill: str) -> list[Any]:
+    """How the solids of a stage are filled, for each kind that moves in it."""
+    import rerun as rr
+
+    mode: Any = rr.components.FillMode.auto(fill)
+    moving = {shape["shape"]["type"] for k in stage.moving for shape in placed_shapes(stage.bodies[k])}
+    kinds: dict[str, Any] = {
+        "box": rr.Boxes3D,
+        "sphere": rr.Ellipsoids3D,
+        "ellipsoid": rr.Ellipsoids3D,
+        "capsule": rr.Capsules3D,
+        "cylinder": rr.Cylinders3D,
+    }
+    drawn = dict.fromkeys(archetype for kind, archetype in kinds.items() if kind in moving)
+    return [archetype.from_fields(fill_mode=mode) for archetype in drawn]
 
 
 def floor_grid(frame: Framing) -> Any:

@@ -30,8 +30,8 @@ def poses(batch: Batch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
 
 
 def sharing(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[Batch]:
-    """The bodies at these places, those that move: of one kind of shape they share a path, since a row has a number, two times
-    and two offsets of its own."""
+    """The bodies at these places, those that move: of one kind of shape they share a path, since a row has a number, a time and
+    offsets of its own."""
     return batches(bodies, places, most=1)
 
 
@@ -40,10 +40,12 @@ def log_moving(
     root: str,
     bodies: Sequence[Batch],
     arrays: Mapping[str, Floats],
-    steps: Floats,
     paint: Paint,
 ) -> None:
-    """Log bodies that move below `root`: shapes once, as is what neither moves nor turns; poses in columns.
+    """Log bodies that move below `root`: shapes once, and so the poses of those that stay where they are; poses in columns.
+
+    A viewer takes a pose from one row and never puts it together from two: each row says place and attitude. One of them that
+    stays the same is packed to next to nothing.
 
     Args: bodies: by kind of shape, as `sharing` has them.
     """
@@ -55,16 +57,12 @@ def log_moving(
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)
         rec.log(path, *drawn(batch, paint), static=True)
-        pose = {"translations": p_WS.astype(np.float32), "quaternions": q_WS[:, :, [1, 2, 3, 0]].astype(np.float32)}
-        still = {name: values for name, values in pose.items() if len(time) > 1 and (values == values[:1]).all()}
-        moving = {name: values.reshape(-1, values.shape[2]) for name, values in pose.items() if name not in still}
-        if still:
-            first: Any = {name: values[0] for name, values in still.items()}
-            rec.log(path, rr.InstancePoses3D.from_fields(**first), static=True)
-        if moving:
-            each: Any = moving
-            rows = rr.InstancePoses3D.columns(**each)
-            rec.send_columns(path, columns(time, steps), rows.partition(np.full(len(time), len(batch.bodies))))
+        p, q = p_WS.astype(np.float32), q_WS[:, :, [1, 2, 3, 0]].astype(np.float32)
+        if len(time) > 1 and (p == p[:1]).all() and (q == q[:1]).all():
+            rec.log(path, rr.InstancePoses3D(translations=p[0], quaternions=q[0]), static=True)
+        else:
+            rows = rr.InstancePoses3D.columns(translations=p.reshape(-1, 3), quaternions=q.reshape(-1, 4))
+            rec.send_columns(path, columns(time), rows.partition(np.full(len(time), len(batch.bodies))))
 
 
 def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, extent: float) -> None:

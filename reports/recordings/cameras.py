@@ -56,7 +56,7 @@ def log_camera(rec: "rr.RecordingStream", stage: Stage, sensor: Mapping[str, Any
         return
     time = source.stamps(sensor["name"])
     kept = shown_frames(sensor, len(time))
-    at, steps = time[kept], source.steps_at(time[kept])
+    at = time[kept]
     p_WS, q_WS = mounted(stage, sensor, source.arrays, at)
     checked(where, at, p_WS, q_WS)
     pinhole = rr.Pinhole(
@@ -69,12 +69,12 @@ def log_camera(rec: "rr.RecordingStream", stage: Stage, sensor: Mapping[str, Any
     )
     rec.log(where, pinhole, static=True)
     pose = rr.Transform3D.columns(translation=p_WS.astype(np.float32), quaternion=q_WS[:, [1, 2, 3, 0]].astype(np.float32))
-    rec.send_columns(where, columns(at, steps), pose)
+    rec.send_columns(where, columns(at), pose)
     for channel in channels:
         signal = source.signal(sensor["name"], channel)
         assert signal is not None
         log = log_colour if channel == "colour" else log_depth
-        log(rec, f"{where}/{channel}", signal[kept], columns(at, steps))
+        log(rec, f"{where}/{channel}", signal[kept], columns(at))
 
 
 def log_colour(rec: "rr.RecordingStream", where: str, frames: Floats, times: "Sequence[rr.TimeColumn]") -> None:

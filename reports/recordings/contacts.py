@@ -49,4 +49,4 @@ def log_contacts(rec: "rr.RecordingStream", run: Run, scale: float, length: floa
     checked(path, run.time, arrows[kept], point[kept])
     rec.log(path, rr.Arrows3D.from_fields(colors=[rgba(run.colour)], radii=[length / 40]), static=True)
     batch = rr.Arrows3D.columns(vectors=arrows[kept].astype(np.float32), origins=point[kept].astype(np.float32))
-    rec.send_columns(path, columns(run.time, run.steps_at(run.time)), batch.partition(shown))
+    rec.send_columns(path, columns(run.time), batch.partition(shown))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reports.recordings.layout import SENSORS, part
+from reports.recordings.sampling import extremes, stride_of
 from reports.recordings.source import Source
 from reports.recordings.timeline import checked, columns
 
@@ -20,8 +21,11 @@ CHANNELS = {"accelerometer": "m/s\u00b2", "gyroscope": "rad/s"}
 AXES = "xyz"
 
 
-def log_inertial(rec: "rr.RecordingStream", sensor: Mapping[str, Any], source: Source) -> None:
-    """Log x, y and z of each channel: the engine's signal, or the ideal one of the truth."""
+def log_inertial(rec: "rr.RecordingStream", sensor: Mapping[str, Any], source: Source, length: float) -> None:
+    """Log x, y and z of each channel: the engine's signal, or the ideal one of the truth.
+
+    As other curves, they keep every peak and dip between two frames of the viewer, of a case of this length [s].
+    """
     import rerun as rr
 
     for channel in CHANNELS:
@@ -29,10 +33,12 @@ def log_inertial(rec: "rr.RecordingStream", sensor: Mapping[str, Any], source: S
         if signal is None:
             continue
         time = source.stamps(sensor["name"])
-        finite = np.isfinite(signal).all(axis=1) & np.isfinite(time)
+        known = np.flatnonzero(np.isfinite(signal).all(axis=1) & np.isfinite(time))
+        stride = stride_of(time[known], length)
+        kept = known[np.unique(np.concatenate([extremes(axis, stride) for axis in signal[known].T]))]
         where = f"{SENSORS}/{part(sensor['name'])}/{channel}/{source.path}"
-        checked(where, time[finite])
+        checked(where, time[kept])
         names, width = [f"{source.name} {axis}" for axis in AXES], 2.0 if source.truth else 1.0
         rec.log(where, rr.SeriesLines(colors=[source.colour] * 3, names=names, widths=[width] * 3), static=True)
-        values = rr.Scalars.columns(scalars=signal[finite].reshape(-1)).partition(np.full(int(finite.sum()), 3))
-        rec.send_columns(where, columns(time[finite], source.steps_at(time[finite])), values)
+        values = rr.Scalars.columns(scalars=signal[kept].reshape(-1)).partition(np.full(len(kept), 3))
+        rec.send_columns(where, columns(time[kept]), values)

@@ -10,13 +10,13 @@ from reports.text import amount, settings_text, visible
 
 __all__ = ["text"]
 
+ESCAPED = str.maketrans({"\n": " ", "\t": " "} | {mark: f"\\{mark}" for mark in "\\|`*_<>[]"})
+"""What would end a cell, or be taken for a mark of Markdown."""
+
 
 def cell(value: Any) -> str:
     """Text that stays within its cell of a Markdown table."""
-    plain = visible(str(value)).replace("\n", " ").replace("\t", " ")
-    for mark in "\\|`*_<>[]":
-        plain = plain.replace(mark, f"\\{mark}")
-    return plain
+    return visible(str(value)).translate(ESCAPED)
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:

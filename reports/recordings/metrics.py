@@ -33,12 +33,15 @@ CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 NOTHING = 1e-5
 """Below this [in the metric's unit] a plot shows rounding, and steps behind the others."""
 
+TOGETHER = "together"
+"""The path of curves that share their instants; the names of the lines say whose they are."""
+
 TRUTH_LINE: Rgba = (170, 170, 180, 255)
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """One line of a plot: values (k,) of a metric at times (k,) s and steps (k,), below metrics/<metric>/<path>."""
+    """One line of a plot: values (k,) of a metric at times (k,) s; path, name, colour and width say whose it is."""
 
     metric: str
     path: str
@@ -46,7 +49,6 @@ class Curve:
     colour: Rgba
     width: float
     time: Floats
-    steps: Floats
     values: Floats
 
 
@@ -98,13 +100,12 @@ def curves(stage: Stage) -> tuple[Curve, ...]:
         for metric, (time, values) in drawn.items():
             kept = _drawn(time, values, stage.length)
             look = rgba(run.colour), 2.5 if run.track == "tuned" else 1.2
-            steps = run.steps_at(time[kept])
-            collected.append(Curve(metric, run.path, f"{run.engine} {run.track}", *look, time[kept], steps, values[kept]))
+            collected.append(Curve(metric, run.path, f"{run.engine} {run.track}", *look, time[kept], values[kept]))
     if "v_WB" in stage.truth:
         for metric, values in motion(stage, stage.truth).items():
             kept = _drawn(stage.truth["time"], values, stage.length)
             time = stage.truth["time"][kept]
-            collected.append(Curve(metric, TRUTH, "truth", TRUTH_LINE, 3.5, time, stage.steps_at(time), values[kept]))
+            collected.append(Curve(metric, TRUTH, "truth", TRUTH_LINE, 3.5, time, values[kept]))
     return tuple(curve for curve in collected if len(curve.time))
 
 
@@ -123,11 +124,29 @@ def ranked(drawn: Iterable[Curve]) -> list[str]:
 
 
 def log_curves(rec: "rr.RecordingStream", drawn: Iterable[Curve]) -> None:
-    """Log all curves below metrics/."""
+    """Log all curves below metrics/<metric>/.
+
+    Those that are drawn through the same instants share a path and rows, as engines at the same time step do; one that has
+    instants of its own, as a run that ended early, stands under its engine and track.
+    """
     import rerun as rr
 
+    groups: dict[tuple[str, bytes], list[Curve]] = {}
     for curve in drawn:
-        path = f"{METRICS}/{curve.metric}/{curve.path}"
-        checked(path, curve.time, curve.values)
-        rec.log(path, rr.SeriesLines(colors=[curve.colour], names=[curve.name], widths=[curve.width]), static=True)
-        rec.send_columns(path, columns(curve.time, curve.steps), rr.Scalars.columns(scalars=curve.values))
+        groups.setdefault((curve.metric, curve.time.tobytes()), []).append(curve)
+    taken: set[str] = set()
+    for (metric, _), group in groups.items():
+        path = f"{METRICS}/{metric}/{group[0].path if len(group) == 1 else TOGETHER}"
+        while path in taken:
+            path = f"{path}_too"
+        taken.add(path)
+        values = np.stack([curve.values for curve in group], axis=1)
+        checked(path, group[0].time, values)
+        look = rr.SeriesLines(
+            colors=[curve.colour for curve in group],
+            names=[curve.name for curve in group],
+            widths=[curve.width for curve in group],
+        )
+        rec.log(path, look, static=True)
+        rows = rr.Scalars.columns(scalars=values.reshape(-1)).partition(np.full(len(values), len(group)))
+        rec.send_columns(path, columns(group[0].time), rows)

@@ -29,8 +29,8 @@ class Run:
     """The trajectory of one engine and track, as far as it is finite.
 
     Terms:
-        path: engine/track. colour: #rrggbb. trial: its row in the table. arrays: as in the store, time (t,) s. dt [s].
-        note: why the end is missing, empty where nothing is.
+        path: engine/track. colour: #rrggbb. trial: its row in the table. arrays: as in the store, time (t,) s. note: why the
+        end is missing, empty where nothing is.
     """
 
     path: str
@@ -39,17 +39,12 @@ class Run:
     colour: str
     trial: Mapping[str, Any]
     arrays: Mapping[str, Floats]
-    dt: float
     note: str = ""
 
     @property
     def time(self) -> Floats:
         """Instants (t,) s."""
         return self.arrays["time"]
-
-    def steps_at(self, time: Floats) -> Floats:
-        """The numbers of the steps that end at these instants."""
-        return np.rint(time / self.dt).astype(np.int64) if self.dt > 0 else np.arange(len(time), dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,8 +53,8 @@ class Stage:
 
     Terms:
         case: its entry in the catalogue. scene: as in a scene file, empty where no trial left a trajectory. truth: arrays
-        time, p_WB, ... and stream:..., empty where there is none. trials: all rows of the case. dt [s]: of the truth's steps.
-        notes: what could not be shown, by trial.
+        time, p_WB, ... and stream:..., empty where there is none. trials: all rows of the case. notes: what
+        could not be shown, by trial.
     """
 
     name: str
@@ -69,11 +64,6 @@ class Stage:
     truth: Mapping[str, Floats] = field(default_factory=dict)
     trials: tuple[Mapping[str, Any], ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
-    dt: float = 0.0
-
-    def steps_at(self, time: Floats) -> Floats:
-        """The numbers of the steps of the truth at these instants."""
-        return np.rint(time / self.dt).astype(np.int64) if self.dt > 0 else np.arange(len(time), dtype=np.int64)
 
     @property
     def length(self) -> float:
@@ -180,7 +170,6 @@ def stage_of(store: Store, name: str) -> Stage:
                 colour=colours[trial["engine"]].colour,
                 trial=trial,
                 arrays=cut(arrays, count),
-                dt=float(arrays["dt"]) if "dt" in arrays else float(trial["dt"]),
                 note=note,
             )
         )
@@ -193,7 +182,6 @@ def stage_of(store: Store, name: str) -> Stage:
         truth=_truth(runs),
         trials=tuple(trials),
         notes=notes,
-        dt=runs[0].dt if runs else 0.0,
     )
 
 

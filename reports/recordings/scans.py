@@ -67,4 +67,4 @@ def log_scans(rec: "rr.RecordingStream", stage: Stage, sensor: Mapping[str, Any]
     checked(where, time, points)
     rec.log(where, rr.Points3D.from_fields(radii=rr.Radius.ui_points(1.2)), static=True)
     rows = rr.Points3D.columns(positions=points, colors=np.concatenate(shades)).partition(lengths)
-    rec.send_columns(where, columns(time, source.steps_at(time)), rows)
+    rec.send_columns(where, columns(time), rows)

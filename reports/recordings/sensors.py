@@ -85,7 +85,7 @@ def log_sensors(rec: "rr.RecordingStream", stage: Stage, size: float) -> None:
     for sensor in stage.scene.get("sensors", []):
         for source in sources(stage):
             if sensor["type"] == "imu":
-                log_inertial(rec, sensor, source)
+                log_inertial(rec, sensor, source, stage.length)
             elif sensor["type"] == "lidar":
                 log_scans(rec, stage, sensor, source)
             elif sensor["type"] in TYPES:

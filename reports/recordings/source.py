@@ -1,6 +1,6 @@
-"""Who tells a signal: an engine's run or the truth, with its colour, its name and its steps."""
+"""Who tells a signal: an engine's run or the truth, with its colour and its name."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from reports.recordings.colour import GHOST, Rgba, rgba
@@ -16,15 +16,13 @@ class Source:
     """One teller of signals.
 
     Terms:
-        path: its part of a path. arrays: as in the store. steps_at: the numbers of the steps that end at instants. truth: is it
-        the truth, which tells of ideal signals only?
+        path: its part of a path. arrays: as in the store. truth: is it the truth, which tells of ideal signals only?
     """
 
     path: str
     name: str
     arrays: Mapping[str, Floats]
     colour: Rgba
-    steps_at: Callable[[Floats], Floats]
     truth: bool = False
 
     def signal(self, sensor: str, channel: str) -> Floats | None:
@@ -41,5 +39,5 @@ class Source:
 
 def sources(stage: Stage) -> list[Source]:
     """All runs of a stage, then its truth."""
-    runs = [Source(run.path, f"{run.engine} {run.track}", run.arrays, rgba(run.colour), run.steps_at) for run in stage.runs]
-    return [*runs, Source(TRUTH, "truth", stage.truth, (*GHOST[:3], 255), stage.steps_at, truth=True)]
+    runs = [Source(run.path, f"{run.engine} {run.track}", run.arrays, rgba(run.colour)) for run in stage.runs]
+    return [*runs, Source(TRUTH, "truth", stage.truth, (*GHOST[:3], 255), truth=True)]

@@ -1,10 +1,10 @@
-"""The two timelines that every column is logged on."""
+"""The timeline that every column is logged on."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.layout import SIM_TIME, STEP
+from reports.recordings.layout import SIM_TIME
 from reports.recordings.rotation import Floats
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ def checked(path: str, time: Floats, *values: Floats) -> None:
             raise ValueError(f"{path}: {int((~np.isfinite(array)).sum())} of {array.size} numbers are not finite")
 
 
-def columns(time: Floats, steps: Floats) -> "list[rr.TimeColumn]":
-    """Simulated time [s] and the number of the step, for each row."""
+def columns(time: Floats) -> "list[rr.TimeColumn]":
+    """Simulated time [s] of each row."""
     import rerun as rr
 
     exact: Any = np.rint(np.asarray(time) * 1e9).astype("timedelta64[ns]")
-    return [rr.TimeColumn(SIM_TIME, duration=exact), rr.TimeColumn(STEP, sequence=np.asarray(steps, dtype=np.int64))]
+    return [rr.TimeColumn(SIM_TIME, duration=exact)]

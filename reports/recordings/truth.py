@@ -58,8 +58,7 @@ def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
     if not places:
         return
     seen = at_instants(stage.truth, shown(stage.truth["time"], stage.length))
-    steps = stage.steps_at(seen["time"])
     root = f"{WORLD}/{TRUTH}"
     paint = Paint(GHOST, extent, "TransparentFillMajorWireframe")
-    log_moving(rec, root, sharing(stage.bodies, places), seen, steps, paint)
+    log_moving(rec, root, sharing(stage.bodies, places), seen, paint)
     log_paths(rec, f"{root}/paths", stage.truth["p_WB"][:, places], (*GHOST[:3], 160), extent)

@@ -112,6 +112,5 @@ def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, moving: Sequence[
     root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
     log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, stage.moving], colour, frame.size)
     seen = replace(run, arrays=at_instants(run.arrays, shown(run.time, stage.length)))
-    steps = seen.steps_at(seen.time)
-    log_moving(rec, root, moving, seen.arrays, steps, Paint(colour, 3 * frame.radius))
+    log_moving(rec, root, moving, seen.arrays, Paint(colour, 3 * frame.radius))
     log_contacts(rec, seen, scale, frame.size / 4)

@@ -1,5 +1,6 @@
 """Recordings: what stands in the files is what stood in the store."""
 
+import dataclasses
 import subprocess
 from pathlib import Path
 
@@ -53,7 +54,6 @@ def test_each_engine_and_track_and_the_truth_have_one_pose_a_body_and_instant(fo
         assert read.column(f"/world/{run}/cylinder", "InstancePoses3D:translations") == expected
     ghost = [[[3.0, 0.0, pytest.approx(1.0 + t, abs=1e-6)]] for t in TIMES]
     assert read.column("/world/truth/cylinder", "InstancePoses3D:translations") == ghost
-    assert read.column("/world/mujoco/tuned/cylinder", "step") == list(range(11))
     seconds = [stamp.total_seconds() for stamp in read.column("/world/mujoco/tuned/cylinder", "sim_time")]
     assert seconds == pytest.approx(TIMES)
 
@@ -150,11 +150,28 @@ def test_plots_hold_what_the_states_say(folder: Folder) -> None:
     read = Read(folder.write()[0])
     # m v^2/2 = 9 J; turned by a quarter about z, the world's x is the body's -y: w = (0, -2, 1) in the body, and
     # w I w/2 = (2 * 4 - 2 * 0.5 * 2 * 1 + 2.5 * 1) / 2 = 4.25 J.
-    assert read.array("/metrics/kinetic_energy/mujoco/tuned", "Scalars:scalars") == pytest.approx(np.full((11, 1), 13.25))
-    assert read.array("/metrics/speed/mujoco/tuned", "Scalars:scalars") == pytest.approx(np.full((11, 1), 3.0))
+    # The run's, then the truth's.
+    assert read.column("/metrics/speed/together", "SeriesLines:names") == [["mujoco tuned", "truth"]]
+    assert read.array("/metrics/kinetic_energy/together", "Scalars:scalars")[:, 0] == pytest.approx(np.full(11, 13.25))
+    assert read.array("/metrics/speed/together", "Scalars:scalars") == pytest.approx(np.tile([3.0, 1.0], (11, 1)))
     error = read.array("/metrics/position_error/mujoco/tuned", "Scalars:scalars")
     assert error[:, 0] == pytest.approx(2.0 * TIMES, abs=1e-12)
-    assert read.array("/metrics/speed/truth", "Scalars:scalars") == pytest.approx(np.ones((11, 1)))
+
+
+def test_curves_through_the_same_instants_share_rows_and_others_stand_by_themselves(folder: Folder) -> None:
+    scene = zoo()
+    for engine, speed in (("mujoco", 1.0), ("bullet", 2.0), ("dart", 3.0)):
+        actual = rising(scene, speed)
+        if engine == "dart":
+            # It diverges on its way.
+            actual.p_WB[6:] = np.nan
+        folder.add(record("rise", engine), scene, actual)
+    read = Read(folder.write()[0])
+    assert read.column("/metrics/speed/together", "SeriesLines:names") == [["bullet tuned", "mujoco tuned"]]
+    assert read.array("/metrics/speed/together", "Scalars:scalars") == pytest.approx(np.tile([2.0, 1.0], (11, 1)))
+    assert read.array("/metrics/speed/dart/tuned", "Scalars:scalars") == pytest.approx(np.full((6, 1), 3.0))
+    engines = [int(ENGINES[name].colour[1:] + "ff", 16) for name in ("bullet", "mujoco")]
+    assert read.column("/metrics/speed/together", "SeriesLines:colors") == [engines]
 
 
 def test_a_run_that_flies_away_does_not_take_the_view_along(folder: Folder) -> None:
@@ -196,6 +213,24 @@ def test_inertial_signals_are_plotted_axis_by_axis_at_their_stamps(folder: Folde
     )
     seconds = [stamp.total_seconds() for stamp in read.column("/sensors/imu/gyroscope/mujoco/tuned", "sim_time")]
     assert seconds == pytest.approx(TIMES[1:])
+
+
+def test_an_inertial_signal_of_more_readings_than_frames_keeps_every_peak_and_dip_of_each_axis(folder: Folder) -> None:
+    scene, actual = sensing()
+    signal = np.random.default_rng(2).normal(size=(10_000, 3))
+    for axis in range(3):
+        signal[2000 + 777 * axis, axis], signal[7000 + 777 * axis, axis] = 50.0 + axis, -60.0 - axis
+    streams = {"imu/time": np.linspace(0.0, TIMES[-1], len(signal)), "imu/accelerometer": signal, "imu/gyroscope": -signal}
+    folder.add(record("sense", "mujoco"), scene, dataclasses.replace(actual, streams=streams))
+    read = Read(folder.write()[0])
+    shown = read.array("/sensors/imu/accelerometer/mujoco/tuned", "Scalars:scalars")
+    assert shown.max(axis=0) == pytest.approx([50.0, 51.0, 52.0])
+    assert shown.min(axis=0) == pytest.approx([-60.0, -61.0, -62.0])
+    # A tenth of a second plays for 6 s of 60 frames: stretches of 27 readings, and in two of them six extremes at most.
+    assert 2 * 360 <= len(shown) <= 3 * 10_000 / 27 + 56
+    seconds = np.array([stamp.total_seconds() for stamp in read.column("/sensors/imu/accelerometer/mujoco/tuned", "sim_time")])
+    nearest = np.abs(streams["imu/time"] - seconds[:, None]).argmin(axis=1)
+    assert shown == pytest.approx(signal[nearest])
 
 
 def test_a_scan_is_a_cloud_where_its_beams_ended_in_the_world(folder: Folder) -> None:

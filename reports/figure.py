@@ -14,7 +14,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from reports.compact import shown_rows, shown_spec
+from reports.compact import new_words, shown_rows, shown_spec
 from reports.still_legend import with_legend
 
 __all__ = ["POINTS", "Figure", "thin"]
@@ -57,7 +57,8 @@ class Figure:
     Terms:
         name: the file `charts/<name>.svg`, unique in the report. title, caption: in words, what is drawn, in two lines at most;
         how: how to read it, behind a fold; '' without.
-        spec: Vega-Lite with its data inside. columns: headings of the table below it; rows: its cells, as drawn.
+        spec: Vega-Lite with its data inside. columns: headings of the table below it; rows: its cells, as drawn. after: the
+        figure before it on the same page whose trials it shows too, and whose words it does not say again.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Figure:
     columns: Sequence[str]
     rows: Sequence[Sequence[Any]]
     how: str = ""
+    after: "Figure | None" = None
 
     @property
     def path(self) -> str:
@@ -76,7 +78,13 @@ class Figure:
     @property
     def shown(self) -> Markup:
         """The specification as the page's script reads it."""
-        return shown_spec(self.spec)
+        return shown_spec(self.spec) if self.after is None else shown_spec(self.spec, self.after._said, self.after.name)
+
+    @cached_property
+    def _said(self) -> Sequence[str]:
+        """The words that a page has once it has shown this and what it comes after."""
+        known = self.after._said if self.after is not None else ()
+        return (*known, *new_words(self.spec, known))
 
     def _finished(self, width: int) -> dict[str, Any]:
         """The specification for a picture that nobody hovers over, and whose words stand beside it."""

@@ -58,6 +58,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
+        described=bool(store.catalogue),
         needs=needs(store),
         sentences=sentences(store),
         paced=three(store),

@@ -14,7 +14,7 @@ FIGURE = re.compile(
 
 
 def rows_of(table: Any, words: Sequence[str]) -> list[dict[str, Any]]:
-    """The rows of a table that travels by columns, as the page's script reads it. Args: words: that the page has said so far."""
+    """The rows of a table that travels by columns, as the page's script reads it. Args: words: said by the page so far."""
     if isinstance(table, list):
         return table
     fields = {

@@ -68,8 +68,8 @@ def _bounded(body: Mapping[str, Any]) -> Iterator[tuple[Mapping[str, Any], float
 def held_by(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
     """What holds a machine that joints hang on what never moves: centres (n, 3) and radii (n,) [m] of spheres about shapes.
 
-    Those fixed ones that are no larger than the box of what moves, between `low` and `high`, and no farther from such a joint than half of
-    that: the trunk of a robot that is welded to the world, and no wall behind it.
+    Those fixed ones that are no larger than the box of what moves, between `low` and `high`, and no farther from such a joint
+    than half of that: the trunk of a robot that is welded to the world, and no wall behind it.
     """
     size = float(np.linalg.norm(high - low))
     anchors = anchors_of(stage)

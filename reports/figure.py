@@ -15,7 +15,7 @@ from typing import Any
 from markupsafe import Markup
 
 from reports.compact import new_words, shown_rows, shown_spec
-from reports.still_legend import with_legend
+from reports.still_legend import NAMED, with_legend
 
 __all__ = ["POINTS", "Figure", "thin"]
 
@@ -43,11 +43,8 @@ LIGHT: dict[str, Any] = {
 }
 """Colours and fonts of static charts; the page's script has the same for the dark scheme."""
 
-
-NARROW = 420
-"""Below this width a title of an axis may be longer than the axis, and a legend than the frame."""
-LETTER, AROUND = 7.0, 95
-"""Pixels of a letter of a title, as wide as most are, and of what stands left and right of the frame."""
+LETTER = 0.6 * LIGHT["axis"]["titleFontSize"]
+"""Pixels of a letter of a title: in the widest of the titles of all metrics one takes 0.598 of the size of the letters."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +121,7 @@ class Figure:
         """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""
         import vl_convert
 
-        spec = self._finished(width) if width >= NARROW else _narrowed(self._finished(width), width)
+        spec = _fitted(self._finished(width), width)
         if form == "svg":
             text: str = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE, allowed_base_urls=[])
             return text.encode()
@@ -154,14 +151,16 @@ def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) ->
     return kept
 
 
-def _narrowed(spec: dict[str, Any], width: int) -> dict[str, Any]:
-    """The same for a column: titles on several lines, names of the legend cut to the frame, and no higher than wide."""
+def _fitted(spec: dict[str, Any], width: int) -> dict[str, Any]:
+    """The same for a column: titles that are longer than their axis on several lines, names of the legend cut to the frame,
+    and no higher than four fifths of the width, which leaves room for a caption."""
     height = min(int(spec.get("height", width)), int(0.8 * width))
-    room = {"x": max(width - AROUND, 8 * LETTER), "y": max(height, 8 * LETTER)}
+    room = {"x": max(width - NAMED, 8 * LETTER), "y": max(height, 8 * LETTER)}
     for part in (spec, *spec.get("layer", ())):
         for name, letters in ((name, int(pixels / LETTER)) for name, pixels in room.items()):
             channel = part.get("encoding", {}).get(name, {})
             if isinstance(channel.get("title"), str):
                 channel["title"] = wrap(channel["title"], letters)
-    legend = spec["config"]["legend"] | {"labelLimit": width - AROUND}
+    label = min(spec["config"]["legend"].get("labelLimit", width), width - NAMED)
+    legend = spec["config"]["legend"] | {"labelLimit": label}
     return spec | {"height": height, "config": spec["config"] | {"legend": legend}}

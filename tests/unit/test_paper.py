@@ -137,4 +137,4 @@ def test_a_chart_for_a_column_has_titles_on_several_lines_and_is_no_higher_than_
     narrow, text = frame(250)
     assert narrow <= 200 < high
     assert title not in text
-    assert "error, as a share of" in text
+    assert ">error, as a share<" in text

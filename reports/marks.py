@@ -141,7 +141,8 @@ def ticks(drawn: Iterable[Row], field: str) -> Row:
 
 
 def decades(numbers: Iterable[float | None]) -> Row:
-    """Ticks at powers of ten, with 2 and 5 between them where there are few, and all digits within one decade."""
+    """Ticks at powers of ten, with 2 and 5 between them where there are few, all digits within one decade, and round numbers
+    where fewer than three digits lie between the ends."""
     nonzero = [value for value in numbers if value]
     if not nonzero:
         return {"values": []}
@@ -149,7 +150,20 @@ def decades(numbers: Iterable[float | None]) -> Row:
     every = max(1, math.ceil((high - low) / 8))
     steps = tuple(range(1, 10)) if max(nonzero) < 10 * min(nonzero) else (1, 2, 5) if high - low <= 2 else (1,)
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
+    if len(steps) == 9 and sum(min(nonzero) <= value <= max(nonzero) for value in values) < 3:
+        values = _round_numbers(min(nonzero), max(nonzero)) or values
     return {"values": values, "labelExpr": words(values), "labelOverlap": "greedy"}
+
+
+def _round_numbers(low: float, high: float) -> list[float]:
+    """Three or more multiples of 1, 2 or 5 times a power of ten between two numbers; none where labels could not tell them."""
+    for power in range(math.floor(math.log10(high)), math.floor(math.log10(high)) - 4, -1):
+        for digit in (5, 2, 1):
+            step = digit * 10.0**power
+            values = [float(f"{k * step:.12g}") for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+            if len(values) >= 3:
+                return values if len({amount(value) for value in values}) == len(values) else []
+    return []
 
 
 def words(values: Sequence[float]) -> str:

@@ -152,8 +152,12 @@ def test_ticks_stand_at_round_numbers_around_the_values(numbers: list[float], fi
     assert len(values) <= 18
 
 
-def test_a_chart_within_one_decade_has_several_ticks_inside() -> None:
-    assert sum(0.67 <= value <= 1.0 for value in decades([0.67, 1.0])["values"]) >= 3
+@pytest.mark.parametrize(("low", "high"), [(0.67, 1.0), (0.96, 1.17), (1.9, 2.6), (41.2, 43.9), (9.5e-5, 1.02e-4)])
+def test_a_chart_within_one_decade_has_several_ticks_inside(low: float, high: float) -> None:
+    ticks = decades([low, high])
+    assert sum(low <= value <= high for value in ticks["values"]) >= 3
+    labels = json.loads(ticks["labelExpr"].split("[indexof")[0])
+    assert len(set(labels)) == len(ticks["values"])
 
 
 def test_the_text_of_a_figure_is_the_same_in_two_builds(store: Store, tmp_path: Path) -> None:

@@ -196,7 +196,7 @@ def _of_side(
         yield row(AS_IT_IS, plain, None, plain.status, None, plain.reason)
         return
     surplus, missing = (
-        {notice.effect: str(notice) for notice in notices if notice.kind == kind} for kind in ("surplus", "missing")
+        {notice.effect: notice.text for notice in notices if notice.kind == kind} for kind in ("surplus", "missing")
     )
     for name, run in runs.items():
         departed = departure(run)

@@ -1,4 +1,4 @@
-"""Tables as a paper prints them: the columns that a reader asks for, titles for names, units in headings, numbers as numbers."""
+"""Tables as a paper prints them: the columns that a reader asks for, titles for names, units in headings, digits that count."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -65,6 +65,12 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         has_price=any(page.name == "price" for page in navigation(store)),
         failures=failing(store),
         limits=limits_met(store),
+        bounded=bool(judged - by_case(store).keys()),
+        apart=[
+            (*key, cell)
+            for key, cell in cells.items()
+            if key[0] in by_case(store) and cell.own.rank >= VERDICTS["converges elsewhere"].rank
+        ],
         shown=SHOWN,
         listed=LISTED,
         news=history_news(store),

@@ -280,7 +280,10 @@ def sentences(
     audited = audit(rows)
     if audited.scenes:
         beside = f"; {audited.in_doubt} more are not judged in full" if audited.in_doubt else ""
-        counts = f"{audited.clean} of {audited.scenes} scenes"
-        lines.append(f"Audit: {counts} call for exactly what they need, judged on {audited.judge}{beside}.")
+        judge = (titles or {}).get(audited.judge, audited.judge)
+        call = f"{audited.clean} of {audited.scenes} scenes call for exactly what they need"
+        if audited.clean == audited.scenes == 1 and not audited.in_doubt:
+            call = "the scene calls for exactly what it needs"
+        lines.append(f"Audit: {call}, judged on {judge}{beside}.")
     lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from harness.findings.limits_found import Search, searches
+from harness.findings.limits_found import Search, searches_if_described
 from harness.metric.titles import metric_title
 from reports.contents import cases, engines
 from reports.text import amount
@@ -46,7 +46,7 @@ def limits_met(store: "Store") -> list[Limit]:
     that nobody breaks nothing is said.
     """
     by_axis: dict[tuple[str, str, str], list[Search]] = {}
-    for search in searches(store):
+    for search in searches_if_described(store):
         if not search.remedied and search.track == "tuned" and search.verdict not in ("unsupported", "unavailable", "stopped"):
             by_axis.setdefault(search.searched_along, []).append(search)
     best: dict[str, Limit] = {}

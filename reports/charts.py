@@ -166,11 +166,10 @@ def across_cases(
     layers = [chart(merged).marked("point", **POINT).encode(x=x, y=y, **style.channels())]
     if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:
         layers.append(chart(exact).marked("point", **POINT).encode(x=fixed(0), y=y, **style.channels()))
-    shown: Row = {"text": channel("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
-    beside = list(grouped((row for row in silent if not answered(row, field)), ("case",)).values())
-    for column in range(max(map(len, beside), default=0)):
-        edge = chart([outcomes[column] for outcomes in beside if column < len(outcomes)])
-        edge = edge.marked("text", fontSize=12, fontWeight=700, dx=12 + 13 * column)
+    beside = grouped((row for row in silent if not answered(row, field)), ("case",)).values()
+    if outcomes := [row | {"column": column} for of_case in beside for column, row in enumerate(of_case)]:
+        edge = chart(outcomes).marked("text", fontSize=12, fontWeight=700, dx={"expr": "12 + 13 * datum.column"})
+        shown: Row = {"text": channel("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
         layers.append(edge.encode(x=fixed("width"), y=y, **shown))
     spec = finished(layers, height=30 + 22 * len(labelled))
     return Figure(name, title, caption, spec, *beside_each_other([*merged, *silent], style.engines, field), how)

@@ -63,7 +63,11 @@ def _worded(store: "Store", cause: Cause, cells: dict[tuple[str, str, str], Verd
     )
     tracks = [track for track in engines(store)[cause.engine]["tracks"] if track != cause.track]
     if cause.cured and len(tracks) == 1:
-        several = "all of which pass" if len(cause.cured) == count else f"of which {len(cause.cured)} pass"
+        several = (
+            "all of which pass"
+            if len(cause.cured) == count
+            else f"of which {len(cause.cured)} {'passes' if len(cause.cured) == 1 else 'pass'}"
+        )
         verdict += f", {'which passes' if count == 1 else several} {tracks[0]}"
     return Failure(cause, _what(cause), verdict, sorted(listed, key=_weight, reverse=True))
 

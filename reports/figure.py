@@ -14,8 +14,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from reports.compact import shown_rows, shown_spec
-from reports.still_legend import with_legend
+from reports.compact import new_words, shown_rows, shown_spec
+from reports.still_legend import NAMED, with_legend
 
 __all__ = ["POINTS", "Figure", "thin"]
 
@@ -43,11 +43,8 @@ LIGHT: dict[str, Any] = {
 }
 """Colours and fonts of static charts; the page's script has the same for the dark scheme."""
 
-
-NARROW = 420
-"""Below this width a title of an axis may be longer than the axis, and a legend than the frame."""
-LETTER, AROUND = 7.0, 95
-"""Pixels of a letter of a title, as wide as most are, and of what stands left and right of the frame."""
+LETTER = 0.6 * LIGHT["axis"]["titleFontSize"]
+"""Pixels of a letter of a title: in the widest of the titles of all metrics one takes 0.598 of the size of the letters."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +54,8 @@ class Figure:
     Terms:
         name: the file `charts/<name>.svg`, unique in the report. title, caption: in words, what is drawn, in two lines at most;
         how: how to read it, behind a fold; '' without.
-        spec: Vega-Lite with its data inside. columns: headings of the table below it; rows: its cells, as drawn.
+        spec: Vega-Lite with its data inside. columns: headings of the table below it; rows: its cells, as drawn. after: the
+        figure before it on the same page whose trials it shows too, and whose words it does not say again.
     """
 
     name: str
@@ -67,6 +65,7 @@ class Figure:
     columns: Sequence[str]
     rows: Sequence[Sequence[Any]]
     how: str = ""
+    after: "Figure | None" = None
 
     @property
     def path(self) -> str:
@@ -76,7 +75,13 @@ class Figure:
     @property
     def shown(self) -> Markup:
         """The specification as the page's script reads it."""
-        return shown_spec(self.spec)
+        return shown_spec(self.spec) if self.after is None else shown_spec(self.spec, self.after._said, self.after.name)
+
+    @cached_property
+    def _said(self) -> Sequence[str]:
+        """The words that a page has once it has shown this and what it comes after."""
+        known = self.after._said if self.after is not None else ()
+        return (*known, *new_words(self.spec, known))
 
     def _finished(self, width: int) -> dict[str, Any]:
         """The specification for a picture that nobody hovers over, and whose words stand beside it."""
@@ -116,7 +121,7 @@ class Figure:
         """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""
         import vl_convert
 
-        spec = self._finished(width) if width >= NARROW else _narrowed(self._finished(width), width)
+        spec = _fitted(self._finished(width), width)
         if form == "svg":
             text: str = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE, allowed_base_urls=[])
             return text.encode()
@@ -146,14 +151,16 @@ def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) ->
     return kept
 
 
-def _narrowed(spec: dict[str, Any], width: int) -> dict[str, Any]:
-    """The same for a column: titles on several lines, names of the legend cut to the frame, and no higher than wide."""
+def _fitted(spec: dict[str, Any], width: int) -> dict[str, Any]:
+    """The same for a column: titles that are longer than their axis on several lines, names of the legend cut to the frame,
+    and no higher than four fifths of the width, which leaves room for a caption."""
     height = min(int(spec.get("height", width)), int(0.8 * width))
-    room = {"x": max(width - AROUND, 8 * LETTER), "y": max(height, 8 * LETTER)}
+    room = {"x": max(width - NAMED, 8 * LETTER), "y": max(height, 8 * LETTER)}
     for part in (spec, *spec.get("layer", ())):
         for name, letters in ((name, int(pixels / LETTER)) for name, pixels in room.items()):
             channel = part.get("encoding", {}).get(name, {})
             if isinstance(channel.get("title"), str):
                 channel["title"] = wrap(channel["title"], letters)
-    legend = spec["config"]["legend"] | {"labelLimit": width - AROUND}
+    label = min(spec["config"]["legend"].get("labelLimit", width), width - NAMED)
+    legend = spec["config"]["legend"] | {"labelLimit": label}
     return spec | {"height": height, "config": spec["config"] | {"legend": legend}}

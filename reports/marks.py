@@ -18,6 +18,7 @@ __all__ = [
     "LANE",
     "POINT",
     "TRACKS",
+    "at_values",
     "Marks",
     "decades",
     "finished",
@@ -134,22 +135,43 @@ def finished(layers: Sequence[Any], height: int) -> Row:
 
 def ticks(drawn: Iterable[Row], field: str) -> Row:
     """Ticks at the time steps themselves while they are few; otherwise at round numbers."""
-    steps = sorted({row[field] for row in drawn if row[field]})
-    if field == "dt" and len(steps) <= 10:
-        return {"format": ".3~g", "values": steps, "labelOverlap": "greedy"}
-    return decades(steps)
+    steps = [row[field] for row in drawn if row[field]]
+    return at_values(steps) if field == "dt" else decades(steps)
+
+
+def at_values(numbers: Iterable[float]) -> Row:
+    """Ticks where values were tried, while these are few; otherwise at round numbers."""
+    values = sorted(set(numbers))
+    return {"format": ".3~g", "values": values, "labelOverlap": "greedy"} if len(values) <= 10 else decades(values)
 
 
 def decades(numbers: Iterable[float | None]) -> Row:
-    """Ticks at powers of ten, with 2 and 5 between them where there are few, and all digits within one decade."""
+    """Ticks at powers of ten, with 2 and 5 between them where there are few. Of less than a decade all digits, fewer where a
+    power of ten lies within, whose label needs its room, and round numbers where fewer than three of these would be seen."""
     nonzero = [value for value in numbers if value]
     if not nonzero:
         return {"values": []}
-    low, high = math.floor(math.log10(min(nonzero))), math.ceil(math.log10(max(nonzero)))
+    least, most = min(nonzero), max(nonzero)
+    low, high = math.floor(math.log10(least)), math.ceil(math.log10(most))
     every = max(1, math.ceil((high - low) / 8))
-    steps = tuple(range(1, 10)) if max(nonzero) < 10 * min(nonzero) else (1, 2, 5) if high - low <= 2 else (1,)
+    within = most < 10 * least
+    digits = (1, 2, 3, 5, 7) if high - low > 1 else tuple(range(1, 10))
+    steps = digits if within else (1, 2, 5) if high - low <= 2 else (1,)
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
+    if within and sum(least <= value <= most for value in values) < 3:
+        values = _round_numbers(least, most) or values
     return {"values": values, "labelExpr": words(values), "labelOverlap": "greedy"}
+
+
+def _round_numbers(low: float, high: float) -> list[float]:
+    """Three or more multiples of 1, 2 or 5 times a power of ten between two numbers; none where labels could not tell them."""
+    for power in range(math.floor(math.log10(high)), math.floor(math.log10(high)) - 4, -1):
+        for digit in (5, 2, 1):
+            step = digit * 10.0**power
+            values = [float(f"{k * step:.12g}") for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+            if len(values) >= 3:
+                return values if len({amount(value) for value in values}) == len(values) else []
+    return []
 
 
 def words(values: Sequence[float]) -> str:

@@ -131,7 +131,7 @@ def _over_time(
         series.setdefault(row["series"], []).append(row)
     placed = [row for curve in series.values() for row in thin(curve, "time", "share", 400)]
     x = channel("time:Q", title=TIME, axis={"grid": True, "tickCount": 6})
-    y = logarithmic("share", "share of the size", decades([row["share"] for row in placed]))
+    y = logarithmic("share", "share of the size", decades([*(row["share"] for row in placed), line]))
     tooltips = [
         channel("engine:N"),
         channel("track:N"),

@@ -15,9 +15,9 @@ from reports.contents import cases
 from reports.disputes import disputed
 from reports.figure import Figure
 from reports.grammar import channel, chart
-from reports.marks import POINT, Marks, decades, finished, logarithmic
+from reports.marks import POINT, Marks, at_values, decades, finished, logarithmic
 from reports.points import labels
-from reports.text import amount, slug
+from reports.text import amount, plural, slug
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -225,7 +225,7 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
         title_x = "time step [ms]" if name == STEP else name.replace("_", " ")
         unit = "" if first.unit == "1" else f" [{first.unit}]"
         title_y = f"{first.axis.replace('_', ' ')}{unit}"
-        x = logarithmic("beside", title_x, decades(row["beside"] for row in rows))
+        x = logarithmic("beside", title_x, at_values([row["beside"] for row in rows]))
         spread = [row[key] for row in rows for key in ("held", "broke")]
         y = logarithmic("held", title_y, decades(spread))
         shown = [
@@ -281,7 +281,7 @@ def _rest(search: Search) -> str:
 
 def _signs(search: Search, *, why: bool = False) -> str:
     """By what a value broke, with how many starts each metric counts against. Args: why: with the reason of no ensemble?"""
-    counted = ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts)
+    counted = ", ".join(f"{metric_title(metric)} ({plural(count, 'start')})" for metric, count in search.signs.counts)
     return counted or (search.signs.text if why else search.signs.status)
 
 

@@ -49,8 +49,5 @@ def _with_bound(measured: Mapping[str, Any]) -> str:
 
 
 def notices(store: "Store", trial: str) -> list[str]:
-    """What an engine, its adapter or the harness had to say of a trial, effects by their names in words."""
-    return [
-        str(notice).replace(notice.effect, notice.effect.replace("_", " ")) if notice.effect else str(notice)
-        for notice in store.notices.get(trial, ())
-    ]
+    """What an engine, its adapter or the harness had to say of a trial, in their words."""
+    return list(map(str, store.notices.get(trial, ())))

@@ -68,7 +68,9 @@ def savings_chart(store: "Store", verdicts: Sequence[Verdict]) -> Figure | None:
     )
     columns = ("engine", "scene", "ratio", "95 % from", "to")
     cells = [[r["engine"], r["case"], amount(r["cost"]), amount(r["low"]), amount(r["high"])] for r in rows]
-    return Figure("savings-ratio", "What everything on costs", caption, finished(layers, height=420), columns, cells, how)
+    # A line for each mark, and room between engines: as high as it needs to be, and no higher than a screen.
+    height = min(420, 12 * len({row["case"] for row in rows}) * len(style.engines) + 30 * len(style.engines) + 20)
+    return Figure("savings-ratio", "What everything on costs", caption, finished(layers, height), columns, cells, how)
 
 
 def matrix(store: "Store", verdicts: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:

@@ -144,12 +144,13 @@ def needs(store: "Store") -> list[Need]:
 
 
 def _own_need(store: "Store", case: str, titled: Callable[[str], str]) -> Need | None:
-    """The purpose of a scene of the user's own: itself."""
-    answer = choose(store, Wish(cases={escape(case): 1.0}), draws=2000)
-    if answer.rank is None:
+    """The purpose of a scene of the user's own: itself. Where nothing else was run, its answer is that of all cases."""
+    whole = answer(store)
+    mine = whole if whole.evidence.cases.keys() == {case} else choose(store, Wish(cases={escape(case): 1.0}), draws=2000)
+    if mine.rank is None:
         return None
-    first = tuple(_choice(store, answer, place.engine) for place in answer.rank.places if place.number == 1)
-    return Need(slug(case), str(cases(store)[case]["title"]), OWN, headline(answer, titled), first, 1, own=True)
+    first = tuple(_choice(store, mine, place.engine) for place in mine.rank.places if place.number == 1)
+    return Need(slug(case), str(cases(store)[case]["title"]), OWN, headline(mine, titled), first, 1, own=True)
 
 
 def _choice(store: "Store", answer: Answer, engine: str) -> Choice:

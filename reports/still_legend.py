@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["with_legend"]
+__all__ = ["NAMED", "with_legend"]
 
 SIGN, LETTER, BETWEEN = 24.0, 6.0, 12.0
 """Widths [px] of a symbol with its room, of a letter of the legend, and between two entries."""

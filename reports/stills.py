@@ -214,8 +214,8 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
 
 
 def _spheres(stage: Stage, motions: Sequence[_Motion], larger: float, box: tuple[Floats, Floats]) -> Spheres:
-    """Of the bodies that move, where they hang on the world and what holds them there; none where what stands around is part of
-    the show."""
+    """Of the bodies that move, where they hang on what never does and what holds them; none where what stands around is part
+    of the show."""
     if stage.truth or not len(stage.moving) or any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
         return ()
     places = [int(k) for k in stage.moving]

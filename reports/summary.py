@@ -1,11 +1,12 @@
 """The findings of a run in sentences, made from the tables alone."""
 
 from collections import Counter
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
 from harness.findings.leads import axis_leads, reaches
-from harness.findings.limits_found import searches
+from harness.findings.limits_found import searches_if_described
 from harness.findings.tables import determinism, effects
 from harness.findings.tables.orders import convergences
 from reports.contents import cases, engines, named_tracks
@@ -52,7 +53,7 @@ def studied(store: "Store") -> list[str]:
     written = []
     if sentence := farthest(store):
         written.append(sentence)
-    if rows := effects.rows(store):
+    if rows := [asdict(verdict) for verdict in effects.verdicts_if_described(store)]:
         titles = {name: str(engine["title"]) for name, engine in engines(store).items()}
         written += effects.sentences(rows, accusing=False, titles=titles)
     if rows := determinism.rows(store):
@@ -62,7 +63,7 @@ def studied(store: "Store") -> list[str]:
 
 def farthest(store: "Store") -> str:
     """How often each engine that people can deploy goes farthest at equal sub-steps, and ours among them; '' without limits."""
-    at_equal = [lead for lead in axis_leads(reaches(searches(store))) if lead.at == "equal sub-step"]
+    at_equal = [lead for lead in axis_leads(reaches(searches_if_described(store))) if lead.at == "equal sub-step"]
     if not at_equal:
         return ""
     titles, condition = engines(store), at_equal[-1].condition

@@ -2,23 +2,38 @@
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-__all__ = ["checked", "rows_of"]
+__all__ = ["checked", "rows_of", "specs"]
 
-SPEC = re.compile(r'<script type="application/json" class="spec">(.*?)</script>', re.DOTALL)
+FIGURE = re.compile(
+    r'<figure class="chart" id="([^"]+)">(?:(?!<figure).)*?<script type="application/json" class="spec">(.*?)</script>',
+    re.DOTALL,
+)
 
 
-def rows_of(table: Any) -> list[dict[str, Any]]:
-    """The rows of a table that travels by columns, as the page's script reads it."""
+def rows_of(table: Any, words: Sequence[str]) -> list[dict[str, Any]]:
+    """The rows of a table that travels by columns, as the page's script reads it. Args: words: said by the page so far."""
     if isinstance(table, list):
         return table
     fields = {
-        field: values if isinstance(values, list) else [values["words"][k] for k in values["of"]]
+        field: values if isinstance(values, list) else [words[k] for k in values["words"]]
         for field, values in table["columns"].items()
     }
     return [{field: values[k] for field, values in fields.items()} for k in range(table["count"])]
+
+
+def specs(page: str) -> list[dict[str, Any]]:
+    """The charts of a page, their tables by rows."""
+    said: dict[str, list[str]] = {}
+    read = []
+    for name, text in FIGURE.findall(page):
+        spec = json.loads(text)
+        said[name] = [*said.get(spec.pop("after", ""), []), *spec.pop("words")]
+        spec["datasets"] = {table: rows_of(columns, said[name]) for table, columns in spec["datasets"].items()}
+        read.append(spec)
+    return read
 
 
 def checked(pages: Iterable[str]) -> int:
@@ -29,9 +44,8 @@ def checked(pages: Iterable[str]) -> int:
     """
     import altair as alt  # late: two files of all that are collected use it
 
-    specs = [json.loads(text) for page in pages for text in SPEC.findall(page)]
-    for spec in specs:
-        spec["datasets"] = {name: rows_of(table) for name, table in spec["datasets"].items()}
+    charts = [spec for page in pages for spec in specs(page)]
+    for spec in charts:
         del spec["config"]["legend"]["layout"]  # Vega's own: Vega-Lite hands it on, and its schema does not know it
         alt.LayerChart.from_dict(spec, validate=True)
-    return len(specs)
+    return len(charts)

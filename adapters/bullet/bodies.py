@@ -90,7 +90,7 @@ def check_joined(plan: Plan, made: Assembly, place: int) -> None:
     if damping_of(plan, body) is not None:
         raise Unsupported(f"damping of body '{body.name}'", "a multibody's damping in Bullet is c v (1 + |v|)")
     if Effect.CONTINUOUS_COLLISION in plan.effects and plan.solid:
-        text = "continuous_collision: joined bodies are multibodies, which Bullet cannot sweep"
+        text = "continuous collision: joined bodies are multibodies, which Bullet cannot sweep"
         notice = Notice(text, "missing", Effect.CONTINUOUS_COLLISION)
         made.notices += [] if notice in made.notices else [notice]
 

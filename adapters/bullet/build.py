@@ -109,16 +109,16 @@ def _filter(plan: Plan, made: Assembly) -> None:
 def _surplus(plan: Plan, made: Assembly) -> None:
     """Name what is computed although the scene does not call for it, and what is not although it does."""
     if Effect.CONTINUOUS_COLLISION in plan.effects and not plan.swept:
-        text = "continuous_collision: multibodies, pybullet's default, cannot be swept"
+        text = "continuous collision: multibodies, pybullet's default, cannot be swept"
         made.notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     movable = [k for k, body in enumerate(plan.scene.bodies) if body.movable]
     uneven = any(max(plan.principal[k][0]) > min(plan.principal[k][0]) * (1 + 1e-12) for k in movable)
     if Effect.GYROSCOPIC not in plan.effects and uneven:
-        made.notices.append(Notice("gyroscopic (pybullet offers no switch)", "surplus", Effect.GYROSCOPIC))
+        made.notices.append(Notice("gyroscopic terms, for which pybullet offers no switch", "surplus", Effect.GYROSCOPIC))
     if plan.options["damping"] == "vendor":
-        for effect in (Effect.LINEAR_DAMPING, Effect.ANGULAR_DAMPING):
+        for effect, damping in ((Effect.LINEAR_DAMPING, "linear damping"), (Effect.ANGULAR_DAMPING, "angular damping")):
             if effect not in plan.effects and movable:
-                text = f"{effect.names[0]} (the vendor's default of 0.04 on bodies of which the scene says 0)"
+                text = f"{damping}, by the vendor's default of 0.04 on bodies of which the scene says 0"
                 made.notices.append(Notice(text, "surplus", effect))
 
 

@@ -106,13 +106,13 @@ def _surplus(scene: Scene) -> list[Notice]:
     """What DART computes unasked, and what it cannot be asked for."""
     notices = []
     if Effect.CONTINUOUS_COLLISION in scene.effects:
-        text = "continuous_collision: dartpy's step has none"
+        text = "continuous collision, of which dartpy's step has none"
         notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     spins = False
     for body in scene.bodies:
         low, _, high = np.linalg.eigvalsh(np.asarray(body.inertia))
         spins = spins or (body.movable and high - low > 1e-12 * high)
     if spins and Effect.GYROSCOPIC not in scene.effects:
-        text = "gyroscopic, DART's equations of motion always hold the term"
+        text = "gyroscopic terms, which DART's equations of motion always hold"
         notices.append(Notice(text, "surplus", Effect.GYROSCOPIC))
     return notices

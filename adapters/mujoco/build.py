@@ -102,9 +102,9 @@ def _notices(plan: Plan, mj: Any, model: Any) -> tuple[Notice, ...]:
     """Effects that could not be left out or in, and the faults of this version that the model may meet."""
     notices = []
     if Effect.GYROSCOPIC not in plan.effects and any(body.movable for body in plan.scene.bodies):
-        notices.append(Notice("gyroscopic terms are part of the bias force", "surplus", Effect.GYROSCOPIC))
+        notices.append(Notice("gyroscopic terms, which are part of the bias force", "surplus", Effect.GYROSCOPIC))
     if plan.passable:
-        text = "continuous_collision: speculative contacts are off unless asked for"
+        text = "continuous collision: speculative contacts are off unless asked for"
         notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     sparse = flag(mj, "mjtJacobian", "mjJAC_DENSE") != model.opt.jacobian and model.nv >= 60
     if sparse and mj.__version__ == FAULTY_SPARSE and plan.settings.solver in (None, "newton"):

@@ -14,7 +14,7 @@ def failures(store: "Store") -> list[str]:
     from harness.findings.tables import determinism
     from harness.findings.tables.effects import rows
 
-    ours = [name for name, row in store.catalogue["engines"].items() if row["ours"]]
+    ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
     # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
     trials = store.asked[store.asked["round"] == 0]
     broken = trials[

@@ -1,10 +1,13 @@
-"""Tables as a paper prints them: the columns that a reader asks for, with units in their headings and numbers as numbers."""
+"""Tables as a paper prints them: the columns that a reader asks for, titles for names, units in headings, digits that count."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from harness.metric.titles import metric_title
+
 if TYPE_CHECKING:
+    from harness.findings.limits_found import Search
     from harness.store.store import Store
 
 __all__ = ["Span", "paper_table"]
@@ -22,17 +25,39 @@ class Span:
 
 def paper_table(store: "Store", name: str, rows: Sequence[Mapping[str, Any]]) -> tuple[Sequence[str], list[Row]] | None:
     """Headings and cells of the table of that name with these rows; None for one that is printed as a terminal shows it."""
+    titles = _Titles.of(store)
     match name:
         case "trials":
-            return _trials(store, rows)
+            return _trials(store, rows, titles)
         case "price":
-            return _PRICE, [_price(row) for row in rows]
+            return _PRICE, [_price(row, titles) for row in rows]
         case "steps":
-            return _STEPS, [_step(row) for row in rows]
+            return _STEPS, [_step(row, titles) for row in rows]
         case "limits":
-            return _LIMITS, [_limit(row) for row in rows]
+            from harness.findings.limits_found import searches
+
+            return _LIMITS, [_limit(search, titles) for search in searches(store) if not search.remedied]
         case _:
             return None
+
+
+@dataclass(frozen=True, slots=True)
+class _Titles:
+    """What cases and engines are called on pages, by name."""
+
+    cases: Mapping[str, str]
+    engines: Mapping[str, str]
+
+    @classmethod
+    def of(cls, store: "Store") -> "_Titles":
+        from reports.contents import cases, engines
+
+        of_cases = {name: str(case["title"]) for name, case in cases(store).items()}
+        return cls(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})
+
+    def scene(self, case: str, where: str) -> str:
+        """'A tower of boxes, n 4': a case and what tells its scene from others of it."""
+        return self.cases[case] + (f", {where}" if where else "")
 
 
 def _ms(seconds: float | None) -> float | None:
@@ -43,7 +68,7 @@ def _span(low: float | None, high: float | None) -> Span | None:
     return None if low is None or high is None else Span(low, high)
 
 
-def _trials(store: "Store", rows: Sequence[Mapping[str, Any]]) -> tuple[Sequence[str], list[Row]]:
+def _trials(store: "Store", rows: Sequence[Mapping[str, Any]], titles: _Titles) -> tuple[Sequence[str], list[Row]]:
     headings = ("Case", "Engine", "Track", "Time step [ms]", "Error", "Unit", "CPU time [ms/s]", "95 % interval", "Outcome")
     cases = store.catalogue.get("cases", {})
     table = store.measurements
@@ -55,7 +80,7 @@ def _trials(store: "Store", rows: Sequence[Mapping[str, Any]]) -> tuple[Sequence
     for row in rows:
         error, unit = values.get((row["trial"], cases.get(row["case"], {}).get("headline", "")), (None, ""))
         price = (_ms(row["cpu_per_sim_s"]), _span(_ms(row["cpu_low"]), _ms(row["cpu_high"])))
-        about = (row["case"], row["engine"], row["track"], _ms(row["dt"]))
+        about = (titles.cases[row["case"]], titles.engines[row["engine"]], row["track"], _ms(row["dt"]))
         cells.append([*about, error, unit, *price, row["status"]])
     return headings, cells
 
@@ -75,7 +100,7 @@ _PRICE = (
 """The error is a share of the case's scale; ms/s are CPU milliseconds a simulated second."""
 
 
-def _price(row: Mapping[str, Any]) -> Row:
+def _price(row: Mapping[str, Any], titles: _Titles) -> Row:
     word = {"at most": "upper bound", "not within the ladder": "not reached"}.get(row["verdict"], row["verdict"])
     cost = (
         _ms(row["cost"]),
@@ -83,24 +108,31 @@ def _price(row: Mapping[str, Any]) -> Row:
         row["ratio"],
         _span(row["ratio_low"], row["ratio_high"]),
     )
-    case = f"{row['case']} {row['where']}".strip()
     step = None if row["cost"] is None else _ms(row["dt"])
-    return [case, row["target"], row["engine"], *cost, row["track"], step, word]
+    return [
+        titles.scene(row["case"], row["where"]),
+        row["target"],
+        titles.engines[row["engine"]],
+        *cost,
+        row["track"],
+        step,
+        word,
+    ]
 
 
 _STEPS = ("Case", "Engine", "Track", "Stable to [ms]", "Within 1 % to [ms]", "Error there", "Times real time")
 
 
-def _step(row: Mapping[str, Any]) -> Row:
-    case = f"{row['case']} {row['where']}".strip()
-    steps = (_ms(row["stable"]), _ms(row["accurate"]))
-    return [case, row["engine"], row["track"], *steps, row["error"], row["realtime"]]
+def _step(row: Mapping[str, Any], titles: _Titles) -> Row:
+    about = (titles.scene(row["case"], row["where"]), titles.engines[row["engine"]], row["track"])
+    return [*about, _ms(row["stable"]), _ms(row["accurate"]), row["error"], row["realtime"]]
 
 
 _LIMITS = ("Case", "Engine", "Track", "Axis", "Unit", "Held to", "Broke at", "CPU time [ms/s]", "By")
 
 
-def _limit(row: Mapping[str, Any]) -> Row:
-    case = f"{row['case']} {row['where']}".strip()
-    about = (case, row["engine"], row["track"], row["axis"], "" if row["unit"] == "1" else row["unit"])
-    return [*about, row["held"], row["broke"], _ms(row["cost"]), row["signs"] or row["verdict"]]
+def _limit(search: "Search", titles: _Titles) -> Row:
+    about = (titles.scene(search.case, search.where), titles.engines[search.engine], search.track)
+    axis = (search.axis.replace("_", " "), "" if search.unit == "1" else search.unit)
+    signs = ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts)
+    return [*about, *axis, search.held, search.broke, _ms(search.cost), signs or search.signs.text or search.verdict]

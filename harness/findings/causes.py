@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from harness.findings.emulations import made
-from harness.findings.tables.effects import verdicts
+from harness.findings.tables.effects import verdicts_if_described
 from harness.findings.vendor.finding import Finding
 from harness.store.store import Store
 
@@ -67,7 +67,7 @@ def causes(store: Store, answers: Sequence[Answer], shelf: Sequence[Finding]) ->
             passed.setdefault((answer.case, answer.engine), []).append(answer)
     weights = {
         (verdict.case, verdict.engine, verdict.track, effect): verdict.matters
-        for verdict in verdicts(store)
+        for verdict in verdicts_if_described(store)
         if len(verdict.effects) == 1 and verdict.matters is not None
         for effect in verdict.effects
     }

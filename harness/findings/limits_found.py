@@ -18,7 +18,7 @@ from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
 
-__all__ = ["Hold", "Search", "Signs", "amount", "searches"]
+__all__ = ["Hold", "Search", "Signs", "amount", "searches", "searches_if_described"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,7 +130,7 @@ def _experiments(store: Store) -> dict[str, Experiment]:
 
 
 def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
-    about = store.catalogue["cases"][case]
+    about = store.described("cases", case)
     hard = None if about["hard"] is None else Axis(**about["hard"])
     axis = axis_among(experiment, case, hard, about["ladder"], about["parameters"])
     return Ruler.of(axis, about["parameters"], experiment.limit)
@@ -140,6 +140,11 @@ def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
 def searches(store: Store) -> tuple[Search, ...]:
     """All searches of a run, those for remedies with them; worked out once for a store."""
     return tuple(_searches(store))
+
+
+def searches_if_described(store: Store) -> tuple[Search, ...]:
+    """The same for pages that are not about limits alone: none where the folder has lost the catalogue, which says the axes."""
+    return searches(store) if store.catalogue else ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +185,7 @@ def _searches(store: Store) -> Iterator[Search]:
         )
         mine = mine.assign(step=0.0 if by.axis.parameter == "dt" else mine["outer"])
         plain = mine[mine["remedied"] == ""]
-        beside = _beside(plain["others"], plain["step"], store.catalogue["cases"][str(case)])
+        beside = _beside(plain["others"], plain["step"], store.described("cases", str(case)))
         for (others, step, engine, track, parts, remedy, remedied), group in mine.groupby(
             ["others", "step", "engine", "track", "parts", "remedy", "remedied"], sort=False
         ):

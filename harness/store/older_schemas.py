@@ -10,7 +10,7 @@ __all__ = ["base_of_track", "change_in_name", "notices_in_sentences"]
 def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
     """The warnings of a record of schema 2 or 1, and of a table without its journal.
 
-    They are sentences. One about an effect begins with 'surplus: ' or 'missing: ', and names it as a word of its own.
+    They are sentences. One about an effect begins with 'surplus: ' or 'missing: ', and names it as code or people do.
     """
     return tuple(map(_notice, sentences))
 
@@ -30,7 +30,7 @@ def _notice(sentence: str) -> StoredNotice:
     from harness.scene import Effect  # late: who reads no old record does not pay for scenes
 
     words = sentence.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
-    effect = next((name for name in Effect(~0).names if name in words), "")
+    effect = next((name for name in Effect(~0).names if name in words or name.replace("_", " ") in " ".join(words)), "")
     if sentence.startswith("surplus: "):
         return StoredNotice(sentence.removeprefix("surplus: "), "surplus", effect)
     if sentence.startswith("missing: "):

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 from numpy.typing import NDArray
@@ -236,6 +236,15 @@ class Store:
     def catalogue(self) -> dict[str, Any]:
         """Cases and engines: what was asked, of whom."""
         return read_plain(self.folder / "catalogue.json")
+
+    def described(self, kind: Literal["cases", "engines"], name: str) -> Mapping[str, Any]:
+        """The entry of a case or an engine in the catalogue, for what cannot be worked out without. Raises: StoreError."""
+        path, known = self.folder / "catalogue.json", self.catalogue.get(kind, {})
+        if name not in known:
+            why = f"{kind} lacks {name!r}" if path.is_file() else f"missing, and with it what {name!r} was asked"
+            raise StoreError(f"{path}: {why}; restore the file, or run the study again with --resume, which writes it anew")
+        entry: Mapping[str, Any] = known[name]
+        return entry
 
     @cached_property
     def machine(self) -> dict[str, Any]:

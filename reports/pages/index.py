@@ -1,6 +1,7 @@
 """The first page: which engine, what accuracy costs, what breaks, what changed; then the verdicts, and where all comes from."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
@@ -43,22 +44,11 @@ def render(store: "Store") -> Mapping[str, Rendered]:
     rows = at_own_step(store, answers(store))
     scales = {name: case["scale"] or 1.0 for name, case in cases(store).items()}
     scaled = rows.assign(error=[error / scales[name] for error, name in zip(rows["error"], rows["case"], strict=True)])
-    figures = [
-        figure
-        for figure in (
-            across_cases(
-                store,
-                scaled,
-                "error",
-                "overview-error",
-                "Error as a share of the case's scale",
-                "Left is more accurate.",
-                ERRORS,
-            ),
-            across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS),
-        )
-        if figure is not None
-    ]
+    title = "Error as a share of the case's scale"
+    errors = across_cases(store, scaled, "error", "overview-error", title, "Left is more accurate.", ERRORS)
+    paces = across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS)
+    figures = [errors] if errors is not None else []
+    figures += [replace(paces, after=errors)] if paces is not None else []
     cells = verdicts(store)
     judged = {case for case, _, _ in cells}
     sides: dict[str, dict[str, Glance]] = {}
@@ -68,12 +58,19 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
+        described=bool(store.catalogue),
         needs=needs(store),
         sentences=sentences(store),
         paced=three(store),
         has_price=any(page.name == "price" for page in navigation(store)),
         failures=failing(store),
         limits=limits_met(store),
+        bounded=bool(judged - by_case(store).keys()),
+        apart=[
+            (*key, cell)
+            for key, cell in cells.items()
+            if key[0] in by_case(store) and cell.own.rank >= VERDICTS["converges elsewhere"].rank
+        ],
         shown=SHOWN,
         listed=LISTED,
         news=history_news(store),

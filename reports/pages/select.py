@@ -37,7 +37,7 @@ def render(store: "Store") -> Mapping[str, str]:
         answer=found,
         headline=headline(found, titled),
         turns=turn_sentences(found.turns, titled),
-        criteria=CRITERIA,
+        criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
         rows=[row for row in rows if row.datum.value < 1],
         full=sum(row.datum.value >= 1 for row in rows),
         live=live(store),

@@ -66,10 +66,10 @@ def _bounded(body: Mapping[str, Any]) -> Iterator[tuple[Mapping[str, Any], float
 
 
 def held_by(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """What holds a machine whose joints hang on the world: centres (n, 3) and radii (n,) [m] of spheres about fixed shapes.
+    """What holds a machine that joints hang on what never moves: centres (n, 3) and radii (n,) [m] of spheres about shapes.
 
-    Those that are no larger than the box of what moves, between `low` and `high`, and no farther from such a joint than half of
-    that: the trunk of a robot that is welded to the world, and no wall behind it.
+    Those fixed ones that are no larger than the box of what moves, between `low` and `high`, and no farther from such a joint
+    than half of that: the trunk of a robot that is welded to the world, and no wall behind it.
     """
     size = float(np.linalg.norm(high - low))
     anchors = anchors_of(stage)
@@ -89,13 +89,18 @@ def held_by(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
 
 
 def anchors_of(stage: Stage) -> Floats:
-    """Where joints hang on the world, (n, 3) m."""
-    joints = [joint for joint in stage.scene.get("joints", []) if joint["parent"] == "world" and "anchor_W" in joint]
-    return np.array([joint["anchor_W"] for joint in joints], dtype=np.float64).reshape(-1, 3)
+    """Where joints hang what moves on what never does, the world or a static body, (n, 3) m."""
+    fixed = {"world", *(body["name"] for body in stage.bodies if body["motion"] == "static")}
+    anchors = []
+    for joint in stage.scene.get("joints", []):
+        on_parent, on_child = joint["parent"] in fixed, joint["child"] in fixed
+        if "anchor_W" in joint and on_parent != on_child:
+            anchors.append(joint["anchor_W"] if on_parent else joint.get("child_anchor_W", joint["anchor_W"]))
+    return np.array(anchors, dtype=np.float64).reshape(-1, 3)
 
 
 def around_held(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """The box of what moves, grown around where joints hang it on the world and what holds it there."""
+    """The box of what moves, grown around where joints hang it on what never moves and what holds it there."""
     centres, radii = held_by(stage, low, high)
     points = np.concatenate([anchors_of(stage), centres - radii[:, None], centres + radii[:, None], [low, high]])
     return points.min(axis=0), points.max(axis=0)

@@ -186,15 +186,18 @@
     return at === undefined ? title : `${title.slice(0, at)}${BREAK}${title.slice(at + 1)}`;
   };
 
-  // The tables of a chart travel by columns, as `columns` of reports/compact.py writes them.
-  const rows = (table) => {
+  // The tables of a chart travel by columns and their words as places in a list, as `shown_spec` of reports/compact.py writes
+  // them; a chart that shows the trials of one before it goes on with that one's list.
+  const stored = (figure) => JSON.parse(figure.querySelector("script.spec").textContent);
+  const words = ({ after, words: own }) => [...(after ? words(stored(document.getElementById(after))) : []), ...own];
+  const rows = (table, list) => {
     if (Array.isArray(table)) return table;
-    const fields = Object.entries(table.columns).map(([field, values]) => [field, Array.isArray(values) ? values : values.of.map((k) => values.words[k])]);
+    const fields = Object.entries(table.columns).map(([field, values]) => [field, Array.isArray(values) ? values : values.words.map((k) => list[k])]);
     return Array.from({ length: table.count }, (_, k) => Object.fromEntries(fields.map(([field, values]) => [field, values[k]])));
   };
   const specification = (figure) => {
-    const spec = JSON.parse(figure.querySelector("script.spec").textContent);
-    for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = rows(spec.datasets[name]);
+    const { after, words: own, ...spec } = stored(figure), list = words({ after, words: own });
+    for (const name of Object.keys(spec.datasets ?? {})) spec.datasets[name] = rows(spec.datasets[name], list);
     return spec;
   };
 

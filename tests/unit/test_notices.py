@@ -24,8 +24,14 @@ from harness.trial.accuracy import run_trial
 
 SURPLUS = StoredNotice("gyroscopic (no switch)", "surplus", "gyroscopic")
 MISSING = StoredNotice("continuous_collision: dartpy's step has none", "missing", "continuous_collision")
-SENTENCES = ["surplus: gyroscopic (no switch)", "missing: continuous_collision: dartpy's step has none", "surplus to a note"]
-TYPED = (SURPLUS, MISSING, StoredNotice("surplus to a note"))
+SPOKEN = StoredNotice("linear damping, by default", "surplus", "linear_damping")
+SENTENCES = [
+    "surplus: gyroscopic (no switch)",
+    "missing: continuous_collision: dartpy's step has none",
+    "surplus: linear damping, by default",
+    "surplus to a note",
+]
+TYPED = (SURPLUS, MISSING, SPOKEN, StoredNotice("surplus to a note"))
 
 
 def record(trial: str, warnings: tuple[StoredNotice, ...]) -> Record:

@@ -49,7 +49,8 @@ def test_a_table_in_latex_has_booktabs_digits_and_its_source(folder: Path, print
     body = lines[lines.index(r"\midrule") + 1 : lines.index(r"\bottomrule")]
     assert body
     assert all(len(re.split(r"(?<!\\) & ", row)) == columns for row in body)
-    assert r"stack\_tower" in text
+    assert {re.split(r"(?<!\\) & ", row)[0] for row in body} == {"Chain with a heavy end", "Tower of ten boxes"}
+    assert {"MuJoCo", "Plumbline reference"} <= {re.split(r"(?<!\\) & ", row)[1] for row in body}
     # 1/60 s in the unit of the heading, to three digits; a missing number is a dash, an interval has two ends.
     assert "Time step [ms]" in text
     assert "$16.7$" in text
@@ -68,6 +69,8 @@ def test_prices_in_latex_are_numbers_with_their_interval_and_say_what_is_a_bound
         "no answer",
     }
     assert "$10^{-5}$" in {row[1] for row in body}
+    assert {row[0] for row in body} == {"Chain with a heavy end", "Tower of ten boxes"}
+    assert {"MuJoCo", "Plumbline reference"} <= {row[2] for row in body}
     assert any(row[4].count("$") == 4 for row in body)
 
 
@@ -134,4 +137,4 @@ def test_a_chart_for_a_column_has_titles_on_several_lines_and_is_no_higher_than_
     narrow, text = frame(250)
     assert narrow <= 200 < high
     assert title not in text
-    assert "error, as a share of" in text
+    assert ">error, as a share<" in text

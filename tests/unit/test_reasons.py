@@ -45,12 +45,12 @@ def test_a_reason_is_made_of_what_was_measured(
     assert reasons(Store(folder.path))[trial] == words
 
 
-def test_a_notice_names_its_effect_in_words(tmp_path: Path) -> None:
-    said = (StoredNotice("linear_damping (a default of 0.04)", "surplus", "linear_damping"), StoredNotice("a note_of it"))
+def test_a_notice_is_told_by_its_kind_and_in_its_own_words(tmp_path: Path) -> None:
+    said = (StoredNotice("linear damping, by default", "surplus", "linear_damping"), StoredNotice("a note_of it"))
     folder = Folder(tmp_path / "run")
     trial = folder.add(record("c", "mujoco", warnings=said))
     folder.journal.close()
-    assert notices(Store(folder.path), trial) == ["surplus: linear damping (a default of 0.04)", "a note_of it"]
+    assert notices(Store(folder.path), trial) == ["surplus: linear damping, by default", "a note_of it"]
 
 
 def test_every_answer_has_its_reason_in_words_and_the_stored_one_beside_it(tmp_path: Path) -> None:

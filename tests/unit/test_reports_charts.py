@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -12,10 +13,12 @@ import pytest
 from harness.store.store import Store
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases, error_by_step
+from reports.compact import SCRIPTED, shown_rows
 from reports.figure import POINTS, Figure, thin
 from reports.marks import decades
 from reports.palette import ENGINES
 from reports.points import points
+from tests.charts import specs
 from tests.run_folder import BAD_CASE, CASES, write_run_folder
 
 
@@ -149,8 +152,12 @@ def test_ticks_stand_at_round_numbers_around_the_values(numbers: list[float], fi
     assert len(values) <= 18
 
 
-def test_a_chart_within_one_decade_has_several_ticks_inside() -> None:
-    assert sum(0.67 <= value <= 1.0 for value in decades([0.67, 1.0])["values"]) >= 3
+@pytest.mark.parametrize(("low", "high"), [(0.67, 1.0), (0.96, 1.17), (1.9, 2.6), (41.2, 43.9), (9.5e-5, 1.02e-4)])
+def test_a_chart_within_one_decade_has_several_ticks_inside(low: float, high: float) -> None:
+    ticks = decades([low, high])
+    assert sum(low <= value <= high for value in ticks["values"]) >= 3
+    labels = json.loads(ticks["labelExpr"].split("[indexof")[0])
+    assert len(set(labels)) == len(ticks["values"])
 
 
 def test_the_text_of_a_figure_is_the_same_in_two_builds(store: Store, tmp_path: Path) -> None:
@@ -162,3 +169,30 @@ def test_the_text_of_a_figure_is_the_same_in_two_builds(store: Store, tmp_path: 
         assert figure is not None
         texts.append(json.dumps(figure.spec))
     assert texts[0] == texts[1]
+
+
+def test_a_page_says_each_word_of_two_charts_of_the_same_trials_once(store: Store) -> None:
+    """What the page's script reads is what is drawn: words as they are, numbers to the digits that a chart or a hover shows."""
+    own = at_own_step(store, answers(store))
+    errors = across_cases(store, own, "error", "errors", "e", "c")
+    paces = across_cases(store, own, "pace", "paces", "p", "c")
+    assert errors is not None
+    assert paces is not None
+    pair = (errors, replace(paces, after=errors))
+    page = "".join(
+        f'<figure class="chart" id="{one.name}"><script type="application/json" class="spec">{one.shown}</script></figure>'
+        for one in pair
+    )
+    first, second = (json.loads(one.shown)["words"] for one in pair)
+    assert len({*first, *second}) == len(first) + len(second)
+    assert not second or len(second) < len(json.loads(paces.shown)["words"])
+    for one, shown in zip(pair, specs(page), strict=True):
+        drawn_field = "error" if one is errors else "pace"
+        for name, rows in shown_rows(one.spec, SCRIPTED).items():
+            for given, read in zip(rows, shown["datasets"][name], strict=True):
+                assert given.keys() == read.keys()
+                for field, value in given.items():
+                    close = 5e-6 if field == drawn_field else 5e-3
+                    assert read[field] == (pytest.approx(value, rel=close) if isinstance(value, float) else value), field
+                    if isinstance(value, float):
+                        assert f"{read[field]:.3g}" == f"{value:.3g}"

@@ -13,11 +13,13 @@ import pandas as pd
 import pytest
 
 import reports
+from harness.case.alteration import EVERYTHING
 from harness.findings.vendor.shelf import shelf
 from harness.store.store import Store, StoreError
 from reports import html
 from reports.page import Page, Rendered, pages
 from reports.policy import guarded
+from tests.recorded_folder import Folder, record
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
 
 SOURCES = {source for finding in shelf() for source in finding.sources}
@@ -232,3 +234,32 @@ def test_a_run_that_was_stopped_before_its_first_trial_has_a_report(tmp_path: Pa
 def test_importing_reports_loads_no_chart_library() -> None:
     code = "import reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(reports.__file__).parents[1]).returncode == 0
+
+
+LIMITED = """
+name = "small"
+[[experiments]]
+name = "walls"
+cases = ["tunnel_sphere_wall"]
+engines = ["mujoco"]
+tracks = ["tuned"]
+limit = { members = 2 }
+"""
+
+
+def test_pages_of_a_folder_without_its_catalogue_say_what_is_missing_and_what_to_do(tmp_path: Path) -> None:
+    """What a limit's axis is and which effects a scene calls for stand there alone; the other pages do without."""
+    folder = Folder(tmp_path / "run")
+    folder.add(record("tunnel_sphere_wall", "mujoco", experiment="walls", parameters={"speed": 9.0}, members=2))
+    folder.add(record("flight_box", "mujoco"))
+    folder.add(record("flight_box", "mujoco", alteration={"name": EVERYTHING}))
+    folder.journal.close()
+    (folder.path / "study.toml").write_text(LIMITED, encoding="utf-8")
+    texts = html.rendered(Store(folder.path))
+    for page in ("limits", "effects"):
+        text = str(texts[f"{page}.html"])
+        assert f"{folder.path / 'catalogue.json'}: missing" in text
+        assert "--resume, which writes it anew" in text
+    failed = {name for name, text in texts.items() if "A page that could not be made" in str(text)}
+    assert failed == {"limits.html", "effects.html"}
+    assert "This folder lacks <code>catalogue.json</code>" in str(texts["index.html"])

@@ -41,8 +41,8 @@ def test_a_limit_at_which_the_case_s_own_start_holds_says_so() -> None:
 
 
 def test_a_finding_names_the_effects_that_no_scene_called_for() -> None:
-    damping = StoredNotice("angular_damping (the vendor's default of 0.04)", "surplus", "angular_damping")
-    assert "surplus: angular_damping (the vendor's default of 0.04)" in cell(replace(BROKEN, noticed=(damping,))).hint
+    damping = StoredNotice("angular damping, by the vendor's default of 0.04", "surplus", "angular_damping")
+    assert "surplus: angular damping, by the vendor's default of 0.04" in cell(replace(BROKEN, noticed=(damping,))).hint
 
 
 def test_leads_without_ours_are_of_what_the_others_reach() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.scene import Body, Plane, Revolute, Scene, Sphere, Surface
+from harness.scene import Body, Distance, Joint, Plane, Revolute, Scene, Sphere, Surface
 from harness.store.record import Measurement
 from harness.store.store import Store
 from harness.trajectory import Trajectory
@@ -150,11 +150,20 @@ def test_labels_of_an_axis_stand_for_their_ticks(steps: list[float], labels: lis
     assert [label for _, label in labelled(steps)] == labels
 
 
-def test_what_holds_a_machine_is_in_the_frame_and_the_wall_behind_it_is_not(tmp_path: Path) -> None:
-    """A head on a trunk that the world holds, an arm that hangs on the world beside it, and a wall farther off."""
+@pytest.mark.parametrize(
+    "joint",
+    [
+        Revolute(name="j", parent="world", child="arm", anchor_W=(0.0, 0.0, 1.5), axis_W=(0.0, 1.0, 0.0)),
+        Revolute(name="j", parent="trunk", child="arm", anchor_W=(0.0, 0.0, 1.5), axis_W=(0.0, 1.0, 0.0)),
+        Revolute(name="j", parent="arm", child="trunk", anchor_W=(0.0, 0.0, 1.5), axis_W=(0.0, 1.0, 0.0)),
+        Distance(name="j", parent="arm", child="trunk", anchor_W=(0.0, 0.0, 1.0), child_anchor_W=(0.0, 0.0, 1.5)),
+    ],
+    ids=["world", "static_parent", "static_child", "rope"],
+)
+def test_what_holds_a_machine_is_in_the_frame_and_the_wall_behind_it_is_not(tmp_path: Path, joint: Joint) -> None:
+    """A head on a fixed trunk, an arm that hangs on the world beside it or on the trunk itself, and a wall farther off."""
     trunk = (*placed(Sphere(radius=0.1), p_BS=(0.0, 0.0, 1.9)), *placed(Sphere(radius=0.05), p_BS=(0.0, 0.0, 9.0)))
     arm = Body(name="arm", collision=placed(Sphere(radius=0.5)), p_WB=(0.0, 0.0, 1.0))
-    joint = Revolute(name="j", parent="world", child="arm", anchor_W=(0.0, 0.0, 1.5), axis_W=(0.0, 1.0, 0.0))
     held = Scene(bodies=(Body(name="trunk", motion="static", collision=trunk), arm), joints=(joint,), surfaces=(Surface(),))
     low, high = np.array((-0.5, -0.5, 0.5)), np.array((0.5, 0.5, 1.5))
     answer = Trajectory.of(TIMES, 2)

@@ -59,7 +59,7 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     scale = NOTHING if scene is None else extent(scene)
     limits = {side: own_limit(scale, rungs_of(store, runs)) for side, runs in sides.items()}
     ours = [name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")]
-    duration = float(store.catalogue["cases"][case]["duration"])
+    duration = float(store.described("cases", case)["duration"])
     touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)
     agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
     return replace(agreement, sides=tuple(replace(side, adds=_added(store, side)) for side in agreement.sides))

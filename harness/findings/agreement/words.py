@@ -62,9 +62,10 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
     """What is known of the scene, in one sentence."""
     if agreement.agreed:
         voters = [titles.get(side.engine, side.engine) for side in agreement.members(agreement.agreed) if side.votes]
-        known = length(agreement.bar or 0.0, agreement)
-        until = _up_to(agreement, agreement.until)
-        return f"{listed(voters)} agree on one limit {until}, known to {known} of the size of what moves."
+        bar, until = agreement.bar or 0.0, _up_to(agreement, agreement.until)
+        in_metres = metres(bar, agreement)
+        known = f"{share(bar)} of the size of what moves{f' ({in_metres})' if in_metres else ''}"
+        return f"{listed(voters)} agree on one limit {until}, known to {known}."
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
     camps = "; ".join(f"{letter}: {_called(agreement, letter, titles)}" for letter in agreement.camps)

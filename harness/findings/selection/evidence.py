@@ -13,7 +13,7 @@ from statistics import median
 from typing import Any, TypeVar
 
 from harness.findings.agreement import AGREED_TRUTH
-from harness.findings.limits_found import searches
+from harness.findings.limits_found import searches_if_described
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
 from harness.findings.selection.wish import Wish
@@ -159,7 +159,7 @@ def _robustness(store: Store) -> dict[tuple[str, str, str], Datum]:
 def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
     data: dict[tuple[str, str], Datum] = {}
-    for search in searches(store):
+    for search in searches_if_described(store):
         if search.remedy or search.parts or search.verdict in ("unavailable", "stopped"):
             continue
         held = search.holds[-1] if search.holds else None

@@ -64,7 +64,7 @@ COLUMNS = tuple(field.name for field in fields(Drift))
 def drifts(store: Store) -> list[Drift]:
     """A row for each long run."""
     plain = store.asked
-    duration = {name: row["duration"] for name, row in store.catalogue["cases"].items()}
+    duration = {name: float(store.described("cases", name)["duration"]) for name in plain["case"].unique()}
     long = plain[[duration[row.case] / row.dt >= LONG for row in plain.itertuples()]]
     return [_drift(store, row) for row in long.itertuples()]
 
@@ -83,7 +83,7 @@ def _drift(store: Store, row: Any) -> Drift:
     nothing: dict[str, Any] = {"slope": None, "low": None, "high": None, "swing": None, "change": None}
     if row.status not in ("passed", "failed"):
         return Drift(**same, **nothing, quantity="", unit="", verdict=row.status)
-    rests = store.catalogue["cases"][row.case]["truth"] == "rest"
+    rests = store.described("cases", row.case)["truth"] == "rest"
     try:
         quantity, time, series = _series(store.trajectory(row.trajectory_hash), rests)
     except NotKept:

@@ -33,6 +33,7 @@ __all__ = [
     "rows",
     "sentences",
     "verdicts",
+    "verdicts_if_described",
 ]
 
 
@@ -84,6 +85,12 @@ def verdicts(store: Store) -> tuple[Verdict, ...]:
     return tuple(_verdicts(store))
 
 
+def verdicts_if_described(store: Store) -> tuple[Verdict, ...]:
+    """The same for pages that are not about effects alone: none where the folder has lost the catalogue, which says what
+    scenes call for."""
+    return verdicts(store) if store.catalogue else ()
+
+
 def _verdicts(store: Store) -> Iterator[Verdict]:
     trials = store.trials
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
@@ -91,7 +98,7 @@ def _verdicts(store: Store) -> Iterator[Verdict]:
     chosen = trials[trials["experiment"].isin(altered) & (trials["members"] == 1)]
     samples = samples_by_block(store)
     for case, cells in chosen.groupby("case", sort=False):
-        named = _where(cells["parameters"], store.catalogue["cases"][case]["parameters"])
+        named = _where(cells["parameters"], store.described("cases", str(case))["parameters"])
         for parameters, scenes in cells.groupby("parameters", sort=False):
             needed = _needed(store, scenes)
             for (engine, track), group in scenes.groupby(["engine", "track"], sort=False):
@@ -124,7 +131,7 @@ class _Need:
 def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
     """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
     runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
-    declared = store.catalogue["cases"][scenes["case"].iloc[0]]["effects"]
+    declared = store.described("cases", scenes["case"].iloc[0])["effects"]
     scale, needs = scale_in(store, runs), {}
     for run in runs.values():
         departed = departure(run)
@@ -149,7 +156,7 @@ def _of_side(
     plain = runs.get("")
     if plain is None:
         return
-    about = store.catalogue["cases"][plain.case]
+    about = store.described("cases", plain.case)
     declared, insists = set(about["effects"]), about.get("insists", {})
     scale = scale_in(store, runs)
     doubt = "" if scale is None else f"{engine}: {scale.doubt}"
@@ -189,7 +196,7 @@ def _of_side(
         yield row(AS_IT_IS, plain, None, plain.status, None, plain.reason)
         return
     surplus, missing = (
-        {notice.effect: str(notice) for notice in notices if notice.kind == kind} for kind in ("surplus", "missing")
+        {notice.effect: notice.text for notice in notices if notice.kind == kind} for kind in ("surplus", "missing")
     )
     for name, run in runs.items():
         departed = departure(run)
@@ -273,7 +280,10 @@ def sentences(
     audited = audit(rows)
     if audited.scenes:
         beside = f"; {audited.in_doubt} more are not judged in full" if audited.in_doubt else ""
-        counts = f"{audited.clean} of {audited.scenes} scenes"
-        lines.append(f"Audit: {counts} call for exactly what they need, judged on {audited.judge}{beside}.")
+        judge = (titles or {}).get(audited.judge, audited.judge)
+        call = f"{audited.clean} of {audited.scenes} scenes call for exactly what they need"
+        if audited.clean == audited.scenes == 1 and not audited.in_doubt:
+            call = "the scene calls for exactly what it needs"
+        lines.append(f"Audit: {call}, judged on {judge}{beside}.")
     lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]

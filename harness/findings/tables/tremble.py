@@ -154,7 +154,7 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
 
 def _bound(store: Store, row: Mapping[str, Any]) -> float:
     """The case's bound [rad/s] for a run that recorded none, scaled from the catalogue's to the step that it took."""
-    about = store.catalogue["cases"][row["case"]]
+    about = store.described("cases", row["case"])
     check = next(check for check in about["checks"] if check["metric"] == "vibration_rms")
     taken = number(row.get("substep"))
     return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(about["dt"])

@@ -1,4 +1,4 @@
-"""Trials of a campaign carried out and clocked in this process: for what engines answer, not for how a process of theirs ends."""
+"""Trials of a campaign carried out and clocked in this process: for what engines answer, not for how processes end."""
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -27,7 +27,7 @@ from harness.trial.accuracy import run_trial
 from harness.trial.ensemble import endure
 from tests.in_process import clocked_by
 
-__all__ = ["STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]
+__all__ = ["CELLS", "STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]
 
 ENGINES = ("reference", "mujoco")
 STUDY = Study(
@@ -38,7 +38,9 @@ STUDY = Study(
         Experiment(name="ladder", cases=("flight_projectile",), dt=(1 / 60, 1 / 120, 1 / 480), samples=3),
     ),
 )
-"""Sixteen answers of two engines, eight prices of each."""
+"""Two cases once and three steps, each on two tracks."""
+CELLS = 20
+"""Answers of it on both engines, each with its price."""
 NOISE = 0.01
 
 

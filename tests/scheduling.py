@@ -68,6 +68,7 @@ SHARED = {
     "tests/browser/test_sensors_page.py": "tests/browser/test_report.py",
     "tests/browser/test_trends_page.py": "tests/browser/test_report.py",
     "tests/browser/test_what_changed.py": "tests/browser/test_report.py",
+    "tests/unit/test_history_news.py": "tests/unit/test_history.py",
 }
 """Files that go where another one goes, since both read what is worked out, or use what is started, once in a process."""
 

@@ -1,4 +1,4 @@
-"""What all tests share: the command line as a person calls it, a third party's faulty engines, and a run of known prices."""
+"""What all tests share: the command line as a person calls it, faulty engines, a run of known prices and a first night."""
 
 import gc
 import json
@@ -86,6 +86,17 @@ def known_prices(tmp_path_factory: pytest.TempPathFactory) -> "KnownPrices":
     from tests.known_prices import run_known_prices  # late, as above
 
     return run_known_prices(tmp_path_factory.mktemp("known_prices") / "run")
+
+
+@pytest.fixture(scope="session")
+def first_night(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A history with one night, which is only read and copied."""
+    from tests.nights import night, planted  # late, as above
+
+    root = tmp_path_factory.mktemp("first_night") / "h"
+    with planted():
+        night(root)
+    return root
 
 
 @pytest.fixture(scope="session", autouse=True)

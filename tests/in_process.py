@@ -1,19 +1,25 @@
-"""Trials of a campaign carried out in this process: for what engines answer, not for how a process of theirs ends."""
+"""Trials of a campaign carried out and clocked in this process: for what engines answer, not for how processes end."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import random
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.case import Case
 from harness.run import campaign
-from harness.store.record import Record
+from harness.run.timing_blocks import summarise
+from harness.store.record import Record, Sample, Timing
 from harness.study import plugins
 from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
 from harness.trial.ensemble import endure
 
-__all__ = ["in_this_process"]
+__all__ = ["clocked_by", "in_this_process"]
+
+STEPS, CANARY = 100, 1e-3
+"""Of a block, and the seconds of the canary in it."""
 
 
 def in_this_process(patch: pytest.MonkeyPatch, cases: Mapping[str, Case] | None = None) -> None:
@@ -29,3 +35,20 @@ def in_this_process(patch: pytest.MonkeyPatch, cases: Mapping[str, Case] | None 
             yield answer(trial, case, plugins.adapter(trial.engine), folder)
 
     patch.setattr(campaign, "run_isolated", answers)
+
+
+def clocked_by(patch: pytest.MonkeyPatch, blocks: Callable[[Trial], Sequence[float]]) -> None:
+    """Let clocks say what a formula says, until the patch is undone, and never that a machine was restless.
+
+    Args: blocks: CPU seconds of a step of a trial, block by block.
+    """
+
+    def clocks(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
+        for trial in trials:
+            samples = tuple(
+                Sample(process=0, block=k, steps=STEPS, cpu=STEPS * step, wall=CANARY, canary=CANARY, switches=0)
+                for k, step in enumerate(blocks(trial))
+            )
+            yield replace(summarise(trial, samples), unstable_timing=False)
+
+    patch.setattr(campaign, "clock_group", clocks)

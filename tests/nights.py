@@ -1,7 +1,6 @@
 """Nights carried out in this process, clocked by formula, with faults planted in an engine: what a history makes of them."""
 
 import math
-import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -18,17 +17,17 @@ from harness.history.folder import History, Night, created
 from harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
 from harness.history.since_last_seen import News
 from harness.run import campaign
-from harness.run.timing_blocks import summarise
 from harness.scene import Scene
-from harness.store.record import Record, Sample, Timing
+from harness.store.record import Record
 from harness.study import plugins
 from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
 from harness.trial.ensemble import endure
+from tests.in_process import clocked_by
 
-__all__ = ["STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]
+__all__ = ["CELLS", "STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]
 
 ENGINES = ("reference", "mujoco")
 STUDY = Study(
@@ -39,7 +38,9 @@ STUDY = Study(
         Experiment(name="ladder", cases=("flight_projectile",), dt=(1 / 60, 1 / 120, 1 / 480), samples=3),
     ),
 )
-"""Sixteen answers of two engines, eight prices of each."""
+"""Two cases once and three steps, each on two tracks."""
+CELLS = 20
+"""Answers of it on both engines, each with its price."""
 NOISE = 0.01
 
 
@@ -123,15 +124,9 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
             record = answer(trial, plugins.case(trial.case), faulty, folder)
             yield replace(record, rough_cost=1e-5 / trial.settings.dt) if trial.experiment.sweep else record
 
-    def clocks(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
-        for trial in trials:
-            price = (fault.price if trial.engine == fault.engine else 1.0) * 1e-5
-            noise = np.exp(np.random.default_rng(len(computed)).normal(0, NOISE, 5))
-            samples = tuple(
-                Sample(process=0, block=k, steps=100, cpu=100 * price * each, wall=1e-3, canary=1e-3, switches=0)
-                for k, each in enumerate(noise)
-            )
-            yield replace(summarise(trial, samples), unstable_timing=False)
+    def blocks(trial: Trial) -> list[float]:
+        price = (fault.price if trial.engine == fault.engine else 1.0) * 1e-5
+        return [price * each for each in np.exp(np.random.default_rng(len(computed)).normal(0, NOISE, 5))]
 
     plain = campaign.sources_of
 
@@ -142,7 +137,7 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(campaign, "run_isolated", answers)
-        patch.setattr(campaign, "clock_group", clocks)
+        clocked_by(patch, blocks)
         patch.setattr(campaign, "sources_of", sources)
         yield computed
 

@@ -121,6 +121,19 @@ def visit(tab: Any) -> Iterator[Any]:
         one.close()
 
 
+@pytest.fixture
+def look(tab: Any) -> Callable[[Path], Any]:
+    """Open a page for one who leaves it as it is, or turns it back: it is not opened again where it stands open like that."""
+
+    def at(path: Path) -> Any:
+        if tab.evaluate("window.lookedAt") != path.as_uri():
+            Visit(tab, path).close()
+            tab.evaluate("address => { window.lookedAt = address; }", path.as_uri())
+        return tab
+
+    return at
+
+
 @pytest.fixture(scope="session")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of the quick study, which is only read."""

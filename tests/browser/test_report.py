@@ -100,8 +100,8 @@ def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(plain: Path, visit: 
             assert charts.nth(k).locator(".mark-symbol path").count() > 5
 
 
-def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, visit: Any) -> None:
-    text = visit(plain / "case-stack_tower.html").page.locator("#case-stack_tower-step .plot svg").text_content()
+def test_outcomes_without_a_number_are_drawn_on_the_chart(plain: Path, look: Any) -> None:
+    text = look(plain / "case-stack_tower.html").locator("#case-stack_tower-step .plot svg").text_content()
     for symbol in "∞∅◷‡▣":
         assert symbol in text
 
@@ -118,14 +118,35 @@ def test_without_scripts_the_static_pictures_stand_and_the_tables_are_there(plai
     page.close()
 
 
-def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-stack_tower.html").page
+def test_print_shows_the_static_picture_in_place_of_the_live_chart(plain: Path, look: Any) -> None:
+    page = look(plain / "case-stack_tower.html")
     assert not page.locator("figure.chart img.still").first.is_visible()
     page.emulate_media(media="print")
     assert page.locator("figure.chart img.still").first.is_visible()
     assert not page.locator("figure.chart .plot").first.is_visible()
     page.emulate_media(media="screen")
     assert page.locator("figure.chart .plot").first.is_visible()
+
+
+def test_words_and_outcomes_filter_the_trials(plain: Path, look: Any) -> None:
+    page = look(plain / "case-stack_tower.html")
+    rows = page.locator("table.trials tbody tr:visible")
+    assert rows.count() == 60
+    page.locator(".tools input").fill("mujoco tuned")
+    assert rows.count() == 6
+    page.locator(".tools input").fill("")
+    page.locator(".tools select").select_option("crashed")
+    assert rows.count() == 1
+    page.locator(".tools select").select_option("")
+    assert rows.count() == 60
+
+
+def test_a_permanent_link_to_a_trial_opens_its_row(plain: Path, look: Any) -> None:
+    page = look(plain / "case-stack_tower.html")
+    name = page.locator("table.trials tbody tr").nth(40).get_attribute("id")
+    page.evaluate(f"location.hash = '{name}'")
+    page.wait_for_selector(f"#{name} details[open]")
+    assert "plumbline reproduce" in page.locator(f"#{name}").inner_text()
 
 
 def column(page: Any, head: str) -> list[float]:
@@ -147,17 +168,6 @@ def test_a_click_on_a_heading_sorts_the_numbers_another_turns_them_and_gaps_stan
         button.click()
         assert column(page, heads[0]) == sorted(before, reverse=turned) != before
         assert last.get_attribute("data-status") in ("unavailable", "diverged", "oom")
-
-
-def test_words_and_outcomes_filter_the_trials(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-stack_tower.html").page
-    rows = page.locator("table.trials tbody tr:visible")
-    assert rows.count() == 60
-    page.locator(".tools input").fill("mujoco tuned")
-    assert rows.count() == 6
-    page.locator(".tools input").fill("")
-    page.locator(".tools select").select_option("crashed")
-    assert rows.count() == 1
 
 
 def test_the_price_list_shows_one_error_at_first_and_each_price_leads_to_its_trial(plain: Path, visit: Any) -> None:
@@ -189,14 +199,6 @@ def test_a_miniature_leads_to_the_chart_of_its_case(plain: Path, visit: Any) -> 
     assert page.locator(".mini").count() == 3
     page.locator(".mini").first.click()
     page.wait_for_selector("figure.chart:target .plot svg")
-
-
-def test_a_permanent_link_to_a_trial_opens_its_row(plain: Path, visit: Any) -> None:
-    page = visit(plain / "case-stack_tower.html").page
-    name = page.locator("table.trials tbody tr").nth(40).get_attribute("id")
-    page.evaluate(f"location.hash = '{name}'")
-    page.wait_for_selector(f"#{name} details[open]")
-    assert "plumbline reproduce" in page.locator(f"#{name}").inner_text()
 
 
 def test_hovering_a_point_tells_its_trial(plain: Path, visit: Any) -> None:

@@ -6,7 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -208,43 +208,57 @@ class Visit:
         self.page.goto(address)
 
 
+@pytest.fixture
+def visit(browser: Any) -> Iterator[Callable[[str], Visit]]:
+    """Open an address; what is open is closed behind the test, since a viewer that nobody looks at goes on drawing."""
+    opened: list[Visit] = []
+
+    def go(address: str) -> Visit:
+        opened.append(Visit(browser, address))
+        return opened[-1]
+
+    yield go
+    for one in opened:
+        one.page.close()
+
+
 @pytest.mark.browser
-def test_the_first_page_leads_to_the_report_and_to_each_recording(browser: Any, served: Served) -> None:
-    visit = Visit(browser, served.address)
-    links = visit.page.eval_on_selector_all("a", "all => all.map(a => a.getAttribute('href'))")
+def test_the_first_page_leads_to_the_report_and_to_each_recording(visit: Callable[[str], Visit], served: Served) -> None:
+    first = visit(served.address)
+    links = first.page.eval_on_selector_all("a", "all => all.map(a => a.getAttribute('href'))")
     assert "/report/index.html" in links
     assert "/view?recording=/recordings/rise.rrd" in links
     for link in links:
         assert served.ask(link)[0].status == 200, link
-    assert visit.page.evaluate("window.attacked") is None
-    visit.page.click("text=Read the report")
-    visit.page.wait_for_url("**/report/index.html")
-    assert visit.page.title()
-    assert not visit.errors
+    assert first.page.evaluate("window.attacked") is None
+    first.page.click("text=Read the report")
+    first.page.wait_for_url("**/report/index.html")
+    assert first.page.title()
+    assert not first.errors
 
 
 @pytest.mark.browser
 def test_watch_on_the_page_of_a_case_shows_its_moment_in_the_viewer_and_nobody_else_is_asked(
-    browser: Any, served: Served
+    visit: Callable[[str], Visit], served: Served
 ) -> None:
-    visit = Visit(browser, f"{served.address}report/case-rise.html")
-    watch = visit.page.locator("#happened a.watch")
+    seen = visit(f"{served.address}report/case-rise.html")
+    watch = seen.page.locator("#happened a.watch")
     # The run rises twice as fast as the truth, so that it is farthest off where it ends.
     assert watch.inner_text() == "▶ Watch at 0.1 s"
     watch.click()
-    visit.page.wait_for_url("**/view?recording=/recordings/rise.rrd&at=0.100000")
-    visit.page.wait_for_selector("#state", state="hidden", timeout=200_000)
+    seen.page.wait_for_url("**/view?recording=/recordings/rise.rrd&at=0.100000")
+    seen.page.wait_for_selector("#state", state="hidden", timeout=200_000)
     # The engine's own colour is on the screen once the viewer has drawn what the recording holds.
     for _ in range(100):
-        picture = visit.page.screenshot(timeout=120_000)
+        picture = seen.page.screenshot(timeout=120_000)
         if shows(picture, ENGINES["mujoco"].colour):
             break
-        visit.page.wait_for_timeout(300)
+        seen.page.wait_for_timeout(300)
     assert shows(picture, ENGINES["mujoco"].colour)
-    assert f"{served.address}moment/0.100000/rise.rrd" in visit.asked
-    outside = [url for url in visit.asked if not url.startswith((served.address, "data:", "blob:"))]
+    assert f"{served.address}moment/0.100000/rise.rrd" in seen.asked
+    outside = [url for url in seen.asked if not url.startswith((served.address, "data:", "blob:"))]
     assert not outside
-    assert not visit.errors
+    assert not seen.errors
 
 
 def shows(png: bytes, colour: str) -> bool:
@@ -256,7 +270,7 @@ def shows(png: bytes, colour: str) -> bool:
 
 @pytest.mark.browser
 @pytest.mark.parametrize("asked", ["https://example.org/x.rrd", "//example.org/x.rrd", "/report/index.html", ""])
-def test_the_viewer_takes_recordings_of_this_server_only(browser: Any, served: Served, asked: str) -> None:
-    visit = Visit(browser, f"{served.address}view?recording={asked}")
-    visit.page.wait_for_selector("text=names no recording of this server", timeout=60_000)
-    assert not [url for url in visit.asked if "example.org" in url.split("view?")[0]]
+def test_the_viewer_takes_recordings_of_this_server_only(visit: Callable[[str], Visit], served: Served, asked: str) -> None:
+    seen = visit(f"{served.address}view?recording={asked}")
+    seen.page.wait_for_selector("text=names no recording of this server", timeout=60_000)
+    assert not [url for url in seen.asked if "example.org" in url.split("view?")[0]]

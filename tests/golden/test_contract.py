@@ -64,8 +64,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> Path
     return out / "run"
 
 
-def test_every_command_of_the_contract_is_there(plumbline: Command) -> None:
-    text = plumbline("--help").stdout
+def test_every_command_of_the_contract_is_there(printed: Command) -> None:
+    text = printed("--help").stdout
     for command in COMMANDS:
         assert f"\n  {command} " in text
 

@@ -81,11 +81,34 @@ def bomb(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Bomb]:
     return thrown
 
 
+SOUND = {
+    "a whole number for a mass": (BALL + "mass = 2", "toml"),
+    "a number of 300 digits behind a point": (BALL + "mass = 0." + "3" * 300, "toml"),
+    "dots within texts": ("# " + "a." * 500 + '\n[[bodies]]\nname = "' + "b." * 99 + 'b"', "toml"),
+    "brackets within texts": ("# " + "[{" * 500 + '\n[[bodies]]\nname = "' + "[{" * 50 + '"', "toml"),
+    "brackets within JSON texts": (json.dumps({"bodies": [{"name": '[{"\\' * 40}]}), "json"),
+    "arrays 8 deep": (BALL + "inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "toml"),
+    "a list of both kinds of quotes": ("[[bodies]]\nname = '''a\"'b'''\nmaterial = \"\"\"c'\"d\"\"\"", "toml"),
+    "a thousand bodies": (many(1000), "json"),
+    "a limit that is kept": (many(10), "json"),
+}
+"""Files that are none of these."""
+ABSENT = [("show", "DIR"), ("report", "DIR"), ("view", "DIR", "x"), ("serve", "DIR"), ("reproduce", "DIR", "x")]
+"""Commands on a folder that is not there."""
+
+
 @pytest.fixture(scope="module")
 def readings(tmp_path_factory: pytest.TempPathFactory, bomb: Callable[[str], Bomb]) -> dict[str, Reading]:
-    """What was said of each fault: of bombs each in a process of its own, of all others in one."""
+    """What was said of each file and of each command without a folder: of bombs each in a process, of all others in one."""
     folder = tmp_path_factory.mktemp("input")
     calls = [written(folder, family, name) for family, name in FAULTS if name not in BOMBS]
+    for number, (name, (content, ending)) in enumerate(SOUND.items()):
+        path = folder / f"sound{number}.{ending}"
+        path.write_text(content)
+        options = ["--limit", "bodies=10"] if name == "a limit that is kept" else []
+        calls.append((name, ["run", str(path), "--out", str(folder / "out"), *options], {}))
+    nowhere = str(folder / "nowhere")
+    calls += [(words[0], [word.replace("DIR", nowhere) for word in words], {}) for words in ABSENT]
     alone = {f"{family}: {name}": bomb(name).reading for family, name in FAULTS if name in BOMBS}
     return answered(READ, calls) | alone
 
@@ -101,30 +124,11 @@ def test_a_fault_of_input_is_refused_by_name(family: str, name: str, readings: d
     ledger.survived(f"input: {family}", name, f"exit code 2, {len(found.text)} characters, {1000 * found.seconds:.0f} ms")
 
 
-SOUND = {
-    "a whole number for a mass": (BALL + "mass = 2", "toml"),
-    "a number of 300 digits behind a point": (BALL + "mass = 0." + "3" * 300, "toml"),
-    "dots within texts": ("# " + "a." * 500 + '\n[[bodies]]\nname = "' + "b." * 99 + 'b"', "toml"),
-    "brackets within texts": ("# " + "[{" * 500 + '\n[[bodies]]\nname = "' + "[{" * 50 + '"', "toml"),
-    "brackets within JSON texts": (json.dumps({"bodies": [{"name": '[{"\\' * 40}]}), "json"),
-    "arrays 8 deep": (BALL + "inertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "toml"),
-    "a list of both kinds of quotes": ("[[bodies]]\nname = '''a\"'b'''\nmaterial = \"\"\"c'\"d\"\"\"", "toml"),
-    "a thousand bodies": (many(1000), "json"),
-    "a limit that is kept": (many(10), "json"),
-}
-
-
-def test_what_is_sound_is_read(tmp_path: Path) -> None:
-    calls: list[tuple[str, list[str], Mapping[str, str]]] = []
-    for number, (name, (content, ending)) in enumerate(SOUND.items()):
-        path = tmp_path / f"{number}.{ending}"
-        path.write_text(content)
-        options = ["--limit", "bodies=10"] if name == "a limit that is kept" else []
-        calls.append((name, ["run", str(path), "--out", str(tmp_path / "out"), *options], {}))
-    answers = answered(READ, calls)
-    assert {name: found.ended for name, found in answers.items()} == dict.fromkeys(SOUND, "accepted")
+def test_what_is_sound_is_read(readings: dict[str, Reading]) -> None:
+    found = {name: readings[name] for name in SOUND}
+    assert {name: reading.ended for name, reading in found.items()} == dict.fromkeys(SOUND, "accepted")
     # All that is said is which engines run it.
-    assert not [line for found in answers.values() for line in found.text.splitlines() if not line.endswith(": runs")]
+    assert not [line for reading in found.values() for line in reading.text.splitlines() if not line.endswith(": runs")]
 
 
 SLOW = pytest.mark.slow
@@ -149,19 +153,9 @@ def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(t
     ledger.survived("input: environment", f"PLUMBLINE_KERNEL_CACHE in {Path(told).name}", "unavailable, with the reason")
 
 
-ABSENT = [("show", "DIR"), ("report", "DIR"), ("view", "DIR", "x"), ("serve", "DIR"), ("reproduce", "DIR", "x")]
-
-
-@pytest.fixture(scope="module")
-def absent(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Reading]:
-    """What each command says of a folder that is not there, all in one process."""
-    nowhere = str(tmp_path_factory.mktemp("absent") / "nowhere")
-    return answered(READ, [(words[0], [word.replace("DIR", nowhere) for word in words], {}) for words in ABSENT])
-
-
 @pytest.mark.parametrize("arguments", ABSENT, ids=lambda told: told[0])
-def test_a_missing_folder_is_wrong_usage(arguments: tuple[str, ...], absent: dict[str, Reading], ledger: Page) -> None:
-    found = absent[arguments[0]]
+def test_a_missing_folder_is_wrong_usage(arguments: tuple[str, ...], readings: dict[str, Reading], ledger: Page) -> None:
+    found = readings[arguments[0]]
     assert found.ended == "refused"
     assert "nowhere: no run folder" in found.text
     ledger.survived("input: folder", f"{arguments[0]} of a folder that is not there", "exit code 2")

@@ -12,6 +12,7 @@ from harness.intake.refusal import RobotError
 from harness.scene.file import load, parse
 from harness.scene.importers.companion import load_companion
 from harness.store.imported_scenes import fidelity_of, keep, unsound
+from tests.in_process import clocked_by, in_this_process
 from tests.robot_files import INERTIAL, LIMIT, imported, urdf
 
 SHAPED = f'{INERTIAL}<collision><geometry><sphere radius="0.1"/></geometry></collision>'
@@ -98,7 +99,12 @@ def test_an_import_is_kept_once_sealed_and_named_by_what_it_says(tmp_path: Path)
     assert (broken, "checksum differs" in what) == (path, True)
 
 
-def test_a_robot_runs_and_its_folder_says_what_became_of_it(robot: Path, tmp_path: Path) -> None:
+def test_a_robot_runs_and_its_folder_says_what_became_of_it(
+    robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In this process: a scene of one's own that runs in processes of its own is in `test_scene_files.py`."""
+    in_this_process(monkeypatch)
+    clocked_by(monkeypatch, lambda _: [1e-6] * 3)
     out = tmp_path / "out"
     of_run = ("--dt", "4ms", "--duration", "0.2", "--budget", "1s")
     done = command("run", robot, "--drop", "friction_loss", "--engine", "mujoco", *of_run, "--out", out)

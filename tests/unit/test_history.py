@@ -1,63 +1,38 @@
-"""What nights remember: answers recalled and computed again, planted changes told, deaths, locks, addresses, budgets."""
+"""What nights keep: answers recalled and computed again, deaths, locks, addresses, what goes, and what was damaged."""
 
-import json
 import os
 import shutil
 import signal
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from datetime import timedelta
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 
-from harness.findings.changes.words import command, sentence
-from harness.findings.vendor.shelf import shelf
 from harness.history import steering
-from harness.history.acknowledged import acknowledge
 from harness.history.address import copy_of
-from harness.history.folder import created, opened, stamp_of
-from harness.history.identity import Named, change_id
+from harness.history.folder import created, opened
 from harness.history.listing import COLUMNS, rows
 from harness.history.lock import locked
 from harness.history.pool import Pool
-from harness.history.regressions import read_trends
 from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
 from harness.history.steering import AGAIN, computed_again
-from harness.history.words import unanswered_in_short
 from harness.run import campaign
-from harness.run.interrupt import TimeIsUp, naming
-from harness.store.journal import Journal, StoreError, read_journal
-from harness.store.record import Record
-from harness.store.store import write_json
-from harness.study.trial import Trial
+from harness.store.journal import StoreError, read_journal
 from tests.conftest import Command
-from tests.nights import STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
+from tests.nights import CELLS, STUDY, Fault, asked, drawn, night, planted
 from tests.stress.light_run import STUDY as LIGHT
 from tests.stress.light_run import light
-from tests.synthetic_history import priced
 
-CELLS = 20
-"""Answers of the study of few cells: two cases once and three steps, each on two engines and two tracks."""
-
-
-@pytest.fixture(scope="module")
-def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A history with one night, which the tests copy."""
-    root = tmp_path_factory.mktemp("first") / "h"
-    with planted():
-        night(root)
-    return root
+LOOK = replace(STUDY, experiments=STUDY.experiments[:1])
+"""Its first experiment alone."""
 
 
 @pytest.fixture
-def root(first: Path, tmp_path: Path) -> Path:
-    """A copy of it."""
-    return Path(shutil.copytree(first, tmp_path / "h"))
+def root(first_night: Path, tmp_path: Path) -> Path:
+    """A copy of a history with one night."""
+    return Path(shutil.copytree(first_night, tmp_path / "h"))
 
 
 def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for_the_same_seed() -> None:
@@ -67,91 +42,6 @@ def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for
     assert abs(len(again) - AGAIN * len(names)) < 6 * 14
     assert again == [name for name in names if computed_again(name, "a night")]
     assert again != [name for name in names if computed_again(name, "another night")]
-
-
-def test_a_second_night_recalls_what_is_known_and_tells_nothing(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn(monkeypatch, 0.0)
-    with planted() as computed:
-        second, news, account = night(root)
-    assert computed == []
-    assert account["recalled"] == CELLS
-    assert account["clocked"] == CELLS
-    assert news is not None
-    assert not [row for row in news.changes.rows if row.sense in ("worse", "better")]
-    assert news.changes.matched == news.changes.same == CELLS
-    recalled = second.store().trials
-    assert set(recalled["recalled"]) - {""} == {opened(root).nights()[0].stamp}
-    assert [*problems_of(opened(root))] == []
-
-
-def test_a_slower_engine_is_told_with_how_much_and_what_shows_it(root: Path) -> None:
-    with planted(Fault(engine="reference", price=1.2)):
-        _, news, _ = night(root)
-    assert news is not None
-    worse = news.regressions(("reference",))
-    assert {(row.kind, row.engine) for row in news.changes.rows if row.regression} == {("price", "reference")}
-    # Samples of 1 % noise, five of them: a median is off by less than 2 %.
-    assert all(row.ratio == pytest.approx(1.2, rel=0.02) for row in worse)
-    assert {row.case for row in worse} >= {"flight_projectile", "friction_stop"}
-    one = next(row for row in worse if row.case == "friction_stop")
-    assert "friction_stop on reference" in sentence(one)
-    assert "--engine reference --case friction_stop" in command(one, news.changes)
-
-
-def test_more_friction_is_told_of_the_case_that_has_any(root: Path) -> None:
-    with planted(Fault(engine="reference", scene=rougher)):
-        _, news, _ = night(root)
-    assert news is not None
-    worse = news.regressions(("reference",))
-    assert {(row.case, row.engine) for row in worse} == {("friction_stop", "reference")}
-    assert {row.kind for row in worse} <= {"verdict", "error"}
-    assert all(command(row, news.changes).startswith("plumbline reproduce") for row in worse)
-
-
-def test_one_ulp_under_the_same_digest_is_another_answer_and_then_everything_of_that_engine_is_computed(
-    root: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drawn(monkeypatch, 1.0)
-    with planted(Fault(engine="reference", state=one_ulp_off, known=False)):
-        last, news, account = night(root)
-    assert news is not None
-    told = [row for row in news.changes.rows if row.kind in ("digest", "verdict", "error", "price", "limit")]
-    assert {(row.kind, row.engine, row.sense) for row in told} == {("digest", "reference", "worse")}
-    assert account["disagreements"] == len(told) == CELLS // 2
-    assert "same digest, another answer" in sentence(told[0])
-    drawn(monkeypatch, 0.0)
-    with planted() as computed:
-        _, later, _ = night(root)
-    # What it answered before that night is not trusted; what it answered in it is.
-    assert computed == []
-    assert later is not None
-    assert {record.recalled for record in read_journal(opened(root).nights()[-1].folder / "journal.jsonl").values()} >= {
-        last.stamp
-    }
-
-
-def test_one_ulp_under_another_digest_is_told_as_no_worse(root: Path) -> None:
-    with planted(Fault(engine="reference", state=one_ulp_off)):
-        _, news, _ = night(root)
-    assert news is not None
-    told = {(row.kind, row.sense, row.engine) for row in news.changes.rows if row.kind in ("error", "verdict", "digest")}
-    assert told == {("error", "within tolerance", "reference")}
-    assert news.regressions(("reference",)) == ()
-
-
-def test_what_is_acknowledged_is_not_told_again(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn(monkeypatch, 1.0)
-    fault = Fault(engine="mujoco", state=one_ulp_off, known=False)
-    with planted(fault):
-        _, _, account = night(root)
-    for row in account["told"]:
-        acknowledge(opened(root), Named.told(row), "a new C library")
-    with planted():
-        _, news, _ = night(root)
-    assert news is not None
-    assert not [row for row in news.changes.rows if row.kind == "digest"]
-    assert {row.kind for row in news.acknowledged} == {"digest"}
-    assert all(change_id(row, account["stamp"]) in {told["id"] for told in account["told"]} for row in news.acknowledged)
 
 
 def test_a_night_that_was_killed_goes_on_where_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -205,7 +95,7 @@ def test_two_nights_never_meet_and_a_dead_one_holds_nothing(tmp_path: Path) -> N
 def test_a_history_lies_at_any_address(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "here"))
     there = copy_of("memory://nights/h")
-    few = asked(replace(STUDY, experiments=STUDY.experiments[:1]), engines=("mujoco",))
+    few = asked(LOOK, engines=("mujoco",))
     with there.locked(60.0), pytest.raises(StoreError, match="another night holds it"), there.locked(60.0):
         pass
     with planted():
@@ -224,14 +114,23 @@ def test_a_history_lies_at_any_address(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert len(opened(there.root).nights()) == 2
 
 
-@pytest.mark.parametrize(("keep", "stays"), [("all", True), ("changed", False), ("none", False)])
-def test_of_what_passed_as_before_the_hash_is_kept(keep: steering.Keep, stays: bool, tmp_path: Path) -> None:
-    """The adapter's source is another, its answers are the same: they are computed, and none is news."""
-    root, one = tmp_path / "h", replace(STUDY, experiments=STUDY.experiments[:1])
+@pytest.fixture(scope="module")
+def kept_nothing(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A history with one night of one engine, which kept no motion; it is only copied."""
+    root = tmp_path_factory.mktemp("kept_nothing") / "h"
     with planted():
-        night(root, asked(one, engines=("mujoco",), keep="none"))
+        night(root, asked(LOOK, engines=("mujoco",), keep="none"))
+    return root
+
+
+@pytest.mark.parametrize(("keep", "stays"), [("all", True), ("changed", False), ("none", False)])
+def test_of_what_passed_as_before_the_hash_is_kept(
+    keep: steering.Keep, stays: bool, kept_nothing: Path, tmp_path: Path
+) -> None:
+    """The adapter's source is another, its answers are the same: they are computed, and none is news."""
+    root = Path(shutil.copytree(kept_nothing, tmp_path / "h"))
     with planted(Fault(engine="mujoco")):
-        last, _, _ = night(root, asked(one, engines=("mujoco",), keep=keep))
+        last, _, _ = night(root, asked(LOOK, engines=("mujoco",), keep=keep))
     records = read_journal(last.folder / "journal.jsonl").values()
     assert {record.trajectory_kept for record in records if record.status == "passed"} == {stays}
     kept = {record.trajectory_hash for record in records if record.trajectory_kept}
@@ -243,9 +142,8 @@ def test_of_what_passed_as_before_the_hash_is_kept(keep: steering.Keep, stays: b
 def test_old_nights_go_and_answers_that_no_night_names_but_not_the_last_that_saw_something(root: Path) -> None:
     with planted(Fault(engine="reference")):
         night(root)
-    one = replace(STUDY, experiments=STUDY.experiments[:1])
     with planted(Fault(engine="reference")):
-        night(root, asked(one))
+        night(root, asked(LOOK))
     history = opened(root)
     what = pruning(history, keep_nights=1)
     assert what.nights == history.nights()[:1]
@@ -269,141 +167,11 @@ def test_a_damaged_answer_is_named_and_computed_again(root: Path) -> None:
     assert [*problems_of(opened(root))] == []
 
 
-def test_the_nights_are_listed(first: Path) -> None:
-    (row,) = rows(opened(first))
+def test_the_nights_are_listed(first_night: Path) -> None:
+    (row,) = rows(opened(first_night))
     assert tuple(row) == COLUMNS
     assert (row["state"], row["answers"], row["computed"], row["clocked"]) == ("whole", CELLS, CELLS, CELLS)
     assert "mujoco" in row["versions"]
-
-
-FILE = """
-name = "few"
-[[experiments]]
-name = "look"
-cases = ["flight_projectile", "friction_stop"]
-samples = 3
-"""
-
-
-def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_summary_to_who_is_notified(
-    tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # Each finding about an engine is a process a night: one of them shows that nights ask.
-    finding = next(each for each in shelf() if each.engine == "mujoco")
-    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: (finding,))
-    study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
-    study.write_text(FILE)
-    words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]
-    with planted():
-        began = printed(*words)
-    assert (began.returncode, began.stderr) == (0, "")
-    assert "4 answers, 0 recalled, 4 computed" in began.stdout
-    with planted(Fault(engine="mujoco", scene=rougher)):
-        ended = printed(*words, "--gate", "mujoco", "--notify", f"cat > {mail}")
-    assert ended.returncode == 1
-    assert "gate: friction_stop on mujoco" in ended.stdout
-    assert "plumbline reproduce" in ended.stdout
-    night = opened(root).nights()[-1]
-    assert mail.read_bytes() == (night.folder / "changes" / "summary.md").read_bytes()
-    assert "friction_stop on mujoco" in mail.read_text()
-    assert {path.name for path in (night.folder / "changes").iterdir()} == {
-        "summary.md", "junit.xml", "changes.json", "asv.json", "bencher.json", "badge.svg", "what-changed.html", "style",
-    }  # fmt: skip
-    assert [row["name"] for row in night.plan["findings"]] == [finding.name]
-    assert "accuracy" in (night.folder / "night.log").read_text()
-    listed = printed("history", root, "--json")
-    assert [row["worse"] > 0 for row in json.loads(listed.stdout)] == [False, True]
-    assert printed("verify", root).returncode == 0
-    with planted(Fault(engine="mujoco", scene=rougher)):
-        settled = printed(*words, "--gate", "mujoco")
-    # It is told once, by the night that saw it first; from then on it stands below, until somebody acknowledges it.
-    assert settled.returncode == 0
-    assert "Still worse since an earlier night" in (opened(root).nights()[-1].folder / "changes" / "summary.md").read_text()
-
-
-def drifting(root: Path, study: Path, nights: int) -> None:
-    """In place of the one night of a history: so many, a day apart, whose prices of the reference engine become a tenth dearer
-    over thirty of them, with 2 % noise; everything else is as it was."""
-    first, rng = opened(root).nights()[0], np.random.default_rng(21)
-    records = read_journal(first.folder / "journal.jsonl").values()
-    for age in range(nights):
-        folder = opened(root).night(stamp_of(first.began - timedelta(days=nights - age))).folder
-        shutil.copytree(first.folder, folder, ignore=shutil.ignore_patterns("*.parquet", "journal.jsonl"))
-        write_json(folder / "night.json", {**first.plan, "stamp": folder.name})
-        journal = Journal(folder)
-        for record in records:
-            drift = 1 + 0.1 * min(max((age - 2) / 30, 0.0), 1.0) if record.engine == "reference" else 1.0
-            journal.append(priced(record, 1e-5 * drift * float(np.exp(rng.normal(0, 0.02))), 1e-3))
-        journal.close()
-    shutil.rmtree(first.folder)
-
-
-def test_what_a_night_waited_for_in_vain_is_named_and_holds_up_nothing_the_next_night(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """An engine sleeps over one case until time is up."""
-    monkeypatch.setattr("harness.history.steering.AGAIN", 0.0)
-    with planted() as computed:
-        sound = campaign.run_isolated
-
-        def asleep(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
-            for trial in trials:
-                if (trial.experiment.name, trial.case, trial.engine) == ("look", "flight_projectile", "mujoco"):
-                    with naming([(trial, time.monotonic() - 30.0)]):
-                        raise TimeIsUp
-                yield from sound([trial], folder, workers)
-
-        monkeypatch.setattr(campaign, "run_isolated", asleep)
-        _, _, first = night(tmp_path / "h")
-        before = len(computed)
-        _, _, second = night(tmp_path / "h")
-    for account in (first, second):
-        (waited,) = account["unanswered"]
-        assert (waited["case"], waited["engine"], round(waited["seconds"])) == ("flight_projectile", "mujoco", 30)
-        assert "flight_projectile mujoco/" in unanswered_in_short(account["unanswered"])
-    assert ("look", "friction_stop") in {(row["experiment"], row["case"]) for row in first["left_out"]}
-    assert [(row["experiment"], row["case"]) for row in second["left_out"]] == [("look", "flight_projectile")]
-    # All but the two tracks of the engine that sleeps, each once over both nights: a night keeps what it has.
-    assert len(computed) == len(set(computed)) == CELLS - 2
-    assert before < len(computed)
-
-
-@pytest.mark.slow
-def test_a_drift_that_no_single_night_shows_is_told_once_ends_with_one_and_is_silenced_everywhere_by_one_word(
-    tmp_path: Path, printed: Command
-) -> None:
-    study, root = tmp_path / "few.toml", tmp_path / "h"
-    study.write_text(FILE)
-    words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--engine", "reference", "--no-report"]
-    with planted():
-        assert printed(*words).returncode == 0
-    drifting(root, study, 33)
-
-    def tonight() -> tuple[int, dict[str, Any], str]:
-        with planted(Fault(engine="reference", price=1.1, known=False)):
-            code = printed(*words, "--gate", "reference").returncode
-        last = opened(root).nights()[-1]
-        return code, dict(last.plan), (last.folder / "changes" / "summary.md").read_text()
-
-    code, plan, text = tonight()
-    assert code == 1
-    told = [row for row in plan["told"] if row["regression"]]
-    assert {(row["kind"], row["engine"], row["case"]) for row in told} == {
-        ("price", "reference", case) for case in ("flight_projectile", "friction_stop")
-    }
-    assert all("over all nights, on this level since" in row["sentence"] for row in told)
-    assert all("plumbline run" in row["command"] for row in told)
-    assert f"Gate (reference): {len(told)} regressions." in text
-    assert {one.id for one in read_trends(opened(root)).standing()} == {row["id"] for row in told}
-    code, plan, text = tonight()
-    assert (code, plan["told"]) == (0, [])
-    assert "Still worse since an earlier night (2)" in text
-    for row in told:
-        assert printed("history", "ack", row["id"], "--note", "known", "--history", root).returncode == 0
-    code, plan, text = tonight()
-    assert (code, plan["told"]) == (0, [])
-    assert "Still worse" not in text
-    assert read_trends(opened(root)).standing() == ()
 
 
 def test_a_history_of_this_schema_is_read_by_its_successors(

@@ -27,7 +27,7 @@ from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports import build, write_recordings
 from reports.pages.scene import PAGE
-from tests.in_process import in_this_process
+from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
 from tests.own_limits import pile
@@ -62,7 +62,9 @@ def carried_out(folder: Path, scene: Scene, engines: tuple[str, ...], name: str,
 def thrown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Done]:
     ball = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), p_WB=(0, 0, 1), v_WB=(3, 0, 4))
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(PLUGINS)  # children inherit the path
+        patch.syspath_prepend(PLUGINS)
+        in_this_process(patch)
+        clocked_by(patch, lambda trial: [LAWS[trial.engine, trial.track].spin] * 3)
         scene, folder = Scene(bodies=(ball,)), tmp_path_factory.mktemp("own")
         yield carried_out(folder, scene, ENGINES, "my_thrown-ball.toml", refine=Refinement(finest=1 / 1920))
 

@@ -39,7 +39,7 @@ timing = false
 
 
 def limits() -> str:
-    """Where sixteen spheres break through a wall, what helps; and at three steps, asked for the sub-step that all share."""
+    """Where spheres break through a wall, with what helps; and at three steps, asked for the sub-step that all share."""
     return f"""
 name = "small-limits"
 recordings = false
@@ -48,7 +48,7 @@ name = "walls"
 cases = ["tunnel_sphere_wall"]
 engines = {json.dumps(COMPILED)}
 tracks = ["tuned"]
-parameters = {{ continuous = [false], phases = [16] }}
+parameters = {{ continuous = [false] }}
 timing = false
 limit = {{ members = 2, remedies = ["tuned"], within = {WITHIN} }}
 [[experiments]]
@@ -57,7 +57,7 @@ cases = ["tunnel_sphere_wall"]
 engines = ["mujoco"]
 tracks = ["tuned"]
 dt = [{1 / 240}, {1 / 120}, {1 / 60}]
-parameters = {{ continuous = [false], phases = [16] }}
+parameters = {{ continuous = [false] }}
 timing = false
 limit = {{ members = 2, within = 2.0, parts = [1] }}
 """

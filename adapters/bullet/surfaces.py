@@ -64,11 +64,11 @@ def _factors(values: Mapping[tuple[Kind, Kind], float], what: str) -> dict[Kind,
 
 def _levers(values: Mapping[tuple[Kind, Kind], float], friction: Mapping[Kind, float], what: str) -> dict[Kind, float]:
     """Numbers r >= 0 with r_a mu_b + r_b mu_a = value [m] for every pair (btManifoldResult). Raises: Unsupported."""
-    from scipy.optimize import nnls  # late: a listing must not pay for it
-
     kinds = sorted({kind for pair in values for kind in pair})
     if not any(values.values()):
         return dict.fromkeys(kinds, 0.0)
+    from scipy.optimize import nnls  # late: only what rolls or spins against friction pays for it
+
     column = {kind: k for k, kind in enumerate(kinds)}
     matrix, target = np.zeros((len(values), len(kinds))), np.zeros(len(values))
     for row, ((a, b), value) in enumerate(values.items()):

@@ -11,7 +11,8 @@ import engine
 from harness.adapter import Settings, Unsupported
 from harness.scene import Body, Revolute, Scene
 
-pytestmark = pytest.mark.usefixtures("both_coordinates")
+TREES = pytest.mark.usefixtures("both_coordinates")
+"""Joints that make trees, in coordinates of either kind; loops have those of bodies whatever is asked for."""
 
 G = 9.81
 TRACKS = pytest.mark.parametrize("integrator", ["rk4", "semi_implicit_euler"])
@@ -45,6 +46,7 @@ LESS_THIN = [
 ]
 
 
+@TREES
 @TRACKS
 @pytest.mark.parametrize(("kind", "inertia"), [*THIN, *LESS_THIN])
 def test_a_pendulum_of_hardly_any_inertia_stays_on_its_anchor(kind: str, inertia: float, integrator: str) -> None:
@@ -77,6 +79,7 @@ def test_a_pendulum_of_hardly_any_inertia_stays_on_its_anchor(kind: str, inertia
         assert math.atan2(x, -z) == pytest.approx(end, abs=1e-9)
 
 
+@TREES
 @TRACKS
 @pytest.mark.parametrize("inertia", [1e-10, 1e-11, 1e-12, 1e-13])
 @pytest.mark.parametrize("links", [2, 3])
@@ -109,6 +112,7 @@ def test_a_chain_of_thin_links_on_skew_axes_holds(links: int, inertia: float, in
             assert energy() == pytest.approx(start, abs=1e-4)
 
 
+@TREES
 def test_a_rod_too_thin_for_joints_is_refused_by_name() -> None:
     """Its inverse inertia, in axes that it lies askew to, has no digits left across it; one on the safe side is held."""
     turn = Rotation.from_euler("xyz", (0.4, 0.5, 0.6))
@@ -129,6 +133,7 @@ def test_a_rod_too_thin_for_joints_is_refused_by_name() -> None:
     assert ends[0] == pytest.approx(ends[1], abs=1e-3)
 
 
+@TREES
 @TRACKS
 def test_a_slider_of_hardly_any_inertia_stays_on_its_rail(integrator: str) -> None:
     """Down a rail at slope 4/5 it goes 1/2 g 4/5 t^2, under semi-implicit Euler t h / 2 g 4/5 more; across, round-off."""
@@ -142,6 +147,7 @@ def test_a_slider_of_hardly_any_inertia_stays_on_its_rail(integrator: str) -> No
     assert moved @ way == pytest.approx(0.5 * G * 0.8, abs=1e-9 if integrator == "rk4" else G * 1e-3)
 
 
+@TREES
 @TRACKS
 def test_lines_of_10_km_and_links_under_heavy_bobs_hold(integrator: str) -> None:
     """A centimetre's ball on a line of 10 km, and a link of 1e-6 kg under a bob of 1e6 kg: round-off of 1e4 m is 2e-12 m."""
@@ -313,6 +319,7 @@ FORBIDDEN = [
 ]  # fmt: skip
 
 
+@TREES
 @pytest.mark.parametrize(("joint", "v", "w", "unit"), FORBIDDEN, ids=lambda one: type(one).__name__)
 def test_velocities_that_a_joint_forbids_are_refused_by_name(
     joint: engine.Joint, v: tuple[float, float, float], w: tuple[float, float, float], unit: str
@@ -323,6 +330,7 @@ def test_velocities_that_a_joint_forbids_are_refused_by_name(
         engine.World([bob], [joint])
 
 
+@TREES
 def test_velocities_in_single_precision_that_a_joint_allows_pass() -> None:
     """w x r with every number rounded to 24 bits: off by some 1e-7 of the speed, below the bound of 1e-6."""
     arm, w = np.array([0.6, 0.1, -0.8]), np.array([0.3, 1.7, -0.2])
@@ -331,6 +339,7 @@ def test_velocities_in_single_precision_that_a_joint_allows_pass() -> None:
     engine.World([bob], [engine.Ball(name="hook", parent=engine.WORLD, child="bob", anchor_W=(0, 0, 0))])
 
 
+@TREES
 def test_the_adapter_refuses_them_as_the_others_do() -> None:
     from adapters.reference import ADAPTER
 

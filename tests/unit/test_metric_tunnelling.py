@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.stats import binomtest
 
 from harness.metric import NotMeasurable
 from harness.metrics.tunnelling import (
@@ -88,6 +89,12 @@ def test_wilsons_interval_agrees_with_a_published_example() -> None:
     # Newcombe, Statistics in Medicine 17 (1998) 857, table I: 15 of 148, and 0 of 20.
     assert wilson_interval(15, 148) == pytest.approx((0.0624, 0.1605), abs=5e-5)
     assert wilson_interval(0, 20) == pytest.approx((0.0, 0.1611), abs=5e-5)
+
+
+def test_wilsons_interval_is_scipys_to_the_last_bit() -> None:
+    for trials in (1, 2, 7, 64, 100):
+        for hits in range(trials + 1):
+            assert wilson_interval(hits, trials) == binomtest(hits, trials).proportion_ci(0.95, method="wilson")
 
 
 @pytest.mark.parametrize(("hits", "trials"), [(2, 10), (31, 64), (5, 500)])

@@ -1,10 +1,14 @@
-"""What a command loads that takes a tenth of a second or more, in one table: those alone load a library that use it."""
+"""What takes a tenth of a second or more to load: which command may, in one table, and what a fork server has of SciPy."""
 
 import json
 import subprocess
 import sys
 from pathlib import Path
 
+from harness.run.preloads import preloads
+from harness.scene import Body, Imu, Scene
+from harness.scene.file import dump_toml
+from harness.study import plugins
 from tests.robot_files import urdf
 from tests.run_folder import write_run_folder
 
@@ -48,3 +52,13 @@ def test_a_command_loads_no_library_that_it_does_not_use(tmp_path: Path) -> None
     assert done.returncode == 0, done.stderr
     brought = dict(zip([command for command, _ in BRINGS], map(json.loads, done.stdout.splitlines()), strict=True))
     assert {command: found for command, may in BRINGS if (found := set(brought[command]) - may)} == {}
+
+
+def test_a_fork_server_has_the_filter_of_noise_where_a_scene_has_an_inertial_unit(tmp_path: Path) -> None:
+    modules = []
+    for sensors in ((), (Imu(name="unit", body="ball", rate=60.0),)):
+        path = tmp_path / f"{len(sensors)}.toml"
+        path.write_text(dump_toml(Scene(bodies=(Body(name="ball"),), sensors=sensors)), encoding="utf-8")
+        name = f"{plugins.SCENE_PREFIX}{path}"
+        modules.append(preloads({name: plugins.case(name)}, {}))
+    assert ["scipy.signal" in loaded for loaded in modules] == [False, True]

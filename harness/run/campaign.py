@@ -314,7 +314,7 @@ def carry_out(
         disk.write_atomically(folder / "catalogue.json", catalogue)
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
-        expect(preloads(chosen, adapters))
+        expect(preloads({case.name: case for case in cases.values() if case.name in chosen}, adapters))
         remaining = RemainingTime(workers)
         try:
             for batch in guide.batches(trials):

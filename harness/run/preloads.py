@@ -1,8 +1,10 @@
 """What the processes of a run need, whatever their trial: it is loaded once, by the server that they come off."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from harness.adapter import Adapter
+from harness.case import Case
+from harness.scene import Imu
 from harness.study import plugins, sources
 
 __all__ = ["preloads"]
@@ -10,9 +12,11 @@ __all__ = ["preloads"]
 _QUESTIONS = ("cases", "harness.metric", "harness.metrics", "harness.props", "harness.sensors", "harness.truths")
 """Where SciPy is imported within functions, so that a listing need not wait for it, and where trials call them."""
 _OWN_SCENE = "harness.case.scene_file"
+_NOISE = "harness.sensors.imu_noise"
+"""What every scene of a user's own imports and inertial units alone call: its filter costs as much as all else together."""
 
 
-def preloads(cases: Iterable[str], engines: Mapping[str, Adapter]) -> tuple[str, ...]:
+def preloads(cases: Mapping[str, Case], engines: Mapping[str, Adapter]) -> tuple[str, ...]:
     """The modules of built-in cases and adapters, those of SciPy that the cases name, and the compiler of our own engine.
 
     A third party's modules are left to its processes: one that dies of them takes no server along. A vendor's package is in
@@ -21,9 +25,15 @@ def preloads(cases: Iterable[str], engines: Mapping[str, Adapter]) -> tuple[str,
     questions = [module for name in cases if (module := _built_in("cases", name))]
     adapters = [module for name in engines if (module := _built_in("adapters", name))]
     asked = [module for module in sources.closure(questions) if module.startswith(tuple(f"{room}." for room in _QUESTIONS))]
+    if _NOISE in asked and not any(_has_imu(case) for case in cases.values()):
+        asked = [module for module in asked if module != _NOISE]
     compiled = any(module.startswith("engine.") for engine in engines.values() for module in engine.loads)
     builders = [f"{module}.build" for module in adapters]
     return (*questions, *adapters, *builders, *sorted(sources.named(asked, "scipy")), *(["numba"] if compiled else []))
+
+
+def _has_imu(case: Case) -> bool:
+    return any(isinstance(sensor, Imu) for sensor in case.scene(**case.parameters).sensors)
 
 
 def _built_in(kind: str, name: str) -> str | None:

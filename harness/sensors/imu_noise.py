@@ -25,13 +25,13 @@ def axis_noise(noise: AxisNoise, count: int, interval: float, seed: int, sensor:
 
     A longer record begins with the shorter one: each process draws from a generator of its own, in the order of time.
     """
-    from scipy.signal import lfilter  # late: a listing must not pay for it
-
     total = np.full(count, noise.bias)
     if noise.density > 0:
         white = generator(seed, sensor, f"{channel}/white", axis).standard_normal(count)
         total += noise.density / np.sqrt(interval) * white
     if noise.instability > 0:
+        from scipy.signal import lfilter  # late: it costs half a second, which only this process of the three needs
+
         sigma = noise.instability / MARKOV_PEAK
         memory = np.exp(-interval / noise.instability_time)
         driving = generator(seed, sensor, f"{channel}/instability", axis).standard_normal(count)

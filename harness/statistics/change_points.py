@@ -17,6 +17,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.statistics.student import tail
+
 __all__ = ["CHANCE", "FEWEST", "ChangePoint", "Level", "change_points", "common_mode", "levelled", "levels", "without_outliers"]
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -238,14 +240,12 @@ def _test(y: Floats, start: int, at: int, end: int, spread: float) -> _Step:
     Beside another change its night was chosen together with that one's, so that there were as many pairs. Levels that far apart
     that one would be outliers of the other are also as likely as so many outliers in a row.
     """
-    from scipy.stats import t as student  # late, too
-
     (low, few), (high, many) = _level(y[start:at], spread), _level(y[at:end], spread)
     if few < max(FEWEST, ORDINARY * (at - start)) or many < max(FEWEST, ORDINARY * (end - at)) or abs(high - low) < LEAST:
         return _Step(high - low, 1.0, math.inf)
     error = spread * (1 / few + 1 / many) ** 0.5
     places = (len(y) - 1) ** (1 if start == 0 and end == len(y) else 2)
-    chance = 2 * float(student.sf(abs(high - low) / error, len(y) - 3)) * places
+    chance = 2 * tail(abs(high - low) / error, len(y) - 3) * places
     if abs(high - low) > CAP * spread:
         chance = max(chance, len(y) * OUTLIERS ** min(few, many))
     return _Step(high - low, min(1.0, chance), error)

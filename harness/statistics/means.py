@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.statistics.student import percentile
+
 __all__ = ["Mean", "mean_of"]
 
 CONFIDENCE = 0.99
@@ -25,11 +27,9 @@ def mean_of(samples: Sequence[float]) -> Mean:
 
     Source: Student, Biometrika 6 (1908) 1.
     """
-    from scipy.stats import t  # late: a listing must not pay for it
-
     values = np.array(samples, float)
     n = len(values)
     if n < 2:
         return Mean(value=float(values.mean()) if n else float("nan"), half=float("inf"), count=n)
     error = float(values.std(ddof=1)) / n**0.5
-    return Mean(value=float(values.mean()), half=float(t.ppf(0.5 + CONFIDENCE / 2, n - 1)) * error, count=n)
+    return Mean(value=float(values.mean()), half=percentile(0.5 + CONFIDENCE / 2, n - 1) * error, count=n)

@@ -6,6 +6,8 @@ from functools import cache, lru_cache
 
 import numpy as np
 
+from harness.statistics.student import percentile
+
 __all__ = ["Order", "Slope", "falls_short", "fit_order", "fit_slope"]
 
 FEWEST = 3
@@ -100,9 +102,7 @@ def _fitted(dt: tuple[float, ...], error: tuple[float, ...]) -> Order | None:
 @cache
 def _student(freedom: int) -> float:
     """The 97.5th percentile of Student's t: half of a 95 % interval in standard errors."""
-    from scipy.special import stdtrit  # late: a listing must not pay for it, and `scipy.stats` costs half a second more
-
-    return float(stdtrit(freedom, 0.975))
+    return percentile(0.975, freedom)
 
 
 def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:

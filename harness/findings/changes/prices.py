@@ -20,6 +20,7 @@ from harness.findings.changes.matching import Pair, where_of
 from harness.findings.changes.values import Beside, Change
 from harness.findings.clocked_part import clocked_part
 from harness.statistics.bootstrap import interval_of_drawn
+from harness.statistics.student import percentile
 from harness.store.store import Store
 from harness.trajectory import Floats, Integers
 
@@ -152,9 +153,7 @@ def _unstable(value: Any) -> bool:
 @cache
 def _student(count: int, share: float) -> float:
     """The percentile of Student's t of so many samples."""
-    from scipy.stats import t as student  # late: a listing must not pay for it
-
-    return float(student.ppf(share, max(count - 1, 1)))
+    return percentile(share, max(count - 1, 1))
 
 
 def _drawn(values: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import signal
 import subprocess
@@ -23,6 +24,8 @@ __all__ = ["DEADLINE", "Model", "compile_apart", "model_of"]
 
 DEADLINE = 60.0
 """Seconds that the compiler may take, its start included."""
+_NO_WINDOW = {"MUJOCO_GL": "disable"}
+"""The compiler draws nothing: MuJoCo would look for a library of windows, in another process each time."""
 _LINE = re.compile(r",? line (\d{1,9})")
 
 
@@ -72,7 +75,13 @@ def compile_apart(text: Prepared, file: str) -> Model:
         command = [sys.executable, "-I", str(Path(mjcf_compiler.__file__)), scratch]
         try:
             done = subprocess.run(
-                command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False, cwd=scratch
+                command,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                timeout=DEADLINE,
+                check=False,
+                cwd=scratch,
+                env=os.environ | _NO_WINDOW,
             )
         except subprocess.TimeoutExpired:
             raise RobotError(f"{file}: MuJoCo's compiler did not end within {DEADLINE:g} s; expected a smaller model") from None

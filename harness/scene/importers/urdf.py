@@ -21,6 +21,7 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.files import Folders, text_of
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
+from harness.scene.importers.urdf_parser import yourdfpy_module
 from harness.scene.importers.xml_text import Element, elements
 
 __all__ = ["read"]
@@ -70,7 +71,7 @@ def _parsed(checked: Element) -> Any:
     """yourdfpy's robot. Raises: RobotError."""
     from xml.sax.saxutils import quoteattr
 
-    import yourdfpy
+    yourdfpy = yourdfpy_module()
 
     def written(element: Element) -> str:
         attributes = "".join(

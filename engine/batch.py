@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.build.assembly import grow
 from engine.contact.choice import load_collide
 from engine.describe.check import finite
 from engine.describe.errors import Diverged, NotSupported
@@ -140,7 +139,7 @@ class Batch:
         """Give these worlds room for twice as many pairs."""
         for k in which:
             world = self._worlds[k]
-            world.restore(grow(*world.save()))
+            world.restore(world.with_more_room(*world.save()))
         if which:
             self._lay_out()
 

@@ -5,11 +5,12 @@ from numpy.typing import NDArray
 
 from engine.articulated import tables as to
 from engine.articulated.forest import Forest, Link
+from engine.build.assembly import grow
 from engine.build.solids import quat_mat, quat_mul
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 
-__all__ = ["motion_of", "with_trees"]
+__all__ = ["grow_with_trees", "has_same_trees", "motion_of", "with_trees"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -48,6 +49,28 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
         first += DEGREES[kind]
     to.int_view(ints, to.OTHER)[:, 0] = forest.others
     return floats, ints
+
+
+def grow_with_trees(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
+    """As `engine.build.assembly.grow`, of a world with trees, which stay as they are behind what has grown."""
+    directory = int(ints[-1])
+    first = int(ints[directory])
+    new_floats, new_ints = grow(floats[:first], ints[:directory])
+    tail = ints[directory:].copy()
+    entries = 2 * len(to.FLOAT_COLUMNS), 2 * (len(to.FLOAT_COLUMNS) + len(to.INT_COLUMNS))
+    tail[: entries[0] : 2] += len(new_floats) - first
+    tail[entries[0] : entries[1] : 2] += len(new_ints) - directory
+    tail[-1] = len(new_ints)
+    return np.concatenate((new_floats, floats[first:])), np.concatenate((new_ints, tail))
+
+
+def has_same_trees(ints: IntArray, other: IntArray) -> bool:
+    """Whether the integers `other` of a world end in trees like those of `ints`, however much room both have for pairs."""
+    length = len(ints) - int(ints[-1])
+    if not 0 < length <= len(other) or len(other) - int(other[-1]) != length:
+        return False
+    rows = slice(1, 2 * (len(to.FLOAT_COLUMNS) + len(to.INT_COLUMNS)), 2)
+    return bool(np.array_equal(ints[-length:][rows], other[-length:][rows]))
 
 
 def _write_link(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: int) -> None:

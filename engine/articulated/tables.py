@@ -82,6 +82,9 @@ WHICH: Final = 17  # bits of HAS that act
 STAGE: Final = 6
 STAGE_RATE: Final = 7
 
+PRESSURE: Final = 0  # 6, in STAGE: impulse that contacts give a link over a sub-step, about its centre of mass, force first
+ANSWERED: Final = 0  # in STAGE_RATE: the segment that a column was on when the responses to contacts were written
+
 KEPT_RATE: Final = 0  # over the last sub-step, by which coordinates moved
 KEPT_MOMENTUM: Final = 1  # after it
 KEPT_CHANGE: Final = 2  # of the kept rate, from the sub-step before it

@@ -79,8 +79,12 @@ def refuse_unsmooth(integrator: str, unsmooth: str) -> None:
         )
 
 
-def joint_coordinates_step(options: Options, unsmooth: str) -> Step:
+def joint_coordinates_step(touching: bool, options: Options, unsmooth: str) -> Step:
     """The compiled step of trees in joint coordinates. Args: unsmooth: as `choose_step`. Raises: NotSupported."""
+    if touching:
+        from engine.steps.joint_coordinates_touching import step_joint_coordinates_touching
+
+        return step_joint_coordinates_touching
     refuse_unsmooth(options.integrator, unsmooth)
     from engine.steps import joint_coordinates as steps
 

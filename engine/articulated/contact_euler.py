@@ -168,8 +168,8 @@ def answer_given(mechanisms: Mechanisms, h: float, reactions: bool) -> None:
 @kernel
 def settle_contacts(mechanisms: Mechanisms, setting: Floats, count: Ints, soft: Softness, breaks: int, times: int) -> bool:
     """Sweep over the contacts, and settle laws with breaks, until both hold. Returns: whether the laws had an answer."""
-    tables, bodies, joints, _, contacts, touched = mechanisms
-    n = count[0, MANIFOLDS]
+    tables, bodies, touched = mechanisms.tables, mechanisms.bodies, mechanisms.touched
+    joints, contacts, n = mechanisms.joints, mechanisms.contacts, count[0, MANIFOLDS]
     for _ in range(ROUNDS):
         if not are_answered(tables):
             write_responses(tables, touched)
@@ -243,7 +243,7 @@ def touching_substep(
 
     Args: sums: room for `share_loads`; reactions: whether to count what joints carry. Returns: whether the laws had an answer.
     """
-    tables, bodies, joints, _, _, _ = mechanisms
+    tables, bodies, joints = mechanisms.tables, mechanisms.bodies, mechanisms.joints
     h, gyroscopic, touches, times = soft.h, count[0, GYROSCOPIC], count[0, MANIFOLDS] > 0, 1
     move_others(tables, bodies, setting, h, gyroscopic, drifts=False)
     move_links(tables, bodies.state)

@@ -112,7 +112,7 @@ class World:
         unsmooth = unsmooth_of(joints)
         if forest is not None:
             self._floats, self._ints = with_trees(self._floats, self._ints, forest)
-            self._step = joint_coordinates_step(self.touching, self.options, unsmooth)
+            self._step = joint_coordinates_step(self.touching, bool(forest.closing), self.options, unsmooth)
         else:
             self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
         self._swept = None

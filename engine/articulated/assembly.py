@@ -27,7 +27,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
     joint_kind = int_table(ints, at.JOINT_KIND)
     types = [to.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
     n, m = len(forest.links), sum(DEGREES[kind] for kind in types)
-    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others)]
+    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others), len(forest.closing)]
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], to.FLOAT_COLUMNS.tolist(), strict=True):
@@ -48,6 +48,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
         _write_coordinates(floats, ints, k, link, kind)
         first += DEGREES[kind]
     to.int_view(ints, to.OTHER)[:, 0] = forest.others
+    to.int_view(ints, to.CLOSING)[:, 0] = forest.closing
     return floats, ints
 
 
@@ -125,12 +126,13 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
 def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
     """The coordinate [rad or m] of a joint, and the rate that the velocities of its bodies mean.
 
-    NaN where it has not one coordinate.
+    NaN where it has not one coordinate, or closes a loop, whose coordinates are those of its tree.
     """
     kinds = to.int_view(ints, to.KIND)
-    link = int(np.flatnonzero(kinds[:, to.JOINT] == joint)[0])
-    if kinds[link, to.COLUMNS] != 1:
+    links = np.flatnonzero((kinds[:, to.JOINT] == joint) & (kinds[:, to.COLUMNS] == 1))
+    if len(links) == 0:
         return np.nan, np.nan
+    link = int(links[0])
     state, row = float_table(floats, ints, at.STATE), float_table(floats, ints, at.JOINT)[joint]
     kind = int_table(ints, at.JOINT_KIND)[joint]
     inner, outer = state[kind[at.PARENT]], state[kind[at.CHILD]]

@@ -1,7 +1,7 @@
 """Whether a world is solved in joint coordinates: as its options choose, where its joints make trees.
 
-Where bodies may touch they are taken if they are asked for by name alone: contacts were not measured to be at least as good
-there in every scene.
+Where bodies may touch, or joints close loops, they are taken if they are asked for by name alone: they were not measured to be
+at least as good there in every scene.
 """
 
 from collections.abc import Sequence
@@ -26,10 +26,13 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     """
     if options.used_coordinates == MAXIMAL or not joints or (touching and options.coordinates != JOINT):
         return None
-    forest = unknown_contacts(options) if touching else None
-    if forest is None and options.integrator not in INTEGRATORS:
-        forest = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
-    found = forest or forest_of(bodies, joints)
+    found = forest_of(bodies, joints)
+    if isinstance(found, Forest) and found.closing and options.coordinates != JOINT:
+        return None
+    if options.integrator not in INTEGRATORS:
+        found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
+    elif isinstance(found, Forest) and (touching or found.closing):
+        found = unknown(options, "contacts" if touching else f"joint '{joints[found.closing[0]].name}'") or found
     if isinstance(found, Forest):
         return found
     if options.coordinates == JOINT:
@@ -37,14 +40,14 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     return None
 
 
-def unknown_contacts(options: Options) -> NoForest | None:
-    """What of the options contacts do not know in joint coordinates; None where all is known."""
-    if options.solver != "tgs_soft":
-        return NoForest(f"contacts under the solver '{options.solver}'", "the solver 'tgs_soft' alone knows trees")
+def unknown(options: Options, what: str) -> NoForest | None:
+    """Why contacts, or loops, have no joint coordinates under these options; None where they have."""
     if options.integrator != "semi_implicit_euler":
-        return NoForest(f"contacts under the integrator '{options.integrator}'", "semi_implicit_euler alone knows both")
+        return NoForest(f"{what} under the integrator '{options.integrator}'", "semi_implicit_euler alone knows contacts and loops")
+    if options.solver != "tgs_soft":
+        return NoForest(f"{what} under the solver '{options.solver}'", "the solver 'tgs_soft' alone knows trees")
     if options.continuous == "swept":
-        return NoForest("swept contacts", "a step in parts is known to bodies with coordinates of their own")
+        return NoForest(f"{what} and swept collision", "a step in parts is known to bodies with coordinates of their own")
     if options.sleeping:
-        return NoForest("contacts that sleep", "islands are known to bodies with coordinates of their own")
+        return NoForest(f"{what} and sleep", "islands are known to bodies with coordinates of their own")
     return None

@@ -1,12 +1,12 @@
-"""A sub-step of semi-implicit Euler in joint coordinates with soft contacts.
+"""A sub-step of semi-implicit Euler in joint coordinates with soft contacts, and with joints that close loops.
 
     T(q)^T (M (x(q + h q') - x(q)) - h P - h^2 f) = h^2 (what acts along coordinates) + h T^T (impulses of contacts)
 
 The impulses of the last sub-step go into that solve as forces, so that a tree at rest is answered once. What the sweeps change of
 them is answered by the same articulated inertia, to rounding; G, by which sweeps see it coming, is that of the start of the
 step. Laws that break, limits and dry friction in joints, are settled anew under the impulses of the sweeps, and the contacts
-swept again where that changes what a joint does: both hold together at the end. The relaxing sweeps change momenta alone, along
-the tangent of the start.
+swept again where that changes what a joint does: both hold together at the end. Loops are solved directly after each sweep, and
+G is written for every sub-step there. The relaxing sweeps change momenta alone, along the tangent of the start.
 
 Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms,
 2008, chapter 11.
@@ -21,6 +21,7 @@ from engine.articulated.bounded import settle_laws
 from engine.articulated.contact_mobility import write_mobilities
 from engine.articulated.contact_sweeps import start_warm, sweep_trees
 from engine.articulated.laws import PRESSED, write_laws
+from engine.articulated.loops import count_loop_rows, hold_loops, write_loop_matrix, write_loops
 from engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
 from engine.articulated.motion import move_links
 from engine.articulated.responses import write_free_responses, write_responses
@@ -60,7 +61,7 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
-from engine.memory.tables import Bodies, Contacts, Joints, Shapes
+from engine.memory.tables import Bodies, Contacts, Joints, Rows, Shapes
 from engine.respond.arms import refresh
 from engine.respond.share_loads import share_loads
 from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach
@@ -76,7 +77,7 @@ UNKNOWN: Final = -1.0
 
 
 class Mechanisms(NamedTuple):
-    """The trees of a world, its bodies, joints and shapes, its contacts and what these move."""
+    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, and rows for its loops."""
 
     tables: Tables
     bodies: Bodies
@@ -84,11 +85,12 @@ class Mechanisms(NamedTuple):
     shapes: Shapes
     contacts: Contacts
     touched: Touched
+    rows: Rows
 
 
 @kernel
 def forget_responses(tables: Tables) -> None:
-    """Let the responses be written anew."""
+    """Let the responses at hand be written anew."""
     for k in range(tables.stage_rate.shape[0]):
         tables.stage_rate[k, ANSWERED] = UNKNOWN
 
@@ -166,19 +168,32 @@ def answer_given(mechanisms: Mechanisms, h: float, reactions: bool) -> None:
 
 
 @kernel
-def settle_contacts(mechanisms: Mechanisms, setting: Floats, count: Ints, soft: Softness, breaks: int, times: int) -> bool:
-    """Sweep over the contacts, and settle laws with breaks, until both hold. Returns: whether the laws had an answer."""
+def sweep_all(mechanisms: Mechanisms, count: Ints, soft: Softness, aim: int, sweeps: int, reactions: bool) -> None:
+    """Sweep over the contacts so often, and close the loops after each; once where there are loops alone."""
+    joints, touched, n = mechanisms.joints, mechanisms.touched, count[0, MANIFOLDS]
+    state, loops = mechanisms.bodies.state, count_loop_rows(mechanisms.tables, joints)
+    for _ in range(sweeps if n > 0 else 1):
+        sweep_trees(state, mechanisms.contacts, touched, n, soft, aim)
+        if loops > 0:
+            hold_loops(state, joints, touched, mechanisms.rows, loops, 1.0 if aim == PRESS else 0.0, reactions)
+
+
+@kernel
+def settle_contacts(
+    mechanisms: Mechanisms, setting: Floats, count: Ints, soft: Softness, breaks: int, times: int, reactions: bool
+) -> bool:
+    """Sweep over contacts and loops, and settle laws with breaks, until all hold. Returns: whether the laws had an answer."""
     tables, bodies, touched = mechanisms.tables, mechanisms.bodies, mechanisms.touched
-    joints, contacts, n = mechanisms.joints, mechanisms.contacts, count[0, MANIFOLDS]
+    joints, rows = mechanisms.joints, mechanisms.rows
     for _ in range(ROUNDS):
         if not are_answered(tables):
             write_responses(tables, touched)
-            write_mobilities(bodies, contacts, touched, n)
+            write_mobilities(bodies, mechanisms.contacts, touched, count[0, MANIFOLDS])
+            write_loop_matrix(bodies, touched, rows, count_loop_rows(tables, joints))
             for k in range(tables.stage_rate.shape[0]):
                 tables.stage_rate[k, ANSWERED] = tables.law[k, SEGMENT]
         show_velocities(mechanisms, (0.0, 0.0, 0.0), soft.h)
-        for _ in range(count[0, ITERATIONS] * times):
-            sweep_trees(bodies.state, contacts, touched, n, soft, PRESS)
+        sweep_all(mechanisms, count, soft, PRESS, count[0, ITERATIONS] * times, reactions)
         if breaks == 0:
             break
         press_by_given(mechanisms)
@@ -190,20 +205,18 @@ def settle_contacts(mechanisms: Mechanisms, setting: Floats, count: Ints, soft: 
 
 
 @kernel
-def relax(mechanisms: Mechanisms, count: Ints, sums: Floats, soft: Softness, times: int) -> None:
+def relax(mechanisms: Mechanisms, count: Ints, sums: Floats, soft: Softness, times: int, reactions: bool) -> None:
     """Take the correction of positions out of the velocities, let what was struck rebound, and choose friction's mode."""
-    bodies, contacts, touched = mechanisms.bodies, mechanisms.contacts, mechanisms.touched
+    bodies, contacts = mechanisms.bodies, mechanisms.contacts
     n = count[0, MANIFOLDS]
     place_links(mechanisms)
-    write_free_responses(bodies, touched)
+    write_free_responses(bodies, mechanisms.touched)
     refresh(bodies.state, mechanisms.shapes, contacts, n)
     share_loads(bodies, contacts, n, sums)
     show_velocities(mechanisms, (0.0, 0.0, 0.0), 0.0)
-    for _ in range(count[0, RELAXATIONS] * times):
-        sweep_trees(bodies.state, contacts, touched, n, soft, RELAX)
+    sweep_all(mechanisms, count, soft, RELAX, count[0, RELAXATIONS] * times, reactions)
     if bounce(contacts, n):
-        for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-            sweep_trees(bodies.state, contacts, touched, n, soft, REBOUND)
+        sweep_all(mechanisms, count, soft, REBOUND, FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS]), reactions)
     friction_mode(bodies, contacts, n)
     end_substep(contacts, n)
 
@@ -244,7 +257,10 @@ def touching_substep(
     Args: sums: room for `share_loads`; reactions: whether to count what joints carry. Returns: whether the laws had an answer.
     """
     tables, bodies, joints = mechanisms.tables, mechanisms.bodies, mechanisms.joints
-    h, gyroscopic, touches, times = soft.h, count[0, GYROSCOPIC], count[0, MANIFOLDS] > 0, 1
+    h, gyroscopic, touches, times = soft.h, count[0, GYROSCOPIC], mechanisms.touched.kind.shape[0] > 0, 1
+    if tables.closing.shape[0] > 0:
+        write_loops(tables, bodies, joints, mechanisms.rows, h)
+        forget_responses(tables)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=False)
     move_links(tables, bodies.state)
     go_on_bending(tables)
@@ -256,7 +272,7 @@ def touching_substep(
     breaks = write_laws(tables, joints, h, PRESSED)
     if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
         return False
-    if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times):
+    if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
         return False
     if reactions:
         add_reactions(tables, joints, h)
@@ -269,7 +285,7 @@ def touching_substep(
     carry_bases(tables, bodies, h)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=True)
     if touches:
-        relax(mechanisms, count, sums, soft, times)
+        relax(mechanisms, count, sums, soft, times, reactions)
         answer_given(mechanisms, h, reactions)
     keep_momenta(tables, gyroscopic)
     return True

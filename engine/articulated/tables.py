@@ -118,10 +118,12 @@ ROOT: Final = 7  # link
 
 OTHER: Final = 1  # bodies that no tree has and that are not static
 
+CLOSING: Final = 2  # joints that close loops
+
 FREE: Final = 9
 
 FLOAT_COLUMNS: Final = np.array([29, 43, 28, 8, 20, 18, 14, 3, 35])
-INT_COLUMNS: Final = np.array([8, 1])
+INT_COLUMNS: Final = np.array([8, 1, 1])
 FLOAT_TABLES: Final = 9
 BYTES: Final = 8
 
@@ -132,7 +134,7 @@ integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
-    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps, parents."""
+    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps, parents; and loops."""
 
     link: Floats
     motion: Floats
@@ -145,6 +147,7 @@ class Tables(NamedTuple):
     passage: Floats
     kind: Ints
     other: Ints
+    closing: Ints
 
 
 def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
@@ -194,4 +197,5 @@ def tables_of(floats: Floats, ints: Ints) -> Tables:
         floats_at(floats, ints, PASSAGE),
         ints_at(ints, KIND),
         ints_at(ints, OTHER),
+        ints_at(ints, CLOSING),
     )

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.articulated.assembly import grow_with_trees, has_same_trees, motion_of, with_trees
+from engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
 from engine.articulated.choice import chosen_forest
 from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from engine.build.appearance import looks_of, may_touch
-from engine.build.assembly import assemble_world, grow, islands_know, moves_meshes, spheres_only, wants_islands
+from engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
 from engine.build.slenderness import check_slenderness
@@ -183,11 +183,7 @@ class World:
         if status == CONVEX_PENDING:
             load_collide(self.moving_meshes)(self._floats, self._ints)
         if status == FULL:
-            self._floats, self._ints = self.with_more_room(self._floats, self._ints)
-
-    def with_more_room(self, floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
-        """A saved state of this world in memory with room for twice as many pairs."""
-        return grow_with_trees(floats, ints) if self.in_joint_coordinates else grow(floats, ints)
+            self._floats, self._ints = grow_world(self._floats, self._ints, self.in_joint_coordinates)
 
     def open_joint(self, status: int) -> str:
         """What is to be said of the joint that a step with this status found open."""

@@ -10,7 +10,7 @@ from engine.build.solids import quat_mat, quat_mul
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 
-__all__ = ["grow_with_trees", "has_same_trees", "motion_of", "with_trees"]
+__all__ = ["grow_world", "has_same_trees", "motion_of", "with_trees"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -52,8 +52,10 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
     return floats, ints
 
 
-def grow_with_trees(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
-    """As `engine.build.assembly.grow`, of a world with trees, which stay as they are behind what has grown."""
+def grow_world(floats: FloatArray, ints: IntArray, trees: bool) -> tuple[FloatArray, IntArray]:
+    """The same world with room for twice as many pairs. Args: trees: whether it has any, which stay behind what has grown."""
+    if not trees:
+        return grow(floats, ints)
     directory = int(ints[-1])
     first = int(ints[directory])
     new_floats, new_ints = grow(floats[:first], ints[:directory])

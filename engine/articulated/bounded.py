@@ -80,8 +80,8 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
 
 @kernel
 def solve_laws(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int) -> bool:
-    """Write the change of every column's rate over h under the laws that act: ALL from the momenta that are kept, PRESSED from these
-    and what contacts give, others under what pushes along columns alone.
+    """Write the change of every column's rate over h under the laws that act: ALL from the momenta that are kept, PRESSED
+    from these and what contacts give, others under what pushes along columns alone.
 
     Returns: whether there is an answer.
     """

@@ -43,7 +43,9 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
 def unknown(options: Options, what: str) -> NoForest | None:
     """Why contacts, or loops, have no joint coordinates under these options; None where they have."""
     if options.integrator != "semi_implicit_euler":
-        return NoForest(f"{what} under the integrator '{options.integrator}'", "semi_implicit_euler alone knows contacts and loops")
+        return NoForest(
+            f"{what} under the integrator '{options.integrator}'", "semi_implicit_euler alone knows contacts and loops"
+        )
     if options.solver != "tgs_soft":
         return NoForest(f"{what} under the solver '{options.solver}'", "the solver 'tgs_soft' alone knows trees")
     if options.continuous == "swept":

@@ -2,8 +2,8 @@
 
     T(q)^T (M (x(q + h q') - x(q)) - h P - h^2 f) = h^2 (what acts along coordinates) + h T^T (impulses of contacts)
 
-The impulses of the last sub-step go into that solve as forces, so that a tree at rest is answered once. What the sweeps change of
-them is answered by the same articulated inertia, to rounding; G, by which sweeps see it coming, is that of the start of the
+The impulses of the last sub-step go into that solve as forces, so that a tree at rest is answered once. What the sweeps change
+of them is answered by the same articulated inertia, to rounding; G, by which sweeps see it coming, is that of the start of the
 step. Laws that break, limits and dry friction in joints, are settled anew under the impulses of the sweeps, and the contacts
 swept again where that changes what a joint does: both hold together at the end. Loops are solved directly after each sweep, and
 G is written for every sub-step there. The relaxing sweeps change momenta alone, along the tangent of the start.
@@ -98,10 +98,10 @@ def forget_responses(tables: Tables) -> None:
 @kernel
 def are_answered(tables: Tables) -> bool:
     """Whether the responses at hand are those of the segments that all columns are on."""
+    others = 0
     for k in range(tables.stage_rate.shape[0]):
-        if tables.stage_rate[k, ANSWERED] != tables.law[k, SEGMENT]:
-            return False
-    return True
+        others += tables.stage_rate[k, ANSWERED] != tables.law[k, SEGMENT]
+    return others == 0
 
 
 @kernel

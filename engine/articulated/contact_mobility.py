@@ -4,8 +4,8 @@ J takes the velocities of both bodies to the relative motion at the centre in it
 moves, a hinge's link all but one; there M has what a share of the bodies' own mobility gives, so that friction has an inverse
 to work with, and a normal along which no motion of the tree opens the gap carries nothing.
 
-Source: Khatib, A unified approach for motion and force control of robot manipulators: the operational space formulation, IEEE J.
-Robotics Automation 3, 1987; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
+Source: Khatib, A unified approach for motion and force control of robot manipulators: the operational space formulation, IEEE
+J. Robotics Automation 3, 1987; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
 """
 
 from typing import Final
@@ -36,7 +36,7 @@ from engine.respond.pair import Motion
 __all__ = ["write_mobilities"]
 
 SHARE: Final = 1e-6
-"""Of the bodies' own mobility, which M has more than it should: the least of a foot under a robot is a thousand times as much."""
+"""Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""
 
 UNIT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 

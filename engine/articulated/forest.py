@@ -1,4 +1,4 @@
-"""Which trees the joints of a world make: who hangs on whom, from the roots on, and what closes loops; or why they make none."""
+"""Which trees the joints of a world make: who hangs on whom, from the roots on; what closes loops; or why they make none."""
 
 import math
 from collections.abc import Sequence
@@ -65,7 +65,11 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
             on[i].append(j)
         if len(ends) == 1:
             held.append(j)
-    children = {movable[joint.child] for joint in joints if not isinstance(joint, Distance) and joint.child in movable and joint.parent in movable}
+    children = {
+        movable[joint.child]
+        for joint in joints
+        if not isinstance(joint, Distance) and joint.child in movable and joint.parent in movable
+    }
     links: list[Link] = []
     where: dict[int, int] = {}
     used: set[int] = set()
@@ -102,7 +106,9 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
     for j in closing:
         law = law_of(joints[j])
         if law:
-            return NoForest(f"joint '{joints[j].name}'", f"it closes a loop with {law}, and laws act along coordinates of trees")
+            return NoForest(
+                f"joint '{joints[j].name}'", f"it closes a loop with {law}, and laws act along coordinates of trees"
+            )
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
     return Forest(tuple(links), others, closing)
 

@@ -67,7 +67,7 @@ def touch_loops(tables: Tables, bodies: Bodies, joints: Joints) -> None:
 
 @kernel
 def write_loops(tables: Tables, bodies: Bodies, joints: Joints, rows: Rows, h: float) -> None:
-    """Write the rows of all loops at the poses of their bodies, for a sub-step of h at the end of which their gaps are closed."""
+    """Write the rows of all loops at the poses of their bodies, for a sub-step of h [s] that closes their gaps."""
     r = 0
     for c in range(tables.closing.shape[0]):
         j = tables.closing[c, 0]
@@ -129,7 +129,7 @@ def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows, n: int) -> N
 
 @kernel
 def hold_loops(state: Floats, joints: Joints, touched: Touched, rows: Rows, n: int, share: float, reactions: bool) -> None:
-    """Give the impulses that all rows ask for at the present velocities. Args: share: of the gap that is to be closed, 0 or 1."""
+    """Give the impulses that all rows ask for at the present velocities. Args: share: of the gap to be closed, 0 or 1."""
     row, low, vector = rows.row, rows.factor, rows.vector
     for r in range(n):
         total = -share * row[r, BIAS]

@@ -62,8 +62,8 @@ from engine.memory.arena import GRAVITY, V, W
 from engine.memory.tables import Bodies
 
 __all__ = [
-    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "press_links", "put_force",
-    "write_kept_velocities",
+    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "press_links",
+    "put_force", "write_kept_velocities",
 ]  # fmt: skip
 
 

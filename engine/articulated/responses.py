@@ -6,8 +6,8 @@
 with the articulated inertia that the last solve has left: what is implicit along a column is in D, and a column whose rate is
 prescribed hands both on. Six unit impulses go together.
 
-Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 and 8.5 (impulse response); Mirtich, Impulse-based Dynamic
-Simulation of Rigid Body Systems, 1996, chapter 4.
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 and 8.5 (impulse response); Mirtich, Impulse-based
+Dynamic Simulation of Rigid Body Systems, 1996, chapter 4.
 """
 
 import math

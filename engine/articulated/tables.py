@@ -134,7 +134,7 @@ integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
-    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps, parents; and loops."""
+    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps; kin, loops."""
 
     link: Floats
     motion: Floats

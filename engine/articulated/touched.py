@@ -38,8 +38,8 @@ class Touched(NamedTuple):
 
     Terms: place: of each body, NOWHERE for one that no contact moves; kind: of each place; block: G, 36 numbers for two places,
     motion by force, the six motions of a force together; given: impulse on each place since it was last set to zero; mark: of
-    each link, 1 where it lies between a root and a place; taken: of each column, what unit impulses on one place leave along it;
-    moved: of each link, its motions by these.
+    each link, 1 where it lies between a root and a place; taken: of each column, what unit impulses on one place leave along
+    it; moved: of each link, its motions by these.
     """
 
     place: Ints
@@ -86,7 +86,13 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
         kind[k, FIRST_BLOCK] = blocks
         blocks += kind[k, END] - kind[k, BEGIN]
     return Touched(
-        place, kind, np.zeros((blocks, 36)), np.zeros((n, 6)), mark, np.empty((tables.column.shape[0], 6)), np.empty((links, 36))
+        place,
+        kind,
+        np.zeros((blocks, 36)),
+        np.zeros((n, 6)),
+        mark,
+        np.empty((tables.column.shape[0], 6)),
+        np.empty((links, 36)),
     )
 
 

@@ -1,4 +1,4 @@
-"""Steps of trees in joint coordinates that more than their own joints hold: by soft contacts, and by joints that close loops."""
+"""Steps of trees in joint coordinates that more than their joints hold: soft contacts, and joints that close loops."""
 
 from collections.abc import Callable
 
@@ -39,7 +39,7 @@ __all__ = ["step_joint_coordinates_closing", "step_joint_coordinates_touching"]
 
 
 @kernel
-def touch_nothing(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts) -> int:
+def touch_nothing(_floats: Floats, _ints: Ints, bodies: Bodies, _contacts: Contacts) -> int:
     """In place of `meet`, where nothing can touch."""
     for b in range(bodies.kind.shape[0]):
         bodies.kind[b, TOUCHED] = 0

@@ -55,7 +55,11 @@ def branches(held: bool, seed: int = 3) -> tuple[list[engine.Body], list[engine.
                 q_WB=tuple(turn.as_quat(scalar_first=True)), v_WB=tuple(v[k]), w_WB=tuple(w[k]),
             )
         )  # fmt: skip
-        ends: dict[str, Any] = {"name": f"joint{k}", "parent": f"link{parent}" if parent >= 0 else engine.WORLD, "child": f"link{k}"}
+        ends: dict[str, Any] = {
+            "name": f"joint{k}",
+            "parent": f"link{parent}" if parent >= 0 else engine.WORLD,
+            "child": f"link{k}",
+        }
         line: dict[str, Any] = {"anchor_W": tuple(anchors[k]), "axis_W": tuple(axes[k])}
         if kind == "ball":
             joints.append(engine.Ball(**ends, anchor_W=tuple(anchors[k])))
@@ -319,11 +323,18 @@ def test_a_limit_and_the_floor_hold_an_arm_together() -> None:
     joints = [
         engine.Revolute(name="shoulder", parent=engine.WORLD, child="inner", anchor_W=(0, 0, 0.1), axis_W=(0, 1, 0)),
         engine.Revolute(
-            name="elbow", parent="inner", child="outer", anchor_W=(0.4, 0, 0.1), axis_W=(0, 1, 0), limits=engine.Limits(lower=-0.5, upper=0.0)
+            name="elbow",
+            parent="inner",
+            child="outer",
+            anchor_W=(0.4, 0, 0.1),
+            axis_W=(0, 1, 0),
+            limits=engine.Limits(lower=-0.5, upper=0.0),
         ),
     ]
     # A block under the inner rod's end, so that the outer one hangs free beyond it.
-    block = engine.Body(name="block", motion="static", p_WB=(0.35, 0.0, 0.03), shapes=[engine.Placed(engine.Box((0.03, 0.1, 0.03)))])
+    block = engine.Body(
+        name="block", motion="static", p_WB=(0.35, 0.0, 0.03), shapes=[engine.Placed(engine.Box((0.03, 0.1, 0.03)))]
+    )
     made = world([block, *rods], joints, law=surface(0.5))
     made.step(240)
     angle, rate = made.joint_motion("elbow")

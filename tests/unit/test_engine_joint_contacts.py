@@ -1,4 +1,4 @@
-"""Contacts and loops of the reference engine in joint coordinates: against dense equations, statics, and bodies' own coordinates."""
+"""Contacts and loops of the engine in joint coordinates: against dense equations, statics, and bodies' own coordinates."""
 
 import math
 from typing import Any
@@ -252,7 +252,8 @@ def chain(links: int, height: float, **options: Any) -> engine.World:
             ends = {"parent": f"link{k - 1}", "child": f"link{k}", "anchor_W": (0.2 * k - 0.1, 0, height)}
             joints.append(engine.Revolute(name=f"hinge{k}", axis_W=(0, 1, 0), **ends))  # type: ignore[arg-type]
     box = engine.Body(
-        name="box", mass=0.2, inertia=np.eye(3) * 2.1e-4, p_WB=(0.2 * links, 0, 0.04), shapes=[engine.Placed(engine.Box((0.04,) * 3))]
+        name="box", mass=0.2, inertia=np.eye(3) * 2.1e-4, p_WB=(0.2 * links, 0, 0.04),
+        shapes=[engine.Placed(engine.Box((0.04,) * 3))],
     )  # fmt: skip
     return world([*bodies, box], joints, law=surface(0.5), **options)
 
@@ -264,7 +265,8 @@ def test_a_chain_that_falls_beside_a_box_comes_to_lie_as_it_does_in_its_bodies_o
     contact gives way, a hundredth of the margin of 1 mm.
     """
     mine, own = chain(4, 0.04), chain(4, 0.04, coordinates="maximal")
-    assert mine.in_joint_coordinates and not own.in_joint_coordinates
+    assert mine.in_joint_coordinates
+    assert not own.in_joint_coordinates
     for made in (mine, own):
         made.step(96)
     weight = (4 * 0.5 + 0.2) * G
@@ -317,8 +319,10 @@ def test_a_tree_and_a_box_that_meet_in_the_air_keep_their_momentum_and_lose_ener
 
 
 def test_a_limit_and_the_floor_hold_an_arm_together() -> None:
-    """Two rods, the inner one on a hinge a hand above the floor, the outer one folded up to its limit at its end: it comes to lie
-    on the floor by its inner end. The hinge between them bears the outer rod's weight by its limit: moment m g l / 2."""
+    """Two rods, the inner one on a hinge to the world and on a block, the outer one at its limit on the inner one's end.
+
+    The hinge between them bears the outer rod's weight by its limit: moment m g l / 2, to what moves at 1e-6 m/s.
+    """
     rods = [rod("inner", (0.2, 0.0, 0.1)), rod("outer", (0.6, 0.0, 0.1))]
     joints = [
         engine.Revolute(name="shoulder", parent=engine.WORLD, child="inner", anchor_W=(0, 0, 0.1), axis_W=(0, 1, 0)),

@@ -27,9 +27,9 @@ def places(scene: Scene, coordinates: str, dt: float, every: int, samples: int) 
 
 
 def test_a_humanoid_in_joint_coordinates_stands_and_gives_way_less_than_in_its_bodies_own() -> None:
-    """Nothing should move. Measured over 3/8 s at 1/240 s: .022 mm in joint coordinates, .45 mm in the bodies' own, where contacts
-    and joints are swept in turns; a tenth of that is asked for. Forces are those of the weight, to the speed of 1 mm/s that the
-    case's own bound on the tremble leaves over a step: 70 kg x 1e-3 m/s x 240/s."""
+    """Nothing should move. Measured over 3/8 s at 1/240 s: .022 mm in joint coordinates, .45 mm in the bodies' own, where
+    contacts and joints are swept in turns; a tenth of that is asked for. Forces are those of the weight, to a speed of 1 mm/s
+    that a step may change: 70 kg x 1e-3 m/s x 240/s."""
     scene = plugins.case("stand_humanoid").scene()
     start = State.initial(scene).p_WB
     mine, own = (np.abs(places(scene, name, 1 / 240, 90, 1)[0] - start).max() for name in ("joint", "maximal"))
@@ -43,8 +43,8 @@ def test_a_humanoid_in_joint_coordinates_stands_and_gives_way_less_than_in_its_b
 
 @pytest.mark.slow
 def test_a_quadruped_that_is_dropped_lands_nearer_to_the_truth_than_in_its_bodies_own_coordinates() -> None:
-    """The truth is that of the bodies' own coordinates at a sixteenth of the step, whose error is a sixteenth. Measured from the
-    blow on: .34 mm against 2.1 mm; a quarter is asked for."""
+    """The truth is that of the bodies' own coordinates at a sixteenth of the step, whose error is a sixteenth. Measured from
+    the blow on: .34 mm against 2.1 mm; a quarter is asked for."""
     robot = copy_of(bearing(quadruped(), EARTH_GRAVITY), "0", (0.0, 0.0, DROP))
     scene = Scene(
         bodies=(floor(), *robot.bodies), joints=robot.hinges, surfaces=(grip(0.8),), apart=((MATERIAL, MATERIAL),),

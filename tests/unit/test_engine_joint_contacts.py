@@ -367,19 +367,26 @@ def test_a_linkage_in_joint_coordinates_falls_as_its_one_angle_does() -> None:
 
 
 def test_a_world_that_grows_and_one_that_is_restored_go_on_to_the_bit() -> None:
-    """Steps in one call, one by one, from a saved state, and in a batch; with room for pairs that the start had not."""
-    one, other = chain(12, 0.035), chain(12, 0.035)
-    one.step(8)
+    """Steps in one call, one by one, from a state saved before it grew, and in a batch.
+
+    So wide a margin makes contacts of all 190 pairs but those of neighbours, and there is room for 8 a body and 16.
+    """
+
+    def wide() -> engine.World:
+        return chain(18, 0.035, margin=5.0)
+
+    one, other = wide(), wide()
+    start = one.save()
+    one.step(4)
+    assert len(one.save()[0]) > len(start[0])
     for _ in range(4):
         other.step()
-    saved = other.save()
+    assert np.array_equal(one.state(), other.state())
+    other.restore(start)
     other.step(4)
     assert np.array_equal(one.state(), other.state())
-    other.restore(saved)
-    other.step(4)
-    assert np.array_equal(one.state(), other.state())
-    batch = engine.Batch.replicate(chain(12, 0.035), 2)
-    batch.step(8)
+    batch = engine.Batch.replicate(wide(), 2)
+    batch.step(4)
     assert np.array_equal(batch.state()[1], one.state())
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.build.assembly import grow
+from engine.articulated.assembly import grow_world
 from engine.contact.choice import load_collide
 from engine.describe.check import finite
 from engine.describe.errors import Diverged, NotSupported
@@ -140,7 +140,7 @@ class Batch:
         """Give these worlds room for twice as many pairs."""
         for k in which:
             world = self._worlds[k]
-            world.restore(grow(*world.save()))
+            world.restore(grow_world(*world.save(), world.in_joint_coordinates))
         if which:
             self._lay_out()
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.articulated.assembly import motion_of, with_trees
+from engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
 from engine.articulated.choice import chosen_forest
 from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from engine.build.appearance import looks_of, may_touch
-from engine.build.assembly import assemble_world, grow, islands_know, moves_meshes, spheres_only, wants_islands
+from engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
 from engine.build.slenderness import check_slenderness
@@ -81,7 +81,7 @@ class World:
         self.sun = sun or Sun()
         self.touching = self.options.contacts and may_touch(bodies)
         forest = chosen_forest(bodies, joints, self.options, self.touching)
-        islands = self.touching and wants_islands(bodies, joints, self.options)
+        islands = self.touching and forest is None and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         check_initial_rates(bodies, joints)
         check_slenderness(bodies, joints)
@@ -112,7 +112,7 @@ class World:
         unsmooth = unsmooth_of(joints)
         if forest is not None:
             self._floats, self._ints = with_trees(self._floats, self._ints, forest)
-            self._step = joint_coordinates_step(self.options, unsmooth)
+            self._step = joint_coordinates_step(self.touching, bool(forest.closing), self.options, unsmooth)
         else:
             self._step = self._exact or choose_step(self.touching, self.jointed, self.options, self.spheres, islands, unsmooth)
         self._swept = None
@@ -183,7 +183,7 @@ class World:
         if status == CONVEX_PENDING:
             load_collide(self.moving_meshes)(self._floats, self._ints)
         if status == FULL:
-            self._floats, self._ints = grow(self._floats, self._ints)
+            self._floats, self._ints = grow_world(self._floats, self._ints, self.in_joint_coordinates)
 
     def open_joint(self, status: int) -> str:
         """What is to be said of the joint that a step with this status found open."""
@@ -386,7 +386,7 @@ class World:
         """Back to a saved state of this world. Raises: ValueError for that of a world with other bodies, shapes or joints."""
         columns = [at.BODIES, at.SHAPES, at.JOINTS]
         got, own = (int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
-        if got != own or (self.in_joint_coordinates and len(saved[1]) != len(self._ints)):
+        if got != own or (self.in_joint_coordinates and not has_same_trees(self._ints, saved[1])):
             raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own} in the same coordinates")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 

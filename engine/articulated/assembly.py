@@ -5,11 +5,12 @@ from numpy.typing import NDArray
 
 from engine.articulated import tables as to
 from engine.articulated.forest import Forest, Link
+from engine.build.assembly import grow
 from engine.build.solids import quat_mat, quat_mul
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 
-__all__ = ["motion_of", "with_trees"]
+__all__ = ["grow_world", "has_same_trees", "motion_of", "with_trees"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -26,7 +27,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
     joint_kind = int_table(ints, at.JOINT_KIND)
     types = [to.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
     n, m = len(forest.links), sum(DEGREES[kind] for kind in types)
-    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others)]
+    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others), len(forest.closing)]
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], to.FLOAT_COLUMNS.tolist(), strict=True):
@@ -47,7 +48,32 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
         _write_coordinates(floats, ints, k, link, kind)
         first += DEGREES[kind]
     to.int_view(ints, to.OTHER)[:, 0] = forest.others
+    to.int_view(ints, to.CLOSING)[:, 0] = forest.closing
     return floats, ints
+
+
+def grow_world(floats: FloatArray, ints: IntArray, trees: bool) -> tuple[FloatArray, IntArray]:
+    """The same world with room for twice as many pairs. Args: trees: whether it has any, which stay behind what has grown."""
+    if not trees:
+        return grow(floats, ints)
+    directory = int(ints[-1])
+    first = int(ints[directory])
+    new_floats, new_ints = grow(floats[:first], ints[:directory])
+    tail = ints[directory:].copy()
+    entries = 2 * len(to.FLOAT_COLUMNS), 2 * (len(to.FLOAT_COLUMNS) + len(to.INT_COLUMNS))
+    tail[: entries[0] : 2] += len(new_floats) - first
+    tail[entries[0] : entries[1] : 2] += len(new_ints) - directory
+    tail[-1] = len(new_ints)
+    return np.concatenate((new_floats, floats[first:])), np.concatenate((new_ints, tail))
+
+
+def has_same_trees(ints: IntArray, other: IntArray) -> bool:
+    """Whether the integers `other` of a world end in trees like those of `ints`, however much room both have for pairs."""
+    length = len(ints) - int(ints[-1])
+    if not 0 < length <= len(other) or len(other) - int(other[-1]) != length:
+        return False
+    rows = slice(1, 2 * (len(to.FLOAT_COLUMNS) + len(to.INT_COLUMNS)), 2)
+    return bool(np.array_equal(ints[-length:][rows], other[-length:][rows]))
 
 
 def _write_link(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: int) -> None:
@@ -102,12 +128,13 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
 def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
     """The coordinate [rad or m] of a joint, and the rate that the velocities of its bodies mean.
 
-    NaN where it has not one coordinate.
+    NaN where it has not one coordinate, or closes a loop, whose coordinates are those of its tree.
     """
     kinds = to.int_view(ints, to.KIND)
-    link = int(np.flatnonzero(kinds[:, to.JOINT] == joint)[0])
-    if kinds[link, to.COLUMNS] != 1:
+    links = np.flatnonzero((kinds[:, to.JOINT] == joint) & (kinds[:, to.COLUMNS] == 1))
+    if len(links) == 0:
         return np.nan, np.nan
+    link = int(links[0])
     state, row = float_table(floats, ints, at.STATE), float_table(floats, ints, at.JOINT)[joint]
     kind = int_table(ints, at.JOINT_KIND)[joint]
     inner, outer = state[kind[at.PARENT]], state[kind[at.CHILD]]

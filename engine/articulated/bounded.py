@@ -11,8 +11,8 @@ from typing import Final
 
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.forces import weigh_links
-from engine.articulated.laws import ALL, next_segment, take_segment, write_laws
-from engine.articulated.momenta import load_momenta
+from engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, write_laws
+from engine.articulated.momenta import load_momenta, press_links
 from engine.articulated.tables import (
     ACCELERATION,
     AXIS_W,
@@ -80,8 +80,8 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
 
 @kernel
 def solve_laws(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, which: int) -> bool:
-    """Write the change of every column's rate over h under the laws that act: ALL from the momenta that are kept, others under
-    what pushes along columns alone.
+    """Write the change of every column's rate over h under the laws that act: ALL from the momenta that are kept, PRESSED
+    from these and what contacts give, others under what pushes along columns alone.
 
     Returns: whether there is an answer.
     """
@@ -96,8 +96,10 @@ def settle_laws(
     """As `solve_laws`, of laws that are written and have so many breaks."""
     fewest, patience = tables.column.shape[0] + 1, PATIENCE
     for _ in range(ROUNDS * (tables.column.shape[0] + 1)):
-        if which == ALL:
+        if which <= ALL:
             load_momenta(tables, bodies, setting, h, gyroscopic)
+            if which == PRESSED:
+                press_links(tables, h)
         else:
             weigh_links(tables)
         accelerations(tables, False)

@@ -1,4 +1,8 @@
-"""Whether a world is solved in joint coordinates: as its options choose, where its joints make trees and nothing can touch."""
+"""Whether a world is solved in joint coordinates: as its options choose, where its joints make trees.
+
+Where bodies may touch, or joints close loops, they are taken if they are asked for by name alone: they were not measured to be
+at least as good there in every scene.
+"""
 
 from collections.abc import Sequence
 
@@ -20,15 +24,32 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     Args: touching: whether two bodies may touch.
     Raises: NotSupported where joint coordinates are asked for, and nothing else will do.
     """
-    if options.used_coordinates == MAXIMAL or not joints:
+    if options.used_coordinates == MAXIMAL or not joints or (touching and options.coordinates != JOINT):
         return None
-    forest: Forest | NoForest = NoForest("contacts", "contacts are solved between bodies with coordinates of their own")
+    found = forest_of(bodies, joints)
+    if isinstance(found, Forest) and found.closing and options.coordinates != JOINT:
+        return None
     if options.integrator not in INTEGRATORS:
-        forest = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
-    elif not touching:
-        forest = forest_of(bodies, joints)
-    if isinstance(forest, Forest):
-        return forest
+        found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
+    elif isinstance(found, Forest) and (touching or found.closing):
+        found = unknown(options, "contacts" if touching else f"joint '{joints[found.closing[0]].name}'") or found
+    if isinstance(found, Forest):
+        return found
     if options.coordinates == JOINT:
-        raise NotSupported(f"joint coordinates with {forest.what}", forest.why)
+        raise NotSupported(f"joint coordinates with {found.what}", found.why)
+    return None
+
+
+def unknown(options: Options, what: str) -> NoForest | None:
+    """Why contacts, or loops, have no joint coordinates under these options; None where they have."""
+    if options.integrator != "semi_implicit_euler":
+        return NoForest(
+            f"{what} under the integrator '{options.integrator}'", "semi_implicit_euler alone knows contacts and loops"
+        )
+    if options.solver != "tgs_soft":
+        return NoForest(f"{what} under the solver '{options.solver}'", "the solver 'tgs_soft' alone knows trees")
+    if options.continuous == "swept":
+        return NoForest(f"{what} and swept collision", "a step in parts is known to bodies with coordinates of their own")
+    if options.sleeping:
+        return NoForest(f"{what} and sleep", "islands are known to bodies with coordinates of their own")
     return None

@@ -1,5 +1,6 @@
-"""Which trees the joints of a world make: who hangs on whom, from the roots on; or why they make none."""
+"""Which trees the joints of a world make: who hangs on whom, from the roots on; what closes loops; or why they make none."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,10 +28,14 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Forest:
-    """The links of all trees, parents before children and tree by tree, and the bodies that forces or nobody moves alone."""
+    """The links of all trees, parents before children and tree by tree, and the bodies that forces or nobody moves alone.
+
+    Terms: closing: the joints that close loops of these trees, by their numbers.
+    """
 
     links: tuple[Link, ...]
     others: tuple[int, ...]
+    closing: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +58,18 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
     held: list[int] = []
     for j, joint in enumerate(joints):
         if isinstance(joint, Distance):
-            return NoForest(f"joint '{joint.name}'", "the distance of two anchors is no coordinate of a tree")
+            # The distance of two anchors is no coordinate of a tree: it closes a loop, or stands for a spring.
+            continue
         ends = [movable[name] for name in (joint.parent, joint.child) if name in movable]
         for i in ends:
             on[i].append(j)
         if len(ends) == 1:
             held.append(j)
-    children = {movable[joint.child] for joint in joints if joint.child in movable and joint.parent in movable}
+    children = {
+        movable[joint.child]
+        for joint in joints
+        if not isinstance(joint, Distance) and joint.child in movable and joint.parent in movable
+    }
     links: list[Link] = []
     where: dict[int, int] = {}
     used: set[int] = set()
@@ -90,8 +100,24 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
     for i in sorted((i for i in on if on[i]), key=lambda i: i in children):
         if i not in where:
             plant(i, -1, -1)
-    for j, joint in enumerate(joints):
-        if j not in used:
-            return NoForest(f"joint '{joint.name}'", "it closes a loop, which is no tree")
+    closing = tuple(j for j in range(len(joints)) if j not in used)
+    if closing and not links:
+        return NoForest(f"joint '{joints[closing[0]].name}'", "the distance of two anchors is no coordinate of a tree")
+    for j in closing:
+        law = law_of(joints[j])
+        if law:
+            return NoForest(
+                f"joint '{joints[j].name}'", f"it closes a loop with {law}, and laws act along coordinates of trees"
+            )
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
-    return Forest(tuple(links), others)
+    return Forest(tuple(links), others, closing)
+
+
+def law_of(joint: Joint) -> str:
+    """What acts along the coordinate of a joint; empty where nothing does."""
+    for field, what in (("limits", "limits"), ("spring", "a spring"), ("drive", "a drive")):
+        if getattr(joint, field, None) is not None:
+            return what
+    if getattr(joint, "armature", 0.0) > 0 or getattr(joint, "friction_loss", 0.0) > 0:
+        return "a rotor" if getattr(joint, "armature", 0.0) > 0 else "dry friction"
+    return "a limit of speed" if getattr(joint, "speed_limit", math.inf) < math.inf else ""

@@ -54,9 +54,11 @@ from engine.memory.arena import (
 )
 from engine.memory.tables import Joints
 
-__all__ = ["ALL", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
+__all__ = ["ALL", "PRESSED", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
 
 # Which laws act.
+PRESSED: Final = -1
+"""All, and links are pressed by contacts."""
 ALL: Final = 0
 SMOOTH: Final = 2
 """Springs and drives."""
@@ -228,7 +230,7 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
         if j < 0 or joints.kind[j, HAS] == 0:
             continue
         k = kind[i, FIRST]
-        acting = -1 if which == ALL else joints.kind[j, IMPLICIT] | HAS_LIMITS
+        acting = -1 if which <= ALL else joints.kind[j, IMPLICIT] | HAS_LIMITS
         if which == SMOOTH:
             acting = HAS_SPRING | HAS_DRIVE
         law[k, WHICH] = joints.kind[j, HAS] & acting

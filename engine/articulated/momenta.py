@@ -30,6 +30,7 @@ from engine.articulated.tables import (
     MASS,
     MATRIX,
     PLACE,
+    PRESSURE,
     ROW,
     SHARE,
     SPIN_SHARE,
@@ -53,6 +54,7 @@ from engine.maths.vec import (
     scale,
     store3,
     store6,
+    sub,
     sym_rotate,
     sym_vec,
 )  # fmt: skip
@@ -60,8 +62,8 @@ from engine.memory.arena import GRAVITY, V, W
 from engine.memory.tables import Bodies
 
 __all__ = [
-    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "put_force",
-    "write_kept_velocities",
+    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "press_links",
+    "put_force", "write_kept_velocities",
 ]  # fmt: skip
 
 
@@ -159,3 +161,14 @@ def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyro
         put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, PLACE))
         for c in range(6):
             tables.motion[i, BIAS + c] = 0.0
+
+
+@kernel
+def press_links(tables: Tables, h: float) -> None:
+    """Take from the force that every link needs what contacts give it over h."""
+    body = tables.body
+    for i in range(body.shape[0]):
+        f = scale(1.0 / h, load3(tables.stage, i, PRESSURE))
+        torque = axpy(1.0 / h, load3(tables.stage, i, PRESSURE + 3), cross(load3(tables.motion, i, PLACE), f))
+        store3(body, i, FORCE, sub(load3(body, i, FORCE), torque))
+        store3(body, i, FORCE + 3, sub(load3(body, i, FORCE + 3), f))

@@ -29,7 +29,7 @@ from engine.compile.jit import kernel
 from engine.maths.vec import Floats
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["semi_implicit_euler"]
+__all__ = ["change_velocities", "close_bends", "semi_implicit_euler"]
 
 ROUND_OFF = 1e-12
 """The change of a rate, as a share of the largest one, that no round is made for."""
@@ -60,6 +60,15 @@ def semi_implicit_euler(
         add_reactions(tables, joints, h)
     change_rates(tables, h)
     change_velocities(tables, h)
+    close_bends(tables, bodies, joints, h, reactions)
+    keep_momenta(tables, gyroscopic)
+    drift_coordinates(tables, h)
+    return True
+
+
+@kernel
+def close_bends(tables: Tables, bodies: Bodies, joints: Joints, h: float, reactions: bool) -> None:
+    """Change the rates until they take the momenta along the bends that they make themselves. Args: as above."""
     before = math.inf
     for _ in range(MOST_ROUNDS):
         bend_links(tables, bodies, h)
@@ -71,6 +80,3 @@ def semi_implicit_euler(
         if expected <= ROUND_OFF * rate or change >= before:
             break
         before = change
-    keep_momenta(tables, gyroscopic)
-    drift_coordinates(tables, h)
-    return True

@@ -82,6 +82,9 @@ WHICH: Final = 17  # bits of HAS that act
 STAGE: Final = 6
 STAGE_RATE: Final = 7
 
+PRESSURE: Final = 0  # 6, in STAGE: impulse that contacts give a link over a sub-step, about its centre of mass, force first
+ANSWERED: Final = 0  # in STAGE_RATE: the segment that a column was on when the responses to contacts were written
+
 KEPT_RATE: Final = 0  # over the last sub-step, by which coordinates moved
 KEPT_MOMENTUM: Final = 1  # after it
 KEPT_CHANGE: Final = 2  # of the kept rate, from the sub-step before it
@@ -115,10 +118,12 @@ ROOT: Final = 7  # link
 
 OTHER: Final = 1  # bodies that no tree has and that are not static
 
+CLOSING: Final = 2  # joints that close loops
+
 FREE: Final = 9
 
 FLOAT_COLUMNS: Final = np.array([29, 43, 28, 8, 20, 18, 14, 3, 35])
-INT_COLUMNS: Final = np.array([8, 1])
+INT_COLUMNS: Final = np.array([8, 1, 1])
 FLOAT_TABLES: Final = 9
 BYTES: Final = 8
 
@@ -129,7 +134,7 @@ integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
-    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps, parents."""
+    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps; kin, loops."""
 
     link: Floats
     motion: Floats
@@ -142,6 +147,7 @@ class Tables(NamedTuple):
     passage: Floats
     kind: Ints
     other: Ints
+    closing: Ints
 
 
 def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
@@ -191,4 +197,5 @@ def tables_of(floats: Floats, ints: Ints) -> Tables:
         floats_at(floats, ints, PASSAGE),
         ints_at(ints, KIND),
         ints_at(ints, OTHER),
+        ints_at(ints, CLOSING),
     )

@@ -27,7 +27,7 @@ Dynamics Algorithms, 2008, section 2.4 (motion and force as six-vectors).
 
 import math
 
-from engine.compile.jit import kernel
+from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Mat, Sym, Vec, add, axpy, load3, load6, load9, mat_vec, store3, sub, sym_vec, tmat_vec
 from engine.memory.arena import (
     APPROACH,
@@ -61,7 +61,7 @@ from engine.respond.centre import Centre, frame_of, give_impulse, relative_motio
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import PRESS, REBOUND, Softness
 
-__all__ = ["sweep"]
+__all__ = ["resist", "sweep"]
 
 
 @kernel
@@ -122,6 +122,61 @@ def rub(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point:
     return f1, f2, m3
 
 
+@inlined
+def resist(contacts: Contacts, m: int, v: Vec, w: Vec, soft: Softness, aim: int) -> tuple[Vec, Vec]:
+    """What manifold m gives against the relative motion (V, W) at its centre. Args: as `sweep`. Returns: force and moment."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    normals, tangents, coupling = (
+        load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK), load9(manifold, m, COUPLING)
+    )  # fmt: skip
+    first, end = 4 * m, 4 * m + key[m, POINTS]
+    lift: Vec = (v[2], w[0], w[1])
+    slide: Vec = (v[0], v[1], w[2])
+    pressed, rubbed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+        total = 0.0
+        for i in range(first, end):
+            total += point[i, NORMAL_IMPULSE]
+        moment = resist_spin(manifold, m, frame_of(manifold, m), w, total)
+        pressed, rubbed = (0.0, moment[0], moment[1]), (0.0, 0.0, moment[2])
+        lift = add(add(lift, sym_vec(normals, pressed)), tmat_vec(coupling, rubbed))
+        slide = add(add(slide, sym_vec(tangents, rubbed)), mat_vec(coupling, pressed))
+    friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
+    for half in range(2):
+        if (half == 0) != (aim == PRESS):
+            f, m1, m2 = 0.0, 0.0, 0.0
+            for i in range(first, end):
+                s, before = point[i, SEPARATION], point[i, NORMAL_IMPULSE]
+                bias, hard, keep = 0.0, 1.0, 0.0
+                if aim == PRESS:
+                    if s > 0.0:
+                        bias = s / soft.h
+                    else:
+                        bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
+                elif s > 0.0 and before == 0.0:
+                    continue
+                elif aim == REBOUND and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
+                    bias = manifold[m, LAW + 2] * point[i, APPROACH]
+                x, y, mass = point[i, SPREAD], point[i, SPREAD + 1], hard * point[i, NORMAL_MASS]
+                u = lift[0] + y * lift[1] - x * lift[2]
+                impulse = max(((1.0 - keep) * before - mass * bias) - mass * u, 0.0)
+                point[i, NORMAL_IMPULSE] = impulse
+                if key[m, STRIKES] == 1:
+                    point[i, SPIKE] = max(point[i, SPIKE], impulse)
+                change = impulse - before
+                lift = axpy(change, sym_vec(normals, (1.0, y, -x)), lift)
+                f, m1, m2 = f + change, m1 + y * change, m2 - x * change
+            pressed = add(pressed, (f, m1, m2))
+            slide = add(slide, mat_vec(coupling, (f, m1, m2)))
+        elif friction > 0.0:
+            f1, f2, m3 = stick(manifold, m, slide, friction, first, end, point)
+            if f1 == math.inf:
+                f1, f2, m3 = rub(tangents, slide, friction, first, end, point)
+            rubbed = add(rubbed, (f1, f2, m3))
+            lift = add(lift, tmat_vec(coupling, (f1, f2, m3)))
+    return (rubbed[0], rubbed[1], pressed[0]), (pressed[1], pressed[2], rubbed[2])
+
+
 @kernel
 def sweep(bodies: Bodies, contacts: Contacts, manifolds: int, soft: Softness, aim: int) -> None:
     """One sweep over all manifolds: rolling and torsional friction, then friction and normal.
@@ -132,61 +187,12 @@ def sweep(bodies: Bodies, contacts: Contacts, manifolds: int, soft: Softness, ai
     Args: aim: PRESS to correct the position error; RELAX not to, then points that gave no impulse stay out; REBOUND to aim at
     the velocity after restitution instead.
     """
-    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    manifold, key = contacts.manifold, contacts.key
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
         frame = frame_of(manifold, m)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
         centre = Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
         v, w = relative_motion(centre, motion)
-        normals, tangents, coupling = (
-            load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK), load9(manifold, m, COUPLING)
-        )  # fmt: skip
-        first, end = 4 * m, 4 * m + key[m, POINTS]
-        lift: Vec = (v[2], w[0], w[1])
-        slide: Vec = (v[0], v[1], w[2])
-        pressed, rubbed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
-            total = 0.0
-            for i in range(first, end):
-                total += point[i, NORMAL_IMPULSE]
-            moment = resist_spin(manifold, m, centre.frame, w, total)
-            pressed, rubbed = (0.0, moment[0], moment[1]), (0.0, 0.0, moment[2])
-            lift = add(add(lift, sym_vec(normals, pressed)), tmat_vec(coupling, rubbed))
-            slide = add(add(slide, sym_vec(tangents, rubbed)), mat_vec(coupling, pressed))
-        friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
-        for half in range(2):
-            if (half == 0) != (aim == PRESS):
-                f, m1, m2 = 0.0, 0.0, 0.0
-                for i in range(first, end):
-                    s, before = point[i, SEPARATION], point[i, NORMAL_IMPULSE]
-                    bias, hard, keep = 0.0, 1.0, 0.0
-                    if aim == PRESS:
-                        if s > 0.0:
-                            bias = s / soft.h
-                        else:
-                            bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
-                    elif s > 0.0 and before == 0.0:
-                        continue
-                    elif aim == REBOUND and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
-                        bias = manifold[m, LAW + 2] * point[i, APPROACH]
-                    x, y, mass = point[i, SPREAD], point[i, SPREAD + 1], hard * point[i, NORMAL_MASS]
-                    u = lift[0] + y * lift[1] - x * lift[2]
-                    impulse = max(((1.0 - keep) * before - mass * bias) - mass * u, 0.0)
-                    point[i, NORMAL_IMPULSE] = impulse
-                    if key[m, STRIKES] == 1:
-                        point[i, SPIKE] = max(point[i, SPIKE], impulse)
-                    change = impulse - before
-                    lift = axpy(change, sym_vec(normals, (1.0, y, -x)), lift)
-                    f, m1, m2 = f + change, m1 + y * change, m2 - x * change
-                pressed = add(pressed, (f, m1, m2))
-                slide = add(slide, mat_vec(coupling, (f, m1, m2)))
-            elif friction > 0.0:
-                f1, f2, m3 = stick(manifold, m, slide, friction, first, end, point)
-                if f1 == math.inf:
-                    f1, f2, m3 = rub(tangents, slide, friction, first, end, point)
-                rubbed = add(rubbed, (f1, f2, m3))
-                lift = add(lift, tmat_vec(coupling, (f1, f2, m3)))
-        give_impulse(
-            bodies.state, pair, centre, motion, (rubbed[0], rubbed[1], pressed[0]), (pressed[1], pressed[2], rubbed[2])
-        )
+        force, moment = resist(contacts, m, v, w, soft, aim)
+        give_impulse(bodies.state, pair, centre, motion, force, moment)

@@ -2,8 +2,8 @@
 
 import math
 
-from engine.compile.jit import kernel, rounding_kernel
-from engine.maths.vec import Floats, add, axpy, dot, load3, mat_vec, store3, tmat_vec
+from engine.compile.jit import inlined, kernel, rounding_kernel
+from engine.maths.vec import Floats, Mat, Vec, add, axpy, dot, load3, mat_vec, store3, tmat_vec
 from engine.memory.arena import (
     APPROACH,
     BODY_A,
@@ -34,27 +34,35 @@ from engine.respond.centre import Centre, centre_of, frame_of, give_impulse, rel
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import STUCK, TOUCHING
 
-__all__ = ["approach", "bounce", "end_step", "end_substep", "friction_mode", "sum_impulses", "warm_start"]
+__all__ = ["approach", "bounce", "end_step", "end_substep", "friction_mode", "kept_impulse", "sum_impulses", "warm_start"]
+
+
+@inlined
+def kept_impulse(contacts: Contacts, m: int, frame: Mat) -> tuple[Vec, Vec]:
+    """The impulses that manifold m has now, as force and moment at its centre, in its frame."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    moment = mat_vec(frame, load3(manifold, m, SPIN_IMPULSE))
+    f1, f2, f3, m1, m2, m3 = 0.0, 0.0, 0.0, moment[0], moment[1], moment[2]
+    for i in range(4 * m, 4 * m + key[m, POINTS]):
+        x, y, normal, one, two = (
+            point[i, SPREAD], point[i, SPREAD + 1], point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1]
+        )  # fmt: skip
+        f1, f2, f3 = f1 + one, f2 + two, f3 + normal
+        m1, m2, m3 = m1 + y * normal, m2 - x * normal, m3 + x * two - y * one
+    return (f1, f2, f3), (m1, m2, m3)
 
 
 @kernel
 def warm_start(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
     """Apply the impulses of the last sub-step."""
-    state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
+    state, manifold, key = bodies.state, contacts.manifold, contacts.key
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
         frame = frame_of(manifold, m)
-        moment = mat_vec(frame, load3(manifold, m, SPIN_IMPULSE))
-        f1, f2, f3, m1, m2, m3 = 0.0, 0.0, 0.0, moment[0], moment[1], moment[2]
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            x, y, normal, one, two = (
-                point[i, SPREAD], point[i, SPREAD + 1], point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1]
-            )  # fmt: skip
-            f1, f2, f3 = f1 + one, f2 + two, f3 + normal
-            m1, m2, m3 = m1 + y * normal, m2 - x * normal, m3 + x * two - y * one
+        force, moment = kept_impulse(contacts, m, frame)
         pair = pair_of(bodies.body, bodies.turned, a, b)
         centre = Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
-        give_impulse(state, pair, centre, motion_of(state, a, b), (f1, f2, f3), (m1, m2, m3))
+        give_impulse(state, pair, centre, motion_of(state, a, b), force, moment)
 
 
 @kernel

@@ -79,8 +79,15 @@ def refuse_unsmooth(integrator: str, unsmooth: str) -> None:
         )
 
 
-def joint_coordinates_step(options: Options, unsmooth: str) -> Step:
-    """The compiled step of trees in joint coordinates. Args: unsmooth: as `choose_step`. Raises: NotSupported."""
+def joint_coordinates_step(touching: bool, closing: bool, options: Options, unsmooth: str) -> Step:
+    """The compiled step of trees in joint coordinates. Args: closing: whether joints close loops; unsmooth: as `choose_step`.
+
+    Raises: NotSupported.
+    """
+    if touching or closing:
+        from engine.steps import joint_coordinates_held as held
+
+        return held.step_joint_coordinates_touching if touching else held.step_joint_coordinates_closing
     refuse_unsmooth(options.integrator, unsmooth)
     from engine.steps import joint_coordinates as steps
 

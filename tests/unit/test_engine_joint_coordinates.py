@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import engine
 from engine.articulated import tables as to
-from engine.articulated.forest import NoForest, forest_of
+from engine.articulated.forest import Forest, NoForest, forest_of
 from tests.random_trees import Tree, pin, random_tree, table, world_of
 
 
@@ -188,14 +188,19 @@ def test_coordinates_count_turns_and_what_has_none_tells_none() -> None:
     assert np.isnan(own.joint_motion("axle")).all()
 
 
-def test_what_is_no_tree_is_refused_with_the_reason_or_keeps_its_bodies_own_coordinates() -> None:
+def test_loops_are_taken_where_they_are_asked_for_and_what_is_no_tree_is_refused_with_the_reason() -> None:
     bodies = [engine.Body(name=name, p_WB=(k, 0.0, 0.0)) for k, name in enumerate("abc")]
     ring = [engine.Ball(name=f"{one}{two}", parent=one, child=two, anchor_W=(0.0, 0.0, 1.0)) for one, two in ("ab", "bc", "ca")]
     answer = forest_of(bodies, ring)
-    assert isinstance(answer, NoForest)
-    assert "closes a loop" in answer.why
-    with pytest.raises(engine.NotSupported, match="closes a loop"):
-        engine.World(bodies, ring, options=engine.Options(coordinates="joint"))
+    assert isinstance(answer, Forest)
+    assert len(answer.links) == 3
+    assert len(answer.closing) == 1
+    assert engine.World(bodies, ring, options=engine.Options(coordinates="joint")).in_joint_coordinates
+    rope = engine.Distance(name="rope", parent="a", child="b", anchor_W=(0, 0, 0), child_anchor_W=(1, 0, 0))
+    assert forest_of(bodies, [*ring[:2], rope]).closing == (2,)  # type: ignore[union-attr]
+    assert isinstance(forest_of(bodies, [rope]), NoForest)
+    with pytest.raises(engine.NotSupported, match="the distance of two anchors is no coordinate"):
+        engine.World(bodies, [rope], options=engine.Options(coordinates="joint"))
     assert not engine.World(bodies, ring, options=engine.Options(coordinates="automatic")).in_joint_coordinates
     assert engine.World(bodies, ring[:2], options=engine.Options(coordinates="automatic")).in_joint_coordinates
     assert not engine.World(bodies, ring[:2], options=engine.Options(coordinates="maximal")).in_joint_coordinates

@@ -1,0 +1,102 @@
+"""What impulses at the centre of a manifold do to the relative motion there, where its bodies hang on others: M = J G J^T.
+
+J takes the velocities of both bodies to the relative motion at the centre in its frame. Trees leave directions in which nothing
+moves, a hinge's link all but one; there M has what a share of the bodies' own mobility gives, so that friction has an inverse
+to work with, and a normal along which no motion of the tree opens the gap carries nothing.
+
+Source: Khatib, A unified approach for motion and force control of robot manipulators: the operational space formulation, IEEE
+J. Robotics Automation 3, 1987; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
+"""
+
+from typing import Final
+
+from engine.articulated.touched import Touched, change_of
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Vec, add, cross, neg, store6, store9, tmat_vec
+from engine.memory.arena import (
+    BODY_A,
+    BODY_B,
+    COUPLING,
+    INV_INERTIA,
+    INV_MASS,
+    LAW,
+    NORMAL_BLOCK,
+    NORMAL_MASS,
+    POINTS,
+    SPIN_MASS,
+    SPREAD,
+    TANGENT_BLOCK,
+    TANGENT_MASS,
+)  # fmt: skip
+from engine.memory.tables import Bodies, Contacts
+from engine.respond.centre import Centre, centre_of, relative_motion
+from engine.respond.mobility import effective_masses, write_stop
+from engine.respond.pair import Motion
+
+__all__ = ["write_mobilities"]
+
+SHARE: Final = 1e-6
+"""Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""
+
+UNIT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@kernel
+def answer(touched: Touched, a: int, b: int, centre: Centre, force: Vec, moment: Vec) -> tuple[Vec, Vec]:
+    """The change of the relative motion at the centre by force and moment there, in the frame. Args: a, b: places."""
+    f, t = tmat_vec(centre.frame, force), tmat_vec(centre.frame, moment)
+    on_a, on_b = neg(add(cross(centre.arm_a, f), t)), add(cross(centre.arm_b, f), t)
+    va, wa = change_of(touched, a, a, neg(f), on_a)
+    vb, wb = change_of(touched, b, b, f, on_b)
+    v, w = change_of(touched, a, b, f, on_b)
+    va, wa = add(va, v), add(wa, w)
+    v, w = change_of(touched, b, a, neg(f), on_a)
+    return relative_motion(centre, Motion(va, wa, add(vb, v), add(wb, w)))
+
+
+@kernel
+def own_mobility(body: Floats, a: int, b: int) -> tuple[float, float]:
+    """What the two bodies alone would give way, by force [1/kg] and by moment [1/(kg m2)]."""
+    turning = 0.0
+    for c in range(3):
+        turning += body[a, INV_INERTIA + c] + body[b, INV_INERTIA + c]
+    return body[a, INV_MASS] + body[b, INV_MASS], turning / 3.0
+
+
+@kernel
+def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int) -> None:
+    """The blocks of M of manifold m, and the effective masses of its points."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    a, b = touched.place[key[m, BODY_A]], touched.place[key[m, BODY_B]]
+    centre = centre_of(manifold, m)
+    still = (0.0, 0.0, 0.0)
+    v1, w1 = answer(touched, a, b, centre, UNIT[0], still)
+    v2, w2 = answer(touched, a, b, centre, UNIT[1], still)
+    v3, w3 = answer(touched, a, b, centre, UNIT[2], still)
+    _, x1 = answer(touched, a, b, centre, still, UNIT[0])
+    _, x2 = answer(touched, a, b, centre, still, UNIT[1])
+    _, x3 = answer(touched, a, b, centre, still, UNIT[2])
+    shift, turn = own_mobility(bodies.body, key[m, BODY_A], key[m, BODY_B])
+    s, t = SHARE * shift, SHARE * turn
+    normals = (v3[2] + s, x1[0] + t, x2[1] + t, w3[0], w3[1], x1[1])
+    tangents = (v1[0] + s, v2[1] + s, x3[2] + t, v1[1], w1[2], w2[2])
+    store6(manifold, m, NORMAL_BLOCK, normals)
+    store6(manifold, m, TANGENT_BLOCK, tangents)
+    # Rows V1, V2, W3 by the forces along V3, W1 and W2; M is symmetric.
+    store9(manifold, m, COUPLING, (v1[2], w1[0], w1[1], v2[2], w2[0], w2[1], w3[2], x3[0], x3[1]))
+    for i in range(4 * m, 4 * m + key[m, POINTS]):
+        x, y = point[i, SPREAD], point[i, SPREAD + 1]
+        point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(normals, tangents, x, y)
+        if point[i, NORMAL_MASS] * (s + t * (x * x + y * y)) > 0.5:
+            point[i, NORMAL_MASS] = 0.0
+    write_stop(manifold, m, key, point)
+    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+        manifold[m, SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
+        manifold[m, SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
+
+
+@kernel
+def write_mobilities(bodies: Bodies, contacts: Contacts, touched: Touched, manifolds: int) -> None:
+    """The blocks of M of all manifolds, by the responses at hand."""
+    for m in range(manifolds):
+        write_mobility(bodies, contacts, touched, m)

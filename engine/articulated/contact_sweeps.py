@@ -1,0 +1,52 @@
+"""Sweeps of the soft solver over contacts whose bodies hang on others: each manifold's impulses reach all that its trees touch.
+
+What a manifold gives is what `engine.respond.soft` finds on its mobility; here that is handed to the places of its bodies.
+
+Source: as `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
+"""
+
+from engine.articulated.touched import NOWHERE, Touched, give
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Vec, add, cross, neg, tmat_vec
+from engine.memory.arena import BODY_A, BODY_B
+from engine.memory.tables import Contacts
+from engine.respond.centre import Centre, centre_of, relative_motion
+from engine.respond.pair import motion_of
+from engine.respond.soft import resist
+from engine.respond.softness import Softness
+from engine.respond.substep import kept_impulse
+
+__all__ = ["start_warm", "sweep_trees"]
+
+
+@kernel
+def give_pair(touched: Touched, state: Floats, bodies: tuple[int, int], centre: Centre, force: Vec, moment: Vec) -> None:
+    """Give impulses of force and moment at the centre, in its frame, to the second body, and their reaction to the first."""
+    f, t = tmat_vec(centre.frame, force), tmat_vec(centre.frame, moment)
+    a, b = touched.place[bodies[0]], touched.place[bodies[1]]
+    if a != NOWHERE:
+        give(touched, state, a, neg(f), neg(add(cross(centre.arm_a, f), t)))
+    if b != NOWHERE:
+        give(touched, state, b, f, add(cross(centre.arm_b, f), t))
+
+
+@kernel
+def start_warm(state: Floats, contacts: Contacts, touched: Touched, manifolds: int) -> None:
+    """Apply the impulses of the last sub-step."""
+    key = contacts.key
+    for m in range(manifolds):
+        centre = centre_of(contacts.manifold, m)
+        force, moment = kept_impulse(contacts, m, centre.frame)
+        give_pair(touched, state, (key[m, BODY_A], key[m, BODY_B]), centre, force, moment)
+
+
+@kernel
+def sweep_trees(state: Floats, contacts: Contacts, touched: Touched, manifolds: int, soft: Softness, aim: int) -> None:
+    """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`."""
+    manifold, key = contacts.manifold, contacts.key
+    for m in range(manifolds):
+        a, b = key[m, BODY_A], key[m, BODY_B]
+        centre = centre_of(manifold, m)
+        v, w = relative_motion(centre, motion_of(state, a, b))
+        force, moment = resist(contacts, m, v, w, soft, aim)
+        give_pair(touched, state, (a, b), centre, force, moment)

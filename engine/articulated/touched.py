@@ -1,0 +1,129 @@
+"""What contacts move: the links and free bodies that they touch, what an impulse on one does to the others, and room for that.
+
+Each of them has a place, those of one tree side by side, a free body by itself. Impulses are six numbers, force [N s] and
+moment [N m s] about the centre of mass, in W; what they change are v_WB and w_WB.
+
+    (v, w)_i <- (v, w)_i + G_ij (f, t)_j        for every place i of the tree of j
+
+G is the inverse of the operational-space inertia of all places together.
+
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 8.4 (impulses) and 8.5 (inverse inertia of loops); Wensing,
+Featherstone, Orin, A reduced-order recursive algorithm for the computation of the operational-space inertia matrix, ICRA 2012.
+"""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from engine.articulated.tables import PARENT, ROOT, ROW, Tables
+from engine.compile.jit import kernel
+from engine.maths.vec import Floats, Ints, Vec
+from engine.memory.arena import DYNAMIC, MOTION, TOUCHED, V
+from engine.memory.tables import Bodies
+
+__all__ = ["BEGIN", "BODY", "END", "FIRST_BLOCK", "LINK", "NOWHERE", "Touched", "change_of", "find_touched", "give"]
+
+# Places.
+BODY: Final = 0
+LINK: Final = 1  # NOWHERE for a body of no tree
+BEGIN: Final = 2  # first place of its tree
+END: Final = 3  # behind its last
+FIRST_BLOCK: Final = 4  # of its blocks of G, one for each place of its tree
+
+NOWHERE: Final = -1
+
+
+class Touched(NamedTuple):
+    """The places, and room to work in.
+
+    Terms: place: of each body, NOWHERE for one that no contact moves; kind: of each place; block: G, 36 numbers for two places,
+    motion by force, the six motions of a force together; given: impulse on each place since it was last set to zero; mark: of
+    each link, 1 where it lies between a root and a place; taken: of each column, what unit impulses on one place leave along
+    it; moved: of each link, its motions by these.
+    """
+
+    place: Ints
+    kind: Ints
+    block: Floats
+    given: Floats
+    mark: Ints
+    taken: Floats
+    moved: Floats
+
+
+@kernel
+def find_touched(tables: Tables, bodies: Bodies) -> Touched:
+    """The places of all dynamic bodies that contacts touch, links first, in their order."""
+    links, n = tables.kind.shape[0], 0
+    place = np.full(bodies.state.shape[0], NOWHERE, np.int64)
+    mark = np.zeros(links, np.int64)
+    for b in range(bodies.state.shape[0]):
+        if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
+            n += 1
+    kind, at, blocks, begin, root = np.empty((n, 5), np.int64), 0, 0, 0, NOWHERE
+    for i in range(links):
+        b = tables.kind[i, ROW]
+        if bodies.kind[b, TOUCHED] == 0:
+            continue
+        if tables.kind[i, ROOT] != root:
+            root, begin = tables.kind[i, ROOT], at
+        mark[i] = 1
+        place[b] = at
+        kind[at, BODY], kind[at, LINK], kind[at, BEGIN] = b, i, begin
+        at += 1
+        for k in range(begin, at):
+            kind[k, END] = at
+    for i in range(links - 1, -1, -1):
+        if mark[i] == 1 and tables.kind[i, PARENT] >= 0:
+            mark[tables.kind[i, PARENT]] = 1
+    for m in range(tables.other.shape[0]):
+        b = tables.other[m, 0]
+        if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
+            place[b] = at
+            kind[at, BODY], kind[at, LINK], kind[at, BEGIN], kind[at, END] = b, NOWHERE, at, at + 1
+            at += 1
+    for k in range(n):
+        kind[k, FIRST_BLOCK] = blocks
+        blocks += kind[k, END] - kind[k, BEGIN]
+    return Touched(
+        place,
+        kind,
+        np.zeros((blocks, 36)),
+        np.zeros((n, 6)),
+        mark,
+        np.empty((tables.column.shape[0], 6)),
+        np.empty((links, 36)),
+    )
+
+
+@kernel
+def give(touched: Touched, state: Floats, k: int, f: Vec, t: Vec) -> None:
+    """Give place k an impulse, which all places of its tree answer."""
+    kind, block, given = touched.kind, touched.block, touched.given
+    for c in range(3):
+        given[k, c] += f[c]
+        given[k, 3 + c] += t[c]
+    first = kind[k, FIRST_BLOCK]
+    for i in range(kind[k, BEGIN], kind[k, END]):
+        b = kind[i, BODY]
+        for r in range(6):
+            total = block[first, r] * f[0] + block[first, 6 + r] * f[1] + block[first, 12 + r] * f[2]
+            total += block[first, 18 + r] * t[0] + block[first, 24 + r] * t[1] + block[first, 30 + r] * t[2]
+            state[b, V + r] += total
+        first += 1
+
+
+@kernel
+def change_of(touched: Touched, i: int, k: int, f: Vec, t: Vec) -> tuple[Vec, Vec]:
+    """What an impulse on place k changes of the velocities of place i; nothing where either is NOWHERE."""
+    kind, block = touched.kind, touched.block
+    if i == NOWHERE or k == NOWHERE or not kind[k, BEGIN] <= i < kind[k, END]:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    n = kind[k, FIRST_BLOCK] + i - kind[k, BEGIN]
+    x, y, z, p, q, s = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for c in range(6):
+        one = f[c] if c < 3 else t[c - 3]
+        at = 6 * c
+        x, y, z = x + block[n, at] * one, y + block[n, at + 1] * one, z + block[n, at + 2] * one
+        p, q, s = p + block[n, at + 3] * one, q + block[n, at + 4] * one, s + block[n, at + 5] * one
+    return (x, y, z), (p, q, s)

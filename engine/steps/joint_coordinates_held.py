@@ -1,0 +1,102 @@
+"""Steps of trees in joint coordinates that more than their joints hold: soft contacts, and joints that close loops."""
+
+from collections.abc import Callable
+
+from engine.articulated.advance import is_finite_forest, write_state
+from engine.articulated.bases import take_jumps
+from engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
+from engine.articulated.loops import touch_loops
+from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
+from engine.articulated.tables import tables_of
+from engine.articulated.touched import find_touched
+from engine.compile.jit import entry, kernel, template
+from engine.constrain.open_joints import open_joint
+from engine.constrain.reactions import clear_reactions
+from engine.integrate.semi_implicit_euler import drift_free
+from engine.maths.vec import Floats, Ints
+from engine.memory.arena import (
+    COUNT,
+    DT,
+    DYNAMIC,
+    GYROSCOPIC,
+    MANIFOLDS,
+    MOTION,
+    SETTING,
+    START,
+    STEPS,
+    SUBSTEPS,
+    TOUCHED,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+from engine.memory.status import DIVERGED, DONE, UNSOLVED
+from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, joints_of, rows_of, shapes_of
+from engine.respond.softness import softness_of
+from engine.respond.substep import end_step
+from engine.steps.count_step import count_step
+from engine.steps.stages import meet
+
+__all__ = ["step_joint_coordinates_closing", "step_joint_coordinates_touching"]
+
+
+@kernel
+def touch_nothing(_floats: Floats, _ints: Ints, bodies: Bodies, _contacts: Contacts) -> int:
+    """In place of `meet`, where nothing can touch."""
+    for b in range(bodies.kind.shape[0]):
+        bodies.kind[b, TOUCHED] = 0
+    return DONE
+
+
+@template
+def advance_held(
+    floats: Floats, ints: Ints, steps: int, meeting: Callable[[Floats, Ints, Bodies, Contacts], int]
+) -> tuple[int, int]:
+    """The loop of both steps. Args: meeting: finds the contacts of a step, or says why not."""
+    bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
+    contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, START)
+    setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), rows_of(floats, ints)
+    dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    soft = softness_of(setting, dt / substeps)
+    damp_over(tables, soft.h)
+    if count[0, STEPS] == 0:
+        take_jumps(tables, bodies, joints)
+        begin_momenta(tables, bodies, gyroscopic)
+    done, status = 0, DONE
+    while done < steps and status == DONE:
+        status = meeting(floats, ints, bodies, contacts)
+        if status == DONE:
+            done += 1
+            touch_loops(tables, bodies, joints)
+            mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows)
+            forget_responses(tables)
+            clear_reactions(joints)
+            for substep in range(substeps):
+                if status == DONE and not touching_substep(mechanisms, setting, count, sums, soft, substep, done == steps):
+                    status = UNSOLVED
+            end_step(contacts, count[0, MANIFOLDS])
+            for n in range(tables.other.shape[0]):
+                b = tables.other[n, 0]
+                if bodies.kind[b, MOTION] == DYNAMIC and bodies.kind[b, TOUCHED] == 0:
+                    drift_free(bodies, setting, b, dt, substeps, gyroscopic)
+            write_state(tables, bodies, joints)
+            write_kept_velocities(tables, bodies, gyroscopic)
+            finite = is_finite_forest(tables)
+            if count_step(bodies.state, count) == DIVERGED or not finite:
+                status = DIVERGED
+    if status == DONE and tables.closing.shape[0] > 0:
+        status = open_joint(floats, ints, touching=True)
+    return done, status
+
+
+@entry
+def step_joint_coordinates_touching(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance trees and free bodies in contact, by semi-implicit Euler in sub-steps.
+
+    Returns: steps done, and DONE, DIVERGED, UNSOLVED, FULL or CONVEX_PENDING; and `open_joint`.
+    """
+    return advance_held(floats, ints, steps, meet)
+
+
+@entry
+def step_joint_coordinates_closing(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance trees whose loops joints close, where nothing touches. Returns: as `step_joint_coordinates_touching`."""
+    return advance_held(floats, ints, steps, touch_nothing)

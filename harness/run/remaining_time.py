@@ -1,7 +1,6 @@
 """How long a run will still take, and how surely, by how long its pieces took so far.
 
-An answer takes what a process takes to start, and a time that grows with its steps, times the bodies that are stepped: along a
-ladder with 1/dt. Both are learnt from the answers that there are: of the same case on the same engine, else of the same case,
+An answer takes what a process takes to start, and a time that grows with its steps: along a ladder with 1/dt. Both are learnt from the answers that there are: of the same case on the same engine, else of the same case,
 else of all. The first answer of an engine is left out as long as there is another, since it pays for what all share: an engine
 that is loaded, or compiles. What runs already has had its time so far. The timing run of a group of trials starts a process for
 each engine; each trial is calibrated there and takes its samples, each a whole run of its scene where that is longer than a

@@ -1,10 +1,11 @@
 """How long a run will still take, and how surely, by how long its pieces took so far.
 
-An answer takes what a process takes to start, and a time that grows with its steps: along a ladder with 1/dt. Both are learnt from the answers that there are: of the same case on the same engine, else of the same case,
-else of all. The first answer of an engine is left out as long as there is another, since it pays for what all share: an engine
-that is loaded, or compiles. What runs already has had its time so far. The timing run of a group of trials starts a process for
-each engine; each trial is calibrated there and takes its samples, each a whole run of its scene where that is longer than a
-sample has to be, and no longer than a cut. How far that is off is learnt from the groups that were clocked.
+An answer takes what a process takes to start, and a time that grows with its steps: along a ladder with 1/dt. Both are learnt
+from the answers that there are: of the same case on the same engine, else of the same case, else of all. The first answer of
+an engine is left out as long as there is another, since it pays for what all share: an engine that is loaded, or compiles.
+What runs already has had its time so far. The timing run of a group of trials starts a process for each engine; each trial is
+calibrated there and takes its samples, each a whole run of its scene where that is longer than a sample has to be, and no
+longer than a cut. How far that is off is learnt from the groups that were clocked.
 
 What a search will still ask for counts as so many pieces like one that it asked for already, one after the other where it waits
 for each before it asks for the next.

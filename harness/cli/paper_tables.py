@@ -4,8 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from harness.metric.titles import metric_title
-
 if TYPE_CHECKING:
     from harness.findings.limits_found import Search
     from harness.store.store import Store
@@ -132,6 +130,8 @@ _LIMITS = ("Case", "Engine", "Track", "Axis", "Unit", "Held to", "Broke at", "CP
 
 
 def _limit(search: "Search", titles: _Titles) -> Row:
+    from harness.metric.titles import metric_title  # late: NumPy comes with it, and every command reads this file
+
     about = (titles.scene(search.case, search.where), titles.engines[search.engine], search.track)
     axis = (search.axis.replace("_", " "), "" if search.unit == "1" else search.unit)
     signs = ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts)

@@ -30,7 +30,6 @@ LONG = frozenset(
     {
         "friction_backspin",
         "friction_creep",
-        "friction_isotropy",
         "friction_static_kinetic",
         "impact_bounce",
         "impact_gas",

@@ -43,9 +43,9 @@ def part_cores(
         qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for k in range(count):
             qa, qb = axpy(work[k, SHARE], load3(work, k, 3), qa), axpy(work[k, SHARE], load3(work, k, 6), qb)
-        return sharpen(t, a, b, d, size, gap, scale(-1.0 / norm(v), v), qa, qb)
+        return sharpen(t, a, b, d, size, (gap, scale(-1.0 / norm(v), v), qa, qb))
     deep, n, qa, qb = depth(t, a, b, d, size, count, simplex)
-    return sharpen(t, a, b, d, size, -deep, n, qa, qb)
+    return sharpen(t, a, b, d, size, (-deep, n, qa, qb))
 
 
 @kernel

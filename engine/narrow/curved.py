@@ -64,16 +64,15 @@ def newton_step(t: Solids, a: int, b: int, n: Vec, w: Vec) -> Vec:
 
 
 @kernel
-def sharpen(
-    t: Solids, a: int, b: int, d: Vec, size: float, gap: float, n: Vec, qa: Vec, qb: Vec
-) -> tuple[float, Vec, Vec, Vec]:
-    """What `part_cores` returns, the normal taken to rounding where A or B is an ellipsoid.
+def sharpen(t: Solids, a: int, b: int, d: Vec, size: float, parted: tuple[float, Vec, Vec, Vec]) -> tuple[float, Vec, Vec, Vec]:
+    """What `part_cores` returns, the normal taken to rounding where A or B is an ellipsoid. Args: parted: the same before.
 
     Edges of the other shape are kinks of the separation, where no step gains: what GJK said of them stays.
     """
     kind_a, kind_b = t.shape_kind[a, TYPE], t.shape_kind[b, TYPE]
     if kind_a != ELLIPSOID and kind_b != ELLIPSOID:
-        return gap, n, qa, qb
+        return parted
+    gap, n, qa, qb = parted
     w = way_between(t, a, b, d, n)
     for _ in range(ROUNDS):
         s = dot(n, w)

@@ -75,6 +75,16 @@ def test_a_long_module_says_in_its_first_line_why_it_is_long(package: str) -> No
         assert len(lines) <= 400 or "(over 400 lines: " in lines[0], f"{path} has {len(lines)} lines"
 
 
+def test_a_function_of_the_engine_has_at_most_eight_parameters() -> None:
+    long = [
+        f"{path.relative_to(ROOT)}: {node.name}"
+        for path in (ROOT / "engine").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef) and len(node.args.posonlyargs + node.args.args + node.args.kwonlyargs) > 8
+    ]
+    assert not long
+
+
 LOADED = """
 import importlib, json, sys
 before = set()

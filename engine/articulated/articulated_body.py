@@ -195,7 +195,7 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
     """Change rates, and velocities of links, by what forces of links do over h; nothing pushes along columns, and links have no
     bias.
 
-    Rates that are prescribed stay. Returns: the largest change, and the largest rate.
+    Rates that are prescribed stay, and the force that keeps them is counted. Returns: the largest change, and the largest rate.
     """
     forces_inwards(tables)
     motion, column, kind = tables.motion, tables.column, tables.kind
@@ -213,6 +213,10 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
                 a_v = axpy(change, load3(column, k, AXIS_W + 3), a_v)
                 column[k, RATE] += h * change
                 largest = max(largest, abs(h * change))
+            else:
+                column[k, LEFT] += dot(load3(column, k, PULL), a_w) + dot(load3(column, k, PULL + 3), a_v)
+                column[k, LEFT] += dot(load3(column, k, AXIS_W), load3(tables.body, i, FORCE))
+                column[k, LEFT] += dot(load3(column, k, AXIS_W + 3), load3(tables.body, i, FORCE + 3))
             fastest = max(fastest, abs(column[k, RATE]))
         store3(motion, i, ACCELERATION, a_w)
         store3(motion, i, ACCELERATION + 3, a_v)

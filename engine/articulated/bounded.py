@@ -16,12 +16,15 @@ from engine.articulated.momenta import load_momenta, press_links
 from engine.articulated.tables import (
     ACCELERATION,
     AXIS_W,
+    BESIDE,
     BREAKS,
     CHANGE,
     COUPLING,
     FIRST,
     FORCE,
     JOINT,
+    LEFT,
+    RATE,
     ROTATION,
     SEGMENT,
     TRANSLATION,
@@ -32,7 +35,7 @@ from engine.maths.vec import Floats, add, dot, load3, load6, load9, mat_vec, sym
 from engine.memory.arena import ARMATURE, HAS
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["settle_laws", "solve_laws"]
+__all__ = ["answer_laws", "settle_laws", "solve_laws"]
 
 PATIENCE = 3
 """Rounds, after the best one, in which no fewer columns were on the wrong segment."""
@@ -43,7 +46,7 @@ ROUNDS: Final = 50
 
 @kernel
 def needed_force(tables: Tables, i: int, armature: float) -> float:
-    """The force along the one column of link i that gives the change which is prescribed there."""
+    """The force of the law of the one column of link i that gives the change which is prescribed there."""
     body, k = tables.body, tables.kind[i, FIRST]
     a_w, a_v = load3(tables.motion, i, ACCELERATION), load3(tables.motion, i, ACCELERATION + 3)
     change = tables.column[k, CHANGE]
@@ -55,27 +58,40 @@ def needed_force(tables: Tables, i: int, armature: float) -> float:
     torque = add(sym_vec(load6(body, i, ROTATION), a_w), mat_vec(coupling, a_v))
     force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, TRANSLATION), a_v))
     torque, force = add(torque, load3(body, i, FORCE)), add(force, load3(body, i, FORCE + 3))
-    return float(dot(turning, torque) + dot(sliding, force) + armature * change)
+    return float(dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, BESIDE])
 
 
 @kernel
 def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> int:
     """Let columns on the wrong segment go on to the next, all of them or the first alone. Returns: how many there were."""
-    law, kind, wrong = tables.law, tables.kind, 0
+    law, column, kind, wrong = tables.law, tables.column, tables.kind, 0
     for i in range(kind.shape[0]):
         j, k = kind[i, JOINT], kind[i, FIRST]
         if j < 0 or joints.kind[j, HAS] == 0 or law[k, BREAKS] == 0.0:
             continue
-        needed = 0.0
         if int(law[k, SEGMENT]) % 2 == 1:
-            needed = needed_force(tables, i, joints.joint[j, ARMATURE])
-        segment = next_segment(tables, k, joints, j, h, needed)
+            found = column[k, LEFT] = needed_force(tables, i, joints.joint[j, ARMATURE])
+        else:
+            found = column[k, RATE] + h * column[k, CHANGE]
+        segment = next_segment(law, k, joints.joint, j, h, found, 0.0)
         if segment != int(law[k, SEGMENT]):
             wrong += 1
             if wrong == 1 or not alone:
                 law[k, SEGMENT] = segment
                 take_segment(tables, k, joints, j, h)
     return wrong
+
+
+@kernel
+def answer_laws(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyroscopic: int, which: int) -> None:
+    """Write the change of every column's rate over h with each on its segment. Args: as `solve_laws`."""
+    if which <= ALL:
+        load_momenta(tables, bodies, setting, h, gyroscopic)
+        if which == PRESSED:
+            press_links(tables, h)
+    else:
+        weigh_links(tables)
+    accelerations(tables, False)
 
 
 @kernel
@@ -96,13 +112,7 @@ def settle_laws(
     """As `solve_laws`, of laws that are written and have so many breaks."""
     fewest, patience = tables.column.shape[0] + 1, PATIENCE
     for _ in range(ROUNDS * (tables.column.shape[0] + 1)):
-        if which <= ALL:
-            load_momenta(tables, bodies, setting, h, gyroscopic)
-            if which == PRESSED:
-                press_links(tables, h)
-        else:
-            weigh_links(tables)
-        accelerations(tables, False)
+        answer_laws(tables, bodies, setting, h, gyroscopic, which)
         if breaks == 0:
             return True
         wrong = change_segments(tables, joints, h, patience == 0)

@@ -14,7 +14,7 @@ Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; F
 
 from typing import Final, NamedTuple
 
-from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
+from engine.articulated.advance import add_reactions, drift_coordinates
 from engine.articulated.articulated_body import answer_forces
 from engine.articulated.bases import carry_bases
 from engine.articulated.bounded import settle_laws
@@ -25,7 +25,8 @@ from engine.articulated.loops import count_loop_rows, hold_loops, write_loop_mat
 from engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
 from engine.articulated.motion import move_links
 from engine.articulated.responses import write_free_responses, write_responses
-from engine.articulated.semi_implicit_euler import change_velocities, close_bends
+from engine.articulated.semi_implicit_euler import close_bends, take_changes
+from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from engine.articulated.tables import (
     ACCELERATION,
     ANSWERED,
@@ -269,18 +270,25 @@ def touching_substep(
             tables.stage[i, PRESSURE + c] = 0.0
     if touches:
         times = start_contacts(mechanisms, setting, count, sums, h, substep)
-    breaks = write_laws(tables, joints, h, PRESSED)
+    start_laws(tables)
+    breaks, turns = write_laws(tables, joints, h, PRESSED), 1
     if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
         return False
     if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
         return False
-    if reactions:
-        add_reactions(tables, joints, h)
-    change_rates(tables, h)
-    change_velocities(tables, h)
+    take_changes(tables, joints, h, reactions)
     if touches and breaks == 0:
         answer_given(mechanisms, h, reactions)
     close_bends(tables, bodies, joints, h, reactions)
+    while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
+        turns += 1
+        start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)
+        if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
+            return False
+        if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
+            return False
+        take_changes(tables, joints, h, reactions)
+        close_bends(tables, bodies, joints, h, reactions)
     drift_coordinates(tables, h)
     carry_bases(tables, bodies, h)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=True)

@@ -15,7 +15,7 @@ from engine.articulated.bases import carry_bases, free_columns
 from engine.articulated.bounded import settle_laws, solve_laws
 from engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
 from engine.articulated.forces import load_links
-from engine.articulated.laws import SMOOTH, STIFF_ALONE, take_segment, write_laws
+from engine.articulated.laws import SMOOTH, STIFF_ALONE, take_laws, write_laws
 from engine.articulated.motion import move_links
 from engine.articulated.runge_kutta import push_columns
 from engine.articulated.tables import (
@@ -59,14 +59,11 @@ def go_to_middle(tables: Tables, bodies: Bodies, h: float) -> None:
 @kernel
 def push_by_momenta(tables: Tables, joints: Joints, h: float) -> None:
     """Write into every column the force over h/2 that brings its momentum to that of the middle, and its law at these rates."""
-    column, kind = tables.column, tables.kind
+    column = tables.column
     for k in range(column.shape[0]):
         column[k, BESIDE] += (tables.stage_rate[k, KEPT_MOMENTUM] - column[k, MOMENTUM]) / (0.5 * h)
         column[k, ADDED], column[k, PUSH] = 0.0, column[k, BESIDE]
-    for i in range(kind.shape[0]):
-        j = kind[i, JOINT]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            take_segment(tables, kind[i, FIRST], joints, j, 0.5 * h)
+    take_laws(tables, joints, 0.5 * h)
 
 
 @kernel

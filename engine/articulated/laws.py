@@ -54,7 +54,9 @@ from engine.memory.arena import (
 )
 from engine.memory.tables import Joints
 
-__all__ = ["ALL", "PRESSED", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_segment", "write_laws"]
+__all__ = [
+    "ALL", "PRESSED", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_laws", "take_segment", "write_laws",
+]  # fmt: skip
 
 # Which laws act.
 PRESSED: Final = -1
@@ -197,26 +199,24 @@ def force_beside(law: Floats, k: int, joint: Floats, j: int, h: float, side: int
 
 
 @kernel
-def next_segment(tables: Tables, k: int, joints: Joints, j: int, h: float, needed: float) -> int:
+def next_segment(law: Floats, k: int, joint: Floats, j: int, h: float, found: float, open_by: float) -> int:
     """The segment that column k goes on to, one at a time; the present one where it is right.
 
-    Args: needed: the force that keeps its rate at the jump that it is at.
+    Args: found: its rate at the end or, where it is at a jump, the force that keeps it there; open_by: how exactly that is
+        known, beside round-off.
     """
-    law, column = tables.law, tables.column
     segment = int(law[k, SEGMENT])
     i = segment // 2
+    least = ROUND_OFF * (1.0 + abs(found)) + open_by
     if segment % 2 == 1:
-        least = ROUND_OFF * (1.0 + abs(needed))
-        if needed > force_beside(law, k, joints.joint, j, h, 0) + least:
+        if found > force_beside(law, k, joint, j, h, 0) + least:
             return segment - 1
-        if needed < force_beside(law, k, joints.joint, j, h, 1) - least:
+        if found < force_beside(law, k, joint, j, h, 1) - least:
             return segment + 1
         return segment
-    rate = column[k, RATE] + h * column[k, CHANGE]
-    least = ROUND_OFF * (1.0 + abs(rate))
-    if i > 0 and rate < law[k, BREAK + i - 1] - least:
+    if i > 0 and found < law[k, BREAK + i - 1] - least:
         return segment - (1 if law[k, JUMPS + i - 1] == 1.0 else 2)
-    if i < int(law[k, BREAKS]) and rate > law[k, BREAK + i] + least:
+    if i < int(law[k, BREAKS]) and found > law[k, BREAK + i] + least:
         return segment + (1 if law[k, JUMPS + i] == 1.0 else 2)
     return segment
 
@@ -240,3 +240,12 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
         take_segment(tables, k, joints, j, h)
         breaks += int(law[k, BREAKS])
     return breaks
+
+
+@kernel
+def take_laws(tables: Tables, joints: Joints, h: float) -> None:
+    """Write what the segments of all columns add and push anew, from the present rates on."""
+    for i in range(tables.kind.shape[0]):
+        j = tables.kind[i, JOINT]
+        if j >= 0 and joints.kind[j, HAS] != 0:
+            take_segment(tables, tables.kind[i, FIRST], joints, j, h)

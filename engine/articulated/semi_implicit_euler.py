@@ -10,6 +10,7 @@ these are. It is solved by the articulated inertia of the start, which is found 
     q' <- q' - (T^T M T)^-1 T^T (M (x(q + h q') - x(q)) / h - M T q' - the last round's)
 
 each of which makes the error smaller by about h times the angular velocities; the first begins with the last sub-step's bend.
+Laws that break are held to the rates that come of it (`engine.articulated.sides`).
 
 Source: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977; Hairer, Lubich, Wanner, Geometric Numerical Integration,
 section VII.1.4; Leimkuhler, Patrick, A symplectic integrator for Riemannian manifolds, J. Nonlinear Sci. 6, 1996.
@@ -19,17 +20,18 @@ import math
 
 from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
 from engine.articulated.articulated_body import answer_forces
-from engine.articulated.bounded import solve_laws
-from engine.articulated.laws import ALL
+from engine.articulated.bounded import settle_laws
+from engine.articulated.laws import ALL, write_laws
 from engine.articulated.momenta import go_on_bending, keep_momenta
 from engine.articulated.motion import move_links
 from engine.articulated.secants import bend_links
+from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from engine.articulated.tables import ACCELERATION, VELOCITY, Tables
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats
 from engine.memory.tables import Bodies, Joints
 
-__all__ = ["change_velocities", "close_bends", "semi_implicit_euler"]
+__all__ = ["close_bends", "semi_implicit_euler", "take_changes"]
 
 ROUND_OFF = 1e-12
 """The change of a rate, as a share of the largest one, that no round is made for."""
@@ -39,8 +41,11 @@ MOST_ROUNDS = 50
 
 
 @kernel
-def change_velocities(tables: Tables, h: float) -> None:
-    """Change the velocities of links along the tangent by h times their accelerations."""
+def take_changes(tables: Tables, joints: Joints, h: float, reactions: bool) -> None:
+    """Change rates, and velocities of links along the tangent, by h times what was solved for; count what joints carry."""
+    if reactions:
+        add_reactions(tables, joints, h)
+    change_rates(tables, h)
     motion = tables.motion
     for i in range(motion.shape[0]):
         for c in range(6):
@@ -54,13 +59,19 @@ def semi_implicit_euler(
     """Advance all trees by h. Args: reactions: whether to count what joints carry. Returns: whether the laws had an answer."""
     move_links(tables, bodies.state)
     go_on_bending(tables)
-    if not solve_laws(tables, bodies, joints, setting, h, gyroscopic, ALL):
+    start_laws(tables)
+    breaks, turns = write_laws(tables, joints, h, ALL), 1
+    if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, ALL, breaks):
         return False
-    if reactions:
-        add_reactions(tables, joints, h)
-    change_rates(tables, h)
-    change_velocities(tables, h)
+    take_changes(tables, joints, h, reactions)
     close_bends(tables, bodies, joints, h, reactions)
+    while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
+        turns += 1
+        start_again(tables, bodies, joints, setting, h, gyroscopic, ALL, reactions)
+        if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, ALL, breaks):
+            return False
+        take_changes(tables, joints, h, reactions)
+        close_bends(tables, bodies, joints, h, reactions)
     keep_momenta(tables, gyroscopic)
     drift_coordinates(tables, h)
     return True

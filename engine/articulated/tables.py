@@ -58,7 +58,7 @@ COLUMN: Final = 4
 AXIS_W: Final = 0  # 6: motion along it at unit rate
 PULL: Final = 6  # 6: articulated inertia times that
 INVERSE: Final = 12  # of the inertia along it
-LEFT: Final = 13  # force along it that is not taken up
+LEFT: Final = 13  # force along it that is not taken up; the one that keeps its rate where it is at a jump
 RATE: Final = 14
 CHANGE: Final = 15  # acceleration
 ADDED: Final = 16  # to the inertia along it: rotor, implicit springs and dampers; inf where CHANGE is prescribed
@@ -84,6 +84,7 @@ STAGE_RATE: Final = 7
 
 PRESSURE: Final = 0  # 6, in STAGE: impulse that contacts give a link over a sub-step, about its centre of mass, force first
 ANSWERED: Final = 0  # in STAGE_RATE: the segment that a column was on when the responses to contacts were written
+STARTED: Final = 1  # in STAGE_RATE: the rate at the start of the sub-step
 
 KEPT_RATE: Final = 0  # over the last sub-step, by which coordinates moved
 KEPT_MOMENTUM: Final = 1  # after it

@@ -62,17 +62,18 @@ def needed_forces(tree: Tree, before: np.ndarray, after: np.ndarray, h: float) -
     return forces
 
 
-def test_laws_along_coordinates_hold_at_the_end_of_every_step() -> None:
+@pytest.mark.parametrize("seeds", [range(12), pytest.param(range(12, 120), marks=pytest.mark.slow)], ids=["few", "many"])
+def test_laws_along_coordinates_hold_at_the_end_of_every_step(seeds: range) -> None:
     """The forces that the step needs by d'Alembert's principle are such as all joints' laws allow at the rates that it took:
     limits, friction, drives at their limit, springs and rotors at once. Forces of 1e3 N; poses' round-off of 1e-15 m over
     the square of 1e-2 s is 1e-10 N a kilogramme, and the rounds leave 1e-12 of forces of 1e3 N/1e-2 s.
 
-    On which side of a law's corners a joint lies is settled before the rounds that bend the way: of 1440 joints of 120 such
-    trees, 8 so near to a corner that these take them past it are left on the wrong side. None is among those here.
+    The seeds are those from 0 on, none left out. In some of these trees (10, 15, 16, 29, 43, 45, 87 and 95) the rounds that
+    bend the way take a joint past a corner of its law, so that it has to change sides after them.
     """
     held, seen = set(), 0
-    for seed in range(12):
-        tree = random_tree(30 + seed, floating=False, kinds=("revolute", "prismatic"), backwards=False)
+    for seed in seeds:
+        tree = random_tree(seed, floating=False, kinds=("revolute", "prismatic"), backwards=False)
         fields = [LAWS[(k + seed) % len(LAWS)] for k in range(LINKS)]
         tree.joints = [
             type(j)(name=j.name, parent=j.parent, child=j.child, anchor_W=j.anchor_W, axis_W=j.axis_W, position=0.7, **field)
@@ -98,7 +99,7 @@ def test_laws_along_coordinates_hold_at_the_end_of_every_step() -> None:
             assert low - 1e-6 <= force <= high + 1e-6
             seen += 1
             held.add((low < high, abs(rates[at]) < 1e-9))
-    assert seen == 12 * LINKS
+    assert seen == len(seeds) * LINKS
     assert held == {(True, True), (True, False), (False, False)}
 
 

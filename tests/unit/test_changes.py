@@ -1,6 +1,7 @@
 """Is every planted change between two run folders told, with its size, and nothing else?"""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -16,7 +17,8 @@ from harness.findings.changes.comment import LONGEST_COMMENT, comment
 from harness.findings.changes.files import changes_files
 from harness.findings.changes.values import Side
 from harness.findings.changes.weights import heaviest_first
-from harness.findings.changes.words import command, sentence
+from harness.findings.changes.words import command, headline, sentence
+from harness.store.notices import StoredNotice
 from harness.store.store import Store
 from tests.two_runs import Planted, write_two_runs
 
@@ -203,3 +205,26 @@ def test_the_files_say_the_same_to_build_servers_and_trackers(tmp_path: Path) ->
     title = badge.find("{http://www.w3.org/2000/svg}title")
     assert title is not None
     assert title.text == f"plumbline: {len(changes.regressions(['mujoco']))} worse"
+
+
+def test_a_warning_that_came_or_went_is_told_apart_from_one_in_other_words(tmp_path: Path) -> None:
+    a, b = map(Store, write_two_runs(tmp_path))
+    trial = str(a.trials.loc[cells(a.trials, "flight_projectile", "bullet"), "trial"].iloc[0])
+    damped, turned, friction = (
+        StoredNotice(text, "surplus", effect)
+        for text, effect in (
+            ("angular_damping, by default", "angular_damping"), ("gyroscopic terms", "gyroscopic"), ("friction", "friction"),
+        )
+    )  # fmt: skip
+    reworded = replace(damped, text="angular damping, by the vendor's default")
+    vars(a)["notices"], vars(b)["notices"] = {trial: (damped, turned)}, {trial: (reworded, friction)}
+    changes = compare(a, b)
+    assert {(row.sense, row.before, row.after, row.detail) for row in changes.rows if row.kind == "warning"} == {
+        ("neither", "angular_damping", "angular_damping", reworded.text),
+        ("better", "gyroscopic", None, turned.text),
+        ("worse", None, "friction", friction.text),
+    }
+    assert headline(changes).startswith("1 thing worse, 1 better, 0 changed")
+    said = [sentence(row) for row in changes.rows]
+    assert [sum(words in line for line in said) for words in ("warns anew", "warns no more", "warns in other words")] == [1, 1, 1]
+    assert not changes.regressions(("bullet",))

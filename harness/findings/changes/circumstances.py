@@ -93,19 +93,28 @@ def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
 
 
 def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
-    """A row for each warning that came or went in a case on an engine; what the clock ran into is none."""
-    noticed: dict[tuple[str, str, str, StoredNotice, bool], list[Pair]] = {}
+    """A row for each warning that came, went, or has other words in a case on an engine; what the clock ran into is none."""
+    noticed: dict[tuple[str, str, str, StoredNotice, bool, bool], list[Pair]] = {}
     for pair in pairs:
         then, now = _said(store_a, pair.a), _said(store_b, pair.b)
+        old, new = ({_about(notice) for notice in side if notice.kind != "note"} for side in (then, now))
         for notice in then ^ now:
-            noticed.setdefault((pair.b.case, pair.b.engine, pair.b.track, notice, notice in now), []).append(pair)
-    for (case, engine, track, notice, new), where in noticed.items():
-        sense: Sense = "neither" if notice.kind == "note" else "worse" if new else "better"
+            before, after = (notice in side or _about(notice) in about for side, about in ((then, old), (now, new)))
+            if notice in now or not after:
+                noticed.setdefault((pair.b.case, pair.b.engine, pair.b.track, notice, before, after), []).append(pair)
+    for (case, engine, track, notice, before, after), where in noticed.items():
+        sense: Sense = "neither" if notice.kind == "note" or before == after else "worse" if after else "better"
+        told = notice.effect or notice.kind
         yield Change(
             kind="warning", sense=sense, case=case, engine=engine, track=track, metric=notice.kind, count=len(where),
-            before=None if new else notice.effect or notice.kind, after=notice.effect or notice.kind if new else None,
+            before=told if before else None, after=told if after else None,
             trial_a=str(where[0].a.trial), trial_b=str(where[0].b.trial), dt=float(where[0].b.dt), detail=notice.text,
         )  # fmt: skip
+
+
+def _about(notice: StoredNotice) -> tuple[str, str]:
+    """What a notice is of, in whatever words."""
+    return notice.kind, notice.effect
 
 
 def _said(store: Store, row: Any) -> set[StoredNotice]:

@@ -22,7 +22,7 @@ _BESIDE = {"canary": "over the canary", "other engines": "over other engines of 
 
 def headline(changes: Changes) -> str:
     """How much changed, in one line."""
-    worse = sum(row.regression for row in changes.rows)
+    worse = sum(row.sense == "worse" for row in changes.rows)
     better = sum(row.sense == "better" for row in changes.rows)
     alike = sum(row.sense == "within tolerance" for row in changes.rows)
     summary = f"{_many(worse, 'thing')} worse, {better} better, {alike} changed within tolerance"
@@ -95,7 +95,7 @@ def sentence(row: Change) -> str:
     if row.kind == "digest":
         return f"{subject}: same digest, another answer: {row.before}, now {row.after}."
     if row.kind == "warning":
-        way = "warns no more" if row.after is None else "warns anew"
+        way = "warns no more" if row.after is None else "warns anew" if row.before is None else "warns in other words"
         return f"{subject}: {way}, in {_many(row.count, 'trial')}: {row.detail}"
     if row.kind == "trials":
         return f"{subject}: {_value(row.after, '1')} trials are new, {_value(row.before, '1')} are gone."

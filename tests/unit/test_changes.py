@@ -226,5 +226,9 @@ def test_a_warning_that_came_or_went_is_told_apart_from_one_in_other_words(tmp_p
     }
     assert headline(changes).startswith("1 thing worse, 1 better, 0 changed")
     said = [sentence(row) for row in changes.rows]
-    assert [sum(words in line for line in said) for words in ("warns anew", "warns no more", "warns in other words")] == [1, 1, 1]
+    assert [sum(words in line for line in said) for words in ("warns anew", "warns no more", "warns in other words")] == [
+        1,
+        1,
+        1,
+    ]
     assert not changes.regressions(("bullet",))

@@ -156,7 +156,7 @@ def _of_many(group: Sequence[Change]) -> str:
     if first.kind == "price":
         return f"{who}: {_many(len(group), 'single price')} of their own, most of all {sentence(first)}"
     facts = {
-        "warning": "notes came or went",
+        "warning": "warnings came, went or have other words",
         "settings": "settings changed",
         "limit": "brackets moved and may hold the same limit",
     }

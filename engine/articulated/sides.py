@@ -25,7 +25,7 @@ from engine.memory.tables import Bodies, Joints
 __all__ = ["MOST_TURNS", "are_settled", "start_again", "start_laws"]
 
 MOST_TURNS: Final = 50
-"""Two are needed where h times the angular velocities is small; more than these where the step is far too long."""
+"""By the contraction above these are beyond what rounding tells for c up to a fifth; a step that needs more is far too long."""
 
 KNOWN = 1e-12
 """How exactly the rounds that close bends leave the rates, as a share of the largest one."""

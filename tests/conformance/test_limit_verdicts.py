@@ -21,7 +21,7 @@ CASES = {name: case for name, case in sorted(plugins.cases().items()) if case.ha
 EVENTS = ("impact", "tunnel", "stand_hit")
 """Cases whose question is of a blow: it presupposes that one happens."""
 SLOW = {"system_scaling": NAMES, "stack_pile": ("dart",)}
-"""Cases that take minutes at the middle of their axis, with the engines that do: DART half an hour for each track of a pile."""
+"""Cases that take minutes at the middle of their axis, with the engines that do. A pile on DART did not end within 1500 s."""
 QUICK = ("bullet", "mujoco")
 """Engines whose answers are cheapest: what a limit says of an answer does not depend on who gave it."""
 

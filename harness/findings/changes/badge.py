@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from harness.findings.changes.values import Changes
+from harness.findings.changes.values import ANSWERS, Changes
 
 __all__ = ["badge"]
 
@@ -16,7 +16,7 @@ _WORSE, _BETTER, _SAME = "#b3261e", "#2e6da4", "#2e7d32"
 def badge(changes: Changes, gated: Collection[str] = ()) -> str:
     """An SVG with a title that says the same; without gated engines, all of them count."""
     worse = len(changes.regressions(gated)) if gated else sum(row.regression for row in changes.rows)
-    better = sum(row.sense == "better" for row in changes.rows)
+    better = sum(row.sense == "better" and row.kind in ANSWERS for row in changes.rows)
     message = f"{worse} worse" if worse else f"{better} better" if better else "no change"
     colour = _WORSE if worse else _BETTER if better else _SAME
     left, right = (len(text) * _WIDTH + _PADDING for text in (_LABEL, message))

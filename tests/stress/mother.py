@@ -10,6 +10,7 @@ import os
 import sys
 
 import harness.cli.main
+import harness.findings.summary
 import harness.run.campaign
 import harness.run.isolated
 import harness.run.timed_processes

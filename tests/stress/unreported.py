@@ -1,17 +1,24 @@
-"""The command line whose runs end with the summary: for what becomes of processes and of a store, without drawing a report."""
+"""The command line whose runs end with the summary: for what becomes of processes and of a store, without drawing a report.
+
+Each process of a trial loads its parent's program: it loads no more here than the command line does.
+"""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import harness.cli.main
 import harness.cli.run_study
-from harness.findings.summary import write_summary
-from harness.store.store import Store
+
+if TYPE_CHECKING:
+    from harness.store.store import Store
 
 __all__ = ["end_with_the_summary"]
 
 
-def _publish(store: Store, _recordings: bool) -> Path:
+def _publish(store: "Store", _recordings: bool) -> Path:
     """What stands beside the tables."""
+    from harness.findings.summary import write_summary  # late, as above
+
     write_summary(store)
     return store.folder / "summary.md"
 

@@ -3,6 +3,7 @@
 import gc
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -115,6 +116,16 @@ def _pictures_drawn_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(vl_convert, "vegalite_to_svg", once)
         yield
+
+
+MEMORY, ENOUGH = Path("/dev/shm"), 4 * 2**30
+"""A file system that is no disk, and the bytes that it needs free to hold what tests write, a few times over."""
+
+
+def pytest_configure() -> None:
+    """Tests write to memory where there is room: they wait for a disk ten thousand times otherwise."""
+    if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free >= ENOUGH:
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 
 
 def pytest_collection() -> None:

@@ -5,7 +5,7 @@ import hashlib
 import json
 import math
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -46,7 +46,16 @@ _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_p
 _PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep")
 
 
-def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
+Table = Callable[[Sequence[Mapping[str, Any]], Sequence[str]], pd.DataFrame]
+"""A table of these rows and columns."""
+
+
+def _in_arrow(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
+    """A table as pandas makes it, to be written."""
+    return pd.DataFrame(rows, columns=list(columns))
+
+
+def tables_of(records: Mapping[str, Record], table: Table = _in_arrow) -> dict[str, pd.DataFrame]:
     """The tables `TABLES` by name."""
     trials, measurements, samples = [], [], []
     for record in sorted(
@@ -58,12 +67,16 @@ def tables_of(records: Mapping[str, Record]) -> dict[str, pd.DataFrame]:
         trials.append(row)
         measurements += [{"trial": record.trial, **_plain(m, _MEASUREMENT_COLUMNS)} for m in record.measurements]
         samples += [{"trial": record.trial, **_plain(s, _SAMPLE_COLUMNS)} for s in record.samples]
-    frame = pd.DataFrame(trials, columns=list(TRIAL_COLUMNS))
+    frame, measured, sampled = (
+        table(rows, columns)
+        for rows, columns in (
+            (trials, TRIAL_COLUMNS), (measurements, _MEASUREMENT_COLUMNS), (samples, _SAMPLE_COLUMNS)
+        )
+    )  # fmt: skip
     numbers = dict.fromkeys((*_NUMBERS, *_PRICES), "float64")
     _set_types(frame, numbers | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
-    table = pd.DataFrame(measurements, columns=list(_MEASUREMENT_COLUMNS))
-    _set_types(table, {"value": "float64", "at_most": "float64", "passed": "boolean"})
-    return {"trials": frame, "measurements": table, "samples": pd.DataFrame(samples, columns=list(_SAMPLE_COLUMNS))}
+    _set_types(measured, {"value": "float64", "at_most": "float64", "passed": "boolean"})
+    return {"trials": frame, "measurements": measured, "samples": sampled}
 
 
 def _plain(row: Measurement | Sample, columns: Sequence[str]) -> dict[str, Any]:
@@ -78,11 +91,17 @@ def _set_types(frame: pd.DataFrame, types: Mapping[str, str]) -> None:
             frame[name] = frame[name].astype(kind)
 
 
-def _in_python(frame: pd.DataFrame) -> pd.DataFrame:
-    """The same table with words as Python's own strings: reports take rows and cells out of it by the ten thousand, and each
-    string that Arrow keeps is made anew whenever it is looked at."""
-    words = [name for name, kind in frame.dtypes.items() if isinstance(kind, pd.StringDtype)]
-    return frame.astype(dict.fromkeys(words, object))
+def _in_python(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
+    """A table with words as Python's own strings: reports take rows and cells out of it by the ten thousand, and each string
+    that Arrow keeps is made anew whenever it is looked at."""
+    return pd.DataFrame({name: _column([row[name] for row in rows]) for name in columns}, columns=list(columns))
+
+
+def _column(values: list[Any]) -> "list[Any] | pd.Series[Any]":
+    """Words with nan for none, as the type of words has it, and nothing at all; or what pandas makes of numbers."""
+    if values and not any(isinstance(value, str) for value in values):
+        return values
+    return pd.Series([math.nan if value is None else value for value in values], dtype=object)
 
 
 def parquet(frame: pd.DataFrame) -> bytes:
@@ -172,7 +191,7 @@ class Store:
             records, only = self._written.records, self._only
             if only is not None:
                 records = {name: record for name, record in records.items() if (record.experiment, record.case) in only}
-            return {name: _in_python(frame) for name, frame in tables_of(records).items()}
+            return tables_of(records, _in_python)
         trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
         needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)

@@ -41,7 +41,9 @@ COSTS = "Right is faster; at 1 a simulated second takes a second of one core. Re
 
 def render(store: "Store") -> Mapping[str, Rendered]:
     """The page and its two charts."""
-    rows = at_own_step(store, answers(store))
+    rows = answers(store)
+    # What a search went on to is no track: it stands on the pages of the cases.
+    rows = at_own_step(store, rows[rows["track"].isin(named_tracks(store))])
     scales = {name: case["scale"] or 1.0 for name, case in cases(store).items()}
     scaled = rows.assign(error=[error / scales[name] for error, name in zip(rows["error"], rows["case"], strict=True)])
     title = "Error as a share of the case's scale"

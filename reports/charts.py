@@ -161,7 +161,7 @@ def across_cases(
     style = Marks(store, drawn)
     labelled = list(dict.fromkeys(row["case"] for row in [*merged, *silent]))
     x = logarithmic(field, title, decades(row[field] for row in merged))
-    axis = {"grid": True, "labelLimit": 200, "labelPadding": 9, "ticks": False}
+    axis = {"grid": True, "labelLimit": 200, "labelPadding": 11, "ticks": False}
     y = channel("case:N", title=None, scale={"domain": labelled}, axis=axis)
     layers = [chart(merged).marked("point", **POINT).encode(x=x, y=y, **style.channels())]
     if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:

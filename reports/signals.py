@@ -103,10 +103,10 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
         placed = [row for row in rows if (row["error"] == 0 if edge == "exact" else not row["error"] < float("inf"))]
         if placed:
             layers.append(chart(placed).marked("point", **POINT).encode(x=at, y=y, yOffset=beside, **channels))
-    caption = "How far each engine's signal without noise lies from the truth; right of the grey stroke a check fails."
+    caption = "Left is more accurate; right of the grey stroke a check fails."
     how = (
-        "Each mark is one engine, open for the vendor's defaults, by the statistic that the case judges. The grey stroke is "
-        "the bound, derived in the case. Exact "
+        "How far each engine's signal without noise lies from the truth, by the statistic that the case judges; open for the "
+        "vendor's defaults. The grey stroke is the bound, derived in the case. Exact "
         "answers stand on the left edge, what is no number on the right one."
     )
     columns = ("signal", "engine", "setting", f"error{beside_number}", "bound", "check", "trial")

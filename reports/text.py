@@ -99,8 +99,8 @@ EXPONENT = re.compile(r"(?<=[\w)])\^(-?\d+)")
 
 
 def formula(text: str) -> str:
-    """A formula of one line with its powers raised: 'b²' for 'b^2'."""
-    return EXPONENT.sub(lambda found: found[1].translate(SUPERSCRIPT), text)
+    """A formula of one line with its powers raised: 'b²' for 'b^2', 'Rᵀ' for 'R^T'."""
+    return EXPONENT.sub(lambda found: found[1].translate(SUPERSCRIPT), text).replace("^T", "ᵀ")
 
 
 def unit_text(unit: str) -> str:

@@ -97,7 +97,7 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
     tooltips = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
     caption = "Overlapping Allan deviation of the noise against its law, in grey."
     how = (
-        f"Root mean square over the axes. Grey is the law ({known}), exactly, with "
+        f"Root mean square over the axes. Grey is the law ({unit_text(known)}), exactly, with "
         "the band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
         "one another where an engine adds nothing of its own."
     )

@@ -1,5 +1,6 @@
 """The charts of ideal signals and of rays: how far each signal is off, against its bound, and how many rays a second buys."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +41,7 @@ def named(store: "Store", finding: Finding) -> str:
 def reading(finding: Finding) -> str:
     """What a sensor reads, in words: 'lidar range', and of a sensor named for it the one word."""
     of = finding.channel if finding.sensor == finding.channel else f"{finding.sensor} {finding.channel}"
-    return of.replace("_", " ").replace("imu", "IMU")
+    return re.sub(r"\bimu\b", "IMU", of.replace("_", " "))
 
 
 def _row(store: "Store", finding: Finding) -> Row:

@@ -123,7 +123,7 @@ def test_a_planted_surplus_fails(audited: Audited) -> None:
     told = against(found)
     assert len(told) == 2
     assert any("declares gyroscopic" in sentence for sentence in told)
-    assert any("declares continuous_collision" in sentence for sentence in told)
+    assert any("declares continuous collision" in sentence for sentence in told)
 
 
 def test_a_planted_gap_fails(audited: Audited) -> None:

@@ -12,7 +12,7 @@ from reports.grammar import channel, chart, fixed
 from reports.marks import HOVER, LANE, POINT, Marks, decades, finished, lane_names, lane_texts, logarithmic, ticks
 from reports.points import points
 from reports.status import outcome
-from reports.text import amount, slug, visible
+from reports.text import amount, slug, unit_text, visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,7 +65,7 @@ def step_charts(store: "Store") -> Mapping[str, str]:
 
 def axis_title(metric: str, unit: str) -> str:
     """'position error [m]', at a length that leaves room for the chart; a number without a unit has none."""
-    return visible(metric_title(metric))[:50] + ("" if unit == "1" else f" [{visible(unit)[:12]}]")
+    return visible(metric_title(metric))[:50] + ("" if unit == "1" else f" [{visible(unit_text(unit))[:12]}]")
 
 
 def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], Sequence[Sequence[Any]]]:
@@ -161,7 +161,7 @@ def across_cases(
     style = Marks(store, drawn)
     labelled = list(dict.fromkeys(row["case"] for row in [*merged, *silent]))
     x = logarithmic(field, title, decades(row[field] for row in merged))
-    axis = {"grid": True, "labelLimit": 170, "ticks": False}
+    axis = {"grid": True, "labelLimit": 200, "labelPadding": 11, "ticks": False}
     y = channel("case:N", title=None, scale={"domain": labelled}, axis=axis)
     layers = [chart(merged).marked("point", **POINT).encode(x=x, y=y, **style.channels())]
     if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:

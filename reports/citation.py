@@ -20,6 +20,7 @@ def run_digest(store: "Store") -> str:
 def citation(store: "Store") -> list[tuple[str, str]]:
     """Names and values: study, engines with versions, machine, when, our version and commit, the digest, how to repeat it."""
     machine = store.machine
+    titles = {name: about.get("title") or name for name, about in store.catalogue.get("engines", {}).items()}
     engines = store.trials.groupby("engine", sort=False)["engine_version"].first() if len(store.trials) else {}
     memory = machine.get("memory_mb")
     about = [str(machine.get("processor", "")), f"{machine['cores']} cores" if machine.get("cores") else ""]
@@ -27,7 +28,7 @@ def citation(store: "Store") -> list[tuple[str, str]]:
     command = machine.get("command") or ()
     rows = [
         ("study", str(store.study.get("name", ""))),
-        ("engines", ", ".join(f"{name} {version}" for name, version in engines.items())),
+        ("engines", ", ".join(f"{titles.get(name, name)} {version}" for name, version in engines.items())),
         ("machine", ", ".join(part for part in about if part)),
         ("machine's digest", machine_digest(machine)),
         ("started", str(machine.get("started", ""))),

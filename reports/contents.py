@@ -10,7 +10,18 @@ from reports.text import slug
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["FAMILIES", "cases", "engine_file", "engines", "families", "more_is_better", "named_tracks", "ours", "tracks"]
+__all__ = [
+    "FAMILIES",
+    "cases",
+    "engine_file",
+    "engines",
+    "families",
+    "more_is_better",
+    "named_tracks",
+    "ours",
+    "titles",
+    "tracks",
+]
 
 FAMILIES: dict[str, str] = {
     "flight": "Free flight",
@@ -100,6 +111,11 @@ def engines(store: "Store") -> dict[str, dict[str, Any]]:
         engine["title"] = engine["title"] or name
         by_name[name] = engine
     return dict(sorted(by_name.items(), key=lambda pair: not pair[1]["ours"]))
+
+
+def titles(store: "Store") -> dict[str, str]:
+    """What cases and engines are called, by name."""
+    return {name: str(about["title"]) for name, about in (*cases(store).items(), *engines(store).items())}
 
 
 def engine_file(name: str) -> str:

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from harness.findings.causes import FAILED, Answer, Cause, causes
-from reports.contents import cases, engines
+from reports.contents import cases, engines, named_tracks
 from reports.known_findings import by_engine
 from reports.own_scenes import by_case
 from reports.text import join_words, plural
@@ -40,8 +40,10 @@ class Failure:
 
 @lru_cache(maxsize=2)
 def failing(store: "Store") -> tuple[Failure, ...]:
-    """All causes of failures at the cases' own steps, engine by engine and track by track, the heaviest first in each cause."""
-    cells = {key: cell for key, cell in verdicts(store).items() if key[0] not in by_case(store) and cell.trial}
+    """All causes of failures at the cases' own steps, on the tracks that the study names, engine by engine and track by track;
+    in each cause the heaviest first."""
+    apart, named = by_case(store), named_tracks(store)
+    cells = {key: cell for key, cell in verdicts(store).items() if key[0] not in apart and key[2] in named and cell.trial}
     answers = [
         Answer(case, engine, track, cell.trial, cell.own.name if cell.own.name in (*FAILED, "passed") else "")
         for (case, engine, track), cell in cells.items()

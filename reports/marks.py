@@ -142,7 +142,11 @@ def ticks(drawn: Iterable[Row], field: str) -> Row:
 def at_values(numbers: Iterable[float]) -> Row:
     """Ticks where values were tried, while these are few; otherwise at round numbers."""
     values = sorted(set(numbers))
-    return {"format": ".3~g", "values": values, "labelOverlap": "greedy"} if len(values) <= 10 else decades(values)
+    return (
+        {"format": ".3~g", "values": values, "labelOverlap": "greedy", "labelSeparation": 5}
+        if len(values) <= 10
+        else decades(values)
+    )
 
 
 def decades(numbers: Iterable[float | None]) -> Row:
@@ -160,7 +164,7 @@ def decades(numbers: Iterable[float | None]) -> Row:
     values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
     if within and sum(least <= value <= most for value in values) < 3:
         values = _round_numbers(least, most) or values
-    return {"values": values, "labelExpr": words(values), "labelOverlap": "greedy"}
+    return {"values": values, "labelExpr": words(values), "labelOverlap": "greedy", "labelSeparation": 5}
 
 
 def _round_numbers(low: float, high: float) -> list[float]:

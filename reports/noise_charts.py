@@ -9,7 +9,7 @@ from reports.grammar import channel, chart
 from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.signals import named
-from reports.text import amount, slug, visible
+from reports.text import amount, slug, unit_text, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -92,17 +92,17 @@ def _allan(store: "Store", group: Sequence[Finding]) -> Figure:
     span = decades(row[key] for row in rows for key in ("value", "low", "high"))
 
     def y(field: str) -> Any:
-        return logarithmic(field, f"Allan deviation [{first.unit}]", span)
+        return logarithmic(field, f"Allan deviation [{unit_text(first.unit)}]", span)
 
     tooltips = _tooltips(("tau", "averaging time [s]"), ("value", "found"), ("law", "by law"))
     caption = "Overlapping Allan deviation of the noise against its law, in grey."
     how = (
-        f"Root mean square over the axes. Grey is the law ({known}), exactly, with "
+        f"Root mean square over the axes. Grey is the law ({unit_text(known)}), exactly, with "
         "the band in which 19 of 20 findings lie. The same stream of noise is laid over every engine's signal, so marks lie on "
         "one another where an engine adds nothing of its own."
     )
     spec = finished(_layers(store, rows, law, x, y, tooltips, joined=True), height=280)
-    columns = ("engine", "setting", "averaging time [s]", f"found [{first.unit}]", "by law", "trial")
+    columns = ("engine", "setting", "averaging time [s]", f"found [{unit_text(first.unit)}]", "by law", "trial")
     cells = [[r["engine"], r["track"], amount(r["tau"]), amount(r["value"]), amount(r["law"]), r["trial"]] for r in rows]
     return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells, how)
 

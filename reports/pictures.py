@@ -12,6 +12,7 @@ from harness.findings.sensor_readings.findings import Finding
 from harness.findings.sensor_readings.picture import Picture
 from reports.costs import titled
 from reports.pixels import data_uri, shaded, srgb
+from reports.signals import reading
 from reports.text import amount
 
 if TYPE_CHECKING:
@@ -36,12 +37,12 @@ class Tile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shot:
-    """All pictures of one camera's channel; height, width: of the camera's own, in pixels; scale: what shades mean."""
+    """All pictures of one camera's channel; height, width: of the camera's own, in pixels; scale: what shades mean;
+    reading: what the camera reads, in words."""
 
     case: str
     title: str
-    sensor: str
-    channel: str
+    reading: str
     height: int
     width: int
     scale: str
@@ -76,8 +77,7 @@ def _shot(store: "Store", group: Sequence[Finding]) -> Shot:
     return Shot(
         case=first.case,
         title=titled(store, first.case, first.where),
-        sensor=first.sensor,
-        channel=first.channel,
+        reading=reading(first),
         height=pictures[0].height,
         width=pictures[0].width,
         scale=f"{amount(low)} m (yellow) to {amount(high)} m (violet)" if first.channel == "depth" else "",

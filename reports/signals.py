@@ -1,5 +1,6 @@
 """The charts of ideal signals and of rays: how far each signal is off, against its bound, and how many rays a second buys."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +12,20 @@ from reports.grammar import channel, chart, fixed
 from reports.marks import POINT, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.status import outcome
-from reports.text import amount, slug, visible
+from reports.text import amount, slug, unit_text, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["error_charts", "named", "rays_chart"]
+__all__ = ["error_charts", "named", "rays_chart", "reading"]
 
 Row = dict[str, Any]
-UNITS: Mapping[str, str] = {"m": "Ranges and depths", "m/s2": "Accelerations", "rad/s": "Turning rates", "1": "Light"}
+UNITS: Mapping[str, str] = {
+    "m": "Ranges and depths",
+    "m/s2": "Accelerations",
+    "rad/s": "Turning rates",
+    "1": "Intensity of light",
+}
 """Titles of the charts by unit, in the order of the page."""
 
 
@@ -29,7 +35,13 @@ LINES: Row = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid"
 
 def named(store: "Store", finding: Finding) -> str:
     """A channel in words: its case, its sensor and what it reads."""
-    return visible(f"{titled(store, finding.case, finding.where)}: {finding.sensor} {finding.channel}")[:90]
+    return visible(f"{titled(store, finding.case, finding.where)}: {reading(finding)}")[:90]
+
+
+def reading(finding: Finding) -> str:
+    """What a sensor reads, in words: 'lidar range', and of a sensor named for it the one word."""
+    of = finding.channel if finding.sensor == finding.channel else f"{finding.sensor} {finding.channel}"
+    return re.sub(r"\bimu\b", "IMU", of.replace("_", " "))
 
 
 def _row(store: "Store", finding: Finding) -> Row:
@@ -65,7 +77,8 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
     finite = [row for row in rows if row["error"] == row["error"] and 0 < row["error"] < float("inf")]
     bounds = [dict(pair) for pair in {(("signal", r["signal"]), ("bound", r["bound"])) for r in rows if r["bound"]}]
     spread = [row["error"] for row in finite] + [row["bound"] for row in bounds]
-    across = f"error of the ideal signal [{unit}]"
+    beside_number = "" if unit == "1" else f" [{unit_text(unit)}]"
+    across = f"error of the ideal signal{beside_number}"
     x = logarithmic("error", across, decades(spread))
     y = channel("signal:N", title=None, scale={"domain": signals}, axis=LINES)
     beside = channel("engine:N", scale={"domain": style.engines})
@@ -74,7 +87,7 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
         channel("engine:N"),
         channel("track:N"),
         channel("metric:N"),
-        channel("error:Q", title=f"error [{unit}]", format=".4~g"),
+        channel("error:Q", title=f"error{beside_number}", format=".4~g"),
         channel("median:Q", title="median", format=".4~g"),
         channel("bound:Q", format=".4~g"),
         channel("verdict:N"),
@@ -91,13 +104,13 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
         placed = [row for row in rows if (row["error"] == 0 if edge == "exact" else not row["error"] < float("inf"))]
         if placed:
             layers.append(chart(placed).marked("point", **POINT).encode(x=at, y=y, yOffset=beside, **channels))
-    caption = "How far each engine's signal without noise lies from the truth; right of the grey stroke a check fails."
+    caption = "Left is more accurate; right of the grey stroke a check fails."
     how = (
-        "Each mark is one engine, open for the vendor's defaults, by the statistic that the case judges. The grey stroke is "
-        "the bound, derived in the case. Exact "
+        "How far each engine's signal without noise lies from the truth, by the statistic that the case judges; open for the "
+        "vendor's defaults. The grey stroke is the bound, derived in the case. Exact "
         "answers stand on the left edge, what is no number on the right one."
     )
-    columns = ("signal", "engine", "setting", f"error [{unit}]", "bound", "check", "trial")
+    columns = ("signal", "engine", "setting", f"error{beside_number}", "bound", "check", "trial")
     cells = [
         [r["signal"], r["engine"], r["track"], amount(r["error"]), amount(r["bound"]), r["verdict"], r["trial"]] for r in rows
     ]

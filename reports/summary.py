@@ -9,7 +9,7 @@ from harness.findings.leads import axis_leads, reaches
 from harness.findings.limits_found import searches_if_described
 from harness.findings.tables import determinism, effects
 from harness.findings.tables.orders import convergences
-from reports.contents import cases, engines, named_tracks
+from reports.contents import cases, engines, named_tracks, titles
 from reports.contents import ours as yardsticks
 from reports.disputes import disputed
 from reports.glance import Glance, glances
@@ -54,8 +54,7 @@ def studied(store: "Store") -> list[str]:
     if sentence := farthest(store):
         written.append(sentence)
     if rows := [asdict(verdict) for verdict in effects.verdicts_if_described(store)]:
-        titles = {name: str(engine["title"]) for name, engine in engines(store).items()}
-        written += effects.sentences(rows, accusing=False, titles=titles)
+        written += effects.sentences(rows, accusing=False, titles=titles(store))
     if rows := determinism.rows(store):
         written += determinism.sentences(rows)
     return written

@@ -16,7 +16,7 @@ from reports.page import navigation
 from reports.palette import looks
 from reports.points import labels
 from reports.status import STATUSES, outcome
-from reports.text import amount, plain_value, plural, powers, settings_text, slug, step, visible
+from reports.text import amount, formula, knobs, plain_value, plural, powers, settings_text, slug, step, unit_text, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -75,6 +75,9 @@ def environment() -> Environment:
         "plural": plural,
         "powers": powers,
         "plain": plain_value,
+        "formula": formula,
+        "knobs": knobs,
+        "unit": unit_text,
         "settings": settings_text,
         "step": step,
         "ticked": ticked,

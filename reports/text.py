@@ -18,13 +18,16 @@ __all__ = [
     "amount",
     "plain_value",
     "duration",
+    "formula",
     "join_words",
+    "knobs",
     "plural",
     "power",
     "powers",
     "settings_text",
     "slug",
     "step",
+    "unit_text",
     "visible",
 ]
 
@@ -83,9 +86,32 @@ def power(exponent: int) -> str:
 POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)(?![\w.])")
 
 
+POINT = re.compile(r"(?<![\w.)])\.(?=\d)")
+
+
 def powers(text: str) -> str:
-    """Prose with numbers like 1e-4 as the tables write them: 10⁻⁴."""
-    return POWER.sub(lambda found: f"{'' if found[1] == '1' else found[1] + TIMES}{power(int(found[2]))}", text)
+    """Prose with its numbers as the tables write them: 10⁻⁴ for 1e-4, 0.3 for .3."""
+    raised = POWER.sub(lambda found: f"{'' if found[1] == '1' else found[1] + TIMES}{power(int(found[2]))}", text)
+    return POINT.sub("0.", raised)
+
+
+EXPONENT = re.compile(r"(?<=[\w)])\^(-?\d+)")
+
+
+def formula(text: str) -> str:
+    """A formula of one line with its powers raised: 'b²' for 'b^2', 'Rᵀ' for 'R^T'."""
+    return EXPONENT.sub(lambda found: found[1].translate(SUPERSCRIPT), text).replace("^T", "ᵀ")
+
+
+def unit_text(unit: str) -> str:
+    """A unit as people write it: 'm/s²' for 'm/s2', 'kg m²' for 'kg m2'."""
+    return re.sub(r"(?<=[a-z])-?\d+\b", lambda found: found[0].translate(SUPERSCRIPT), unit)
+
+
+def knobs(track: str) -> str:
+    """The settings of a search in words: 'tuned, split impulse on, erp 10⁻⁷' for 'tuned, split_impulse True, erp 1e-07'."""
+    words = re.sub(r"\bTrue\b", "on", re.sub(r"\bFalse\b", "off", track))
+    return powers(words).replace("_", " ")
 
 
 def plural(count: int, noun: str, several: str = "") -> str:

@@ -18,7 +18,7 @@ _SECTIONS = (
     ("worse", "Worse", "Worse", ("worse",)),
     ("better", "Better", "Better", ("better",)),
     ("alike", "Other bits, as good", "Alike", ("within tolerance",)),
-    ("facts", "What else is another", "Facts", ("neither",)),
+    ("facts", "What else changed", "Also", ("neither",)),
 )
 _NOTES = {
     "worse": "Verdicts, determinism, limits, errors and prices beyond what chance and the truths allow; each with the command "

@@ -27,4 +27,4 @@ def failures(store: "Store") -> list[str]:
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
     # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
     judged = audit([row for row in rows(store) if row["engine"] == JUDGE])
-    return sentences + [f"audit: {sentence}" for sentence in judged.sentences]
+    return sentences + [f"audit: {sentence}" for sentence in judged.sentences()]

@@ -149,10 +149,13 @@ def _criteria() -> tuple[str, ...]:
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
 
-    engines = store.catalogue.get("engines", {})
+    engines, cases = store.catalogue.get("engines", {}), store.catalogue.get("cases", {})
 
     def titled(name: str) -> str:
         return str(engines.get(name, {}).get("title") or name)
+
+    def called(name: str) -> str:
+        return str(cases.get(name, {}).get("title") or name)
 
     say(headline(answer, titled))
     if answer.rank is not None:
@@ -167,10 +170,10 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         title = f"of 1; in brackets the cases that each is measured on{f'; preset {preset}' if preset else ''}"
         print_table(title, columns, rows)
     for drop in answer.dropped:
-        say(dropped_sentence(drop, titled))
+        say(dropped_sentence(drop, titled, called))
     for drop in answer.undecided:
-        say(undecided_sentence(drop, titled))
-    for sentence in turn_sentences(answer.turns, titled):
+        say(undecided_sentence(drop, titled, called))
+    for sentence in turn_sentences(answer.turns, titled, called):
         say(f"It would be {sentence}")
     _print_gaps(answer)
 

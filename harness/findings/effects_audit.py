@@ -64,20 +64,21 @@ class Audit:
         """How many were asked about and not judged in full."""
         return len(scenes_of(self.open))
 
-    @property
-    def sentences(self) -> list[str]:
-        """What is against the scenes, a sentence each."""
-        return [_accusation(row) for row in self.failed]
+    def sentences(self, titles: Mapping[str, str] | None = None) -> list[str]:
+        """What is against the scenes, a sentence each. Args: titles: of cases, by name; without them names stand."""
+        return [_accusation(row, titles or {}) for row in self.failed]
 
-    @property
-    def doubts(self) -> list[str]:
-        """What could not be judged and why, a sentence for each scene and reason."""
+    def doubts(self, titles: Mapping[str, str] | None = None) -> list[str]:
+        """What could not be judged and why, a sentence for each scene and reason.
+
+        Args: titles: of cases and engines, by name; without them names stand."""
+        known = titles or {}
         effects: dict[tuple[str, str], list[str]] = {}
         for row in self.open:
             why = row["reason"] or "no answer to compare"
-            why = why if row["verdict"] == NOT_JUDGED else f"{row['engine']}: {row['verdict']}: {why}"
-            what = "any effect" if row["effect"] == AS_IT_IS else row["effect"]
-            effects.setdefault((named_scene(row), why), []).append(what)
+            why = why if row["verdict"] == NOT_JUDGED else f"{known.get(row['engine'], row['engine'])}: {row['verdict']}: {why}"
+            what = "any effect" if row["effect"] == AS_IT_IS else _spelled(row["effect"])
+            effects.setdefault((named_scene(row, known), why), []).append(what)
         return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
 
 
@@ -96,17 +97,21 @@ def scenes_of(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
     return dict.fromkeys((row["case"], row["where"]) for row in rows)
 
 
-def named_scene(row: Mapping[str, Any]) -> str:
-    """The scene of a row: its case, and where it stands beside it."""
-    return f"{called(row['case'])} {row['where']}".strip()
+def named_scene(row: Mapping[str, Any], titles: Mapping[str, str] | None = None) -> str:
+    """The scene of a row: its case, and where it stands beside it. Args: titles: of cases, by name."""
+    return f"{(titles or {}).get(row['case']) or called(row['case'])} {row['where']}".strip()
 
 
-def _accusation(row: Mapping[str, Any]) -> str:
-    name = named_scene(row)
+def _spelled(effect: str) -> str:
+    return effect.replace("_", " ")
+
+
+def _accusation(row: Mapping[str, Any], titles: Mapping[str, str]) -> str:
+    name, effect = named_scene(row, titles), _spelled(row["effect"])
     if row["verdict"] == "needed but missing":
-        return f"{name}: leaves out {row['effect']}, which matters: with it a body is moved by {_metres(row['moved'])}"
+        return f"{name}: leaves out {effect}, which matters: with it a body is moved by {_metres(row['moved'])}"
     return (
-        f"{name}: declares {row['effect']}, which does not matter: without it no body is moved by more than "
+        f"{name}: declares {effect}, which does not matter: without it no body is moved by more than "
         f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}"
     )
 

@@ -8,7 +8,7 @@ from harness.case.alteration import EVERYTHING
 from harness.findings.effects_audit import audit, savings
 from harness.findings.tables import effects as effects_table
 from harness.findings.tables.effects import verdicts
-from reports.contents import engines
+from reports.contents import engines, titles
 from reports.page import Page, Rendered
 from reports.savings import matrix, savings_chart
 from reports.sheet import sheet
@@ -38,6 +38,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         savings=savings(rows),
         figure=figure,
         audit=audit(rows),
+        titles=titles(store),
         matrix=matrix(store, judged),
         found=[verdict for verdict in judged if verdict.verdict != EVERYTHING],
     )

@@ -36,17 +36,20 @@ ERRORS = (
     "Filled is tuned, open the vendor's defaults. "
     "Exact answers stand on the left edge, trials without a number at the right as outcomes."
 )
-COSTS = "Right is faster; at 1 a simulated second takes a second of one core. Read it together with the errors beside it."
+COSTS = "Right is faster; 1 is real time on one core."
+PACED = "At 1 a simulated second takes a second of CPU time. A speed says little without its error: read both charts together."
 
 
 def render(store: "Store") -> Mapping[str, Rendered]:
     """The page and its two charts."""
-    rows = at_own_step(store, answers(store))
+    rows = answers(store)
+    # What a search went on to is no track: it stands on the pages of the cases.
+    rows = at_own_step(store, rows[rows["track"].isin(named_tracks(store))])
     scales = {name: case["scale"] or 1.0 for name, case in cases(store).items()}
     scaled = rows.assign(error=[error / scales[name] for error, name in zip(rows["error"], rows["case"], strict=True)])
     title = "Error as a share of the case's scale"
     errors = across_cases(store, scaled, "error", "overview-error", title, "Left is more accurate.", ERRORS)
-    paces = across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS)
+    paces = across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS, PACED)
     figures = [errors] if errors is not None else []
     figures += [replace(paces, after=errors)] if paces is not None else []
     cells = verdicts(store)

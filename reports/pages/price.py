@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 __all__ = ["PAGE"]
 
 
+FEW = 40
+"""Rows of a table that stand open; more fold."""
+
+
 def concerns(store: "Store") -> bool:
     """Only where a setting was clocked at several time steps: a price lies between two of them."""
     steps = {((s.name, p.engine, p.track), p.dt) for s in scenes(store) for p in s.points if p.clocked}
@@ -59,6 +63,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         largest=largest,
         allowances=allowances(store, steps),
         tracks=TRACKS,
+        few=FEW,
     )
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {

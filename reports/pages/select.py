@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from harness.findings.selection import CRITERIA, listing
 from harness.findings.selection.words import headline, turn_sentences
+from reports.contents import FAMILIES, cases
 from reports.page import Page
 from reports.selection import answer, evidence_rows, live
 from reports.sheet import sheet
@@ -24,10 +25,13 @@ def concerns(store: "Store") -> bool:
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page."""
-    found, about = answer(store), store.catalogue.get("engines", {})
+    found, about, known = answer(store), store.catalogue.get("engines", {}), cases(store)
 
     def titled(name: str) -> str:
         return str(about.get(name, {}).get("title") or name)
+
+    def called(name: str) -> str:
+        return FAMILIES[name].lower() if name in FAMILIES else str(known[name]["title"])
 
     rows = evidence_rows(store)
     page = fill(
@@ -36,7 +40,7 @@ def render(store: "Store") -> Mapping[str, str]:
         title="Which engine",
         answer=found,
         headline=headline(found, titled),
-        turns=turn_sentences(found.turns, titled),
+        turns=turn_sentences(found.turns, titled, called),
         criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
         rows=[row for row in rows if row.datum.value < 1],
         full=sum(row.datum.value >= 1 for row in rows),

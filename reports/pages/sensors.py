@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from harness.findings.sensor_readings.findings import concerned, findings
 from harness.findings.tables import sensors as sensors_table
+from reports.contents import titles
 from reports.costs import titled
 from reports.noise_charts import noise_charts
 from reports.page import Page, Rendered
@@ -32,7 +33,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         "sensors.html",
         store,
         title="Sensors",
-        said=sensors_table.sentences(rows),
+        said=sensors_table.sentences(rows, titles(store)),
         errors=errors,
         noises=noises,
         rays=rays,

@@ -33,7 +33,7 @@
   unfold();
 
   // A table that is wider than its frame names the columns out of sight, and its frame can be scrolled by keyboard.
-  const heading = (head) => head.innerText.replace(/\s+/g, " ").trim();
+  const heading = (head) => head.innerText.replace(/\s+/g, " ").trim().replace(/ ours$/, "");
   const tell = (frame, hint) => {
     const over = frame.scrollWidth - frame.clientWidth > 1 || frame.scrollHeight - frame.clientHeight > 1;
     if (over) frame.tabIndex = 0;

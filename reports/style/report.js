@@ -340,7 +340,7 @@
     }
     const search = document.createElement("input");
     search.type = "search";
-    search.placeholder = "Filter, e.g. mujoco tuned";
+    search.placeholder = "Filter by words";
     search.setAttribute("aria-label", "Filter the rows by words");
     const choice = document.createElement("select");
     choice.setAttribute("aria-label", "Show one kind of row");

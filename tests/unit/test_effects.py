@@ -103,7 +103,7 @@ def audited(studied: Studied) -> Audited:
 
 def against(found: Sequence[Verdict]) -> list[str]:
     """What the audit has against the scenes."""
-    return audit([asdict(one) for one in found]).sentences
+    return audit([asdict(one) for one in found]).sentences()
 
 
 def test_a_scene_that_calls_for_what_it_needs_passes(audited: Audited) -> None:
@@ -123,7 +123,7 @@ def test_a_planted_surplus_fails(audited: Audited) -> None:
     told = against(found)
     assert len(told) == 2
     assert any("declares gyroscopic" in sentence for sentence in told)
-    assert any("declares continuous_collision" in sentence for sentence in told)
+    assert any("declares continuous collision" in sentence for sentence in told)
 
 
 def test_a_planted_gap_fails(audited: Audited) -> None:
@@ -270,7 +270,11 @@ def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
     plain = [asdict(one) for one in verdicts(studied(case_of("slide_more", sliding()), sound))]
     late = [row | ({"verdict": "timeout", "reason": "late"} if row["effect"] == "contact" else {}) for row in plain]
     assert (audit(plain).scenes, audit(late).scenes) == (1, 0)
-    assert audit(late).doubts == ["slide_more: nothing is said of contact: reference: timeout: late"]
+    assert audit(late).doubts() == ["slide_more: nothing is said of contact: reference: timeout: late"]
+    titles = {"slide_more": "Sliding on", "reference": "Plumbline reference engine"}
+    spoken = "Sliding on: nothing is said of contact: Plumbline reference engine: timeout: late"
+    assert audit(late).doubts(titles) == [spoken]
+    assert f"Audit: {spoken}." in sentences(late, titles=titles)
 
 
 class Lost(Wrapped):

@@ -11,8 +11,10 @@ from markupsafe import escape
 from harness.findings.tables.profile import FACTOR, TIME, profile
 from harness.findings.tables.steps import Step
 from harness.store.store import Store
+from reports.failures import failing
 from reports.figure import Figure
 from reports.html import rendered
+from reports.pages import index
 from reports.pages.price import PAGE
 from reports.price_list import Line, heat, price_list, wins
 from reports.profiles import profile_chart
@@ -62,6 +64,32 @@ def test_settings_of_a_search_stand_on_the_case_page_and_not_as_tracks_of_the_ov
     texts = rendered(store)
     assert turned not in texts["index.html"]
     assert turned in next(text for name, text in texts.items() if name.startswith("case") and name.endswith("a.html"))
+
+
+@pytest.mark.parametrize("chart", ["overview-error", "overview-cost"])
+def test_settings_of_a_sweep_are_no_marks_of_the_overview(chart: str) -> None:
+    """Without telling them apart, each would be a mark of its own, filled as if it were tuned."""
+    turned = ("tuned, iterations 4", "default, solver pgs")
+    named = [*told(), ("a", "ours", "default", 1e-2, 3e-3, 0.1)]
+    store = Priced([*named, *(("a", "ours", track, 1e-2, 1e-5, 1e-4) for track in turned)])
+    store.trials.loc[store.trials["track"].isin(turned), "round"] = 1
+    drawn, alone = (index.PAGE.render(one)[f"charts/{chart}.svg"] for one in (store, Priced(named)))
+    assert isinstance(drawn, Figure)
+    assert isinstance(alone, Figure)
+    marks = [(row["engine"], row["track"]) for rows in drawn.spec["datasets"].values() for row in rows]
+    assert ("ours (ours)", "default") in marks
+    assert {track for _, track in marks} <= {"default", "tuned"}
+    assert len(set(marks)) == len(marks)
+    assert drawn.rows == alone.rows
+
+
+def test_what_a_sweep_fails_is_no_failure_of_its_engine() -> None:
+    turned = "tuned, iterations 4"
+    store = Priced([*told(), ("a", "ours", turned, 1e-2, 2.0, 1e-4)])
+    trials = store.trials
+    trials.loc[trials["track"] == turned, "round"] = 1
+    trials.loc[(trials["engine"] == "ours") & (trials["dt"] == 1e-2), "status"] = "failed"
+    assert [(failure.cause.engine, failure.cause.track) for failure in failing(store)] == [("ours", "tuned")]
 
 
 def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:

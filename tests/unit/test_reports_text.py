@@ -8,7 +8,7 @@ import pytest
 
 from harness.intake.safe_text import csv_cell
 from reports.template import cite
-from reports.text import amount, join_words, plural, settings_text, slug, visible
+from reports.text import amount, formula, join_words, knobs, plural, powers, settings_text, slug, unit_text, visible
 from tests.run_folder import HOSTILE
 
 
@@ -35,6 +35,32 @@ from tests.run_folder import HOSTILE
 )
 def test_numbers_are_shown_with_three_digits(value: float | None, shown: str) -> None:
     assert amount(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("tolerance 1e-8, armature 2.5e12", "tolerance 10⁻⁸, armature 2.5\N{MULTIPLICATION SIGN}10¹²"),
+        ("by .7 % (at e = .3)", "by 0.7 % (at e = 0.3)"),
+        ("version 4.0.1, sec. 3.2, file.3, t.7", "version 4.0.1, sec. 3.2, file.3, t.7"),
+        ("it rests.", "it rests."),
+    ],
+)
+def test_numbers_in_prose_are_written_as_in_tables(text: str, shown: str) -> None:
+    assert powers(text) == shown
+
+
+def test_units_formulas_and_knobs_have_one_notation_for_powers() -> None:
+    assert [unit_text(unit) for unit in ("m/s2", "kg m2", "rad/s", "1", "N m", "s-1")] == [
+        "m/s²",
+        "kg m²",
+        "rad/s",
+        "1",
+        "N m",
+        "s⁻¹",
+    ]
+    assert formula("mass / 3 (b^2 + c^2), R^T f, h^-1, a^b") == "mass / 3 (b² + c²), Rᵀ f, h⁻¹, a^b"
+    assert knobs("tuned, split_impulse True, tolerance 1e-07") == "tuned, split impulse on, tolerance 10⁻⁷"
 
 
 def test_a_number_that_rounds_up_to_the_next_power_keeps_its_size() -> None:

@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
-from harness.findings.selection.words import headline
+from harness.findings.selection.doubt import Turn
+from harness.findings.selection.words import headline, turn_sentences
 from harness.store.store import Store
 from harness.study.plugins import names
 from tests.conftest import Command
@@ -120,6 +121,19 @@ def test_what_would_turn_the_answer_is_told(tmp_path: Path) -> None:
         ("criterion", "price"),
         ("criterion", "accuracy"),
     }
+
+
+def test_what_would_turn_the_answer_is_said_without_ids() -> None:
+    titles = {"dart": "DART", "stack_tower": "A tower of boxes", "rest_jitter": "Standing still", "friction": "friction"}
+    case, other = (Turn(kind="case", name=name, first="dart") for name in ("stack_tower", "rest_jitter"))
+    heavier = (Turn(kind="criterion", name="price", first="dart"), Turn(kind="family", name="friction", first="dart"))
+
+    def said(*turns: Turn) -> list[str]:
+        return turn_sentences(turns, titles.__getitem__, titles.__getitem__)
+
+    assert said(case) == ["DART without “A tower of boxes”."]
+    assert said(case, other) == ["DART without one of “A tower of boxes”, “Standing still”."]
+    assert said(*heavier, case) == ["DART if price or friction counted double.", "DART without “A tower of boxes”."]
 
 
 def test_our_own_engine_is_ranked_only_where_it_is_asked_for(tmp_path: Path) -> None:

@@ -87,7 +87,7 @@ def test_a_bound_leaves_open_whether_a_pace_is_kept(tmp_path: Path) -> None:
     found = answer(tmp_path, {"mujoco": bound(0.2), "dart": exact(0.1), "bullet": exact(0.01)}, realtime=20.0)
     assert [drop.engine for drop in found.dropped] == ["dart"]
     assert [drop.engine for drop in found.undecided] == ["mujoco"]
-    said = undecided_sentence(found.undecided[0], str)
+    said = undecided_sentence(found.undecided[0], str, str)
     assert said.startswith("Of mujoco it is not known whether it has 20 times real time in ")
     assert "at least 5 times" in said
 

@@ -252,7 +252,13 @@ def test_the_sentences_say_who_keeps_its_bounds_and_what_a_read_ray_costs(store:
     (row,) = [row for row in table.rows(store) if (row["engine"], row["channel"]) == ("reference", "range")]
     assert row["times_bare"] is None
     said = table.sentences([row | {"times_bare": 1.9}])
-    assert f"{CASE} on reference/tuned: a ray that is read costs 1.9 bare ones." in said
+    assert f"{CASE}: on reference, tuned, a ray that is read costs 1.9 bare ones." in said
+    titles = {CASE: "Room with a wall", "reference": "Plumbline reference engine"}
+    spoken = table.sentences([row | {"times_bare": 1.9}], titles)
+    assert spoken == [
+        "Plumbline reference engine: 1 of 1 ideal signals stay within their bounds.",
+        "Room with a wall: on Plumbline reference engine, tuned, a ray that is read costs 1.9 bare ones.",
+    ]
 
 
 def test_a_store_without_sensors_has_no_findings(tmp_path: Path) -> None:

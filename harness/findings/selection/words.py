@@ -11,6 +11,7 @@ from harness.findings.selection.wish import Dropped
 __all__ = ["dropped_sentence", "headline", "turn_sentences", "undecided_sentence"]
 
 Titled = Callable[[str], str]
+"""From a name to what people call it."""
 
 
 def _listed(names: list[str]) -> str:
@@ -49,29 +50,31 @@ def _percent(place: Place) -> str:
     return f"{100 * place.first:.0f} %"
 
 
-def turn_sentences(turns: Sequence[Turn], titled: Titled) -> list[str]:
-    """What would put another engine first, one sentence an engine and way."""
+def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> list[str]:
+    """What would put another engine first, one sentence an engine and way.
+
+    Args: titled: an engine's name to its title. called: that of a case or of a family of cases."""
     sentences = []
     for first in dict.fromkeys(turn.first for turn in turns):
         mine = [turn for turn in turns if turn.first == first]
-        doubled = [turn.name.replace("_", " ") for turn in mine if turn.kind != "case"]
-        left_out = [turn.name for turn in mine if turn.kind == "case"]
+        doubled = [called(turn.name) if turn.kind == "family" else turn.name for turn in mine if turn.kind != "case"]
+        left_out = [f"“{called(turn.name)}”" for turn in mine if turn.kind == "case"]
         if doubled:
             either = doubled[0] if len(doubled) == 1 else f"{', '.join(doubled[:-1])} or {doubled[-1]}"
-            sentences.append(f"{titled(first)} if {either} counts double.")
+            sentences.append(f"{titled(first)} if {either} counted double.")
         if left_out:
             either = left_out[0] if len(left_out) == 1 else f"one of {', '.join(left_out)}"
             sentences.append(f"{titled(first)} without {either}.")
     return sentences
 
 
-def dropped_sentence(drop: Dropped, titled: Titled) -> str:
-    """Who is left out, and why."""
-    where = f" in {drop.case}" if drop.case else ""
+def dropped_sentence(drop: Dropped, titled: Titled, called: Titled) -> str:
+    """Who is left out, and why. Args: called: a case's name to its title."""
+    where = f" in “{called(drop.case)}”" if drop.case else ""
     return f"{titled(drop.engine)} is left out: asked for is {drop.requirement}, it has: {drop.value}{where}."
 
 
-def undecided_sentence(drop: Dropped, titled: Titled) -> str:
-    """What is asked for and not known of an engine that is left."""
-    where = f" in {drop.case}" if drop.case else ""
+def undecided_sentence(drop: Dropped, titled: Titled, called: Titled) -> str:
+    """What is asked for and not known of an engine that is left. Args: called: a case's name to its title."""
+    where = f" in “{called(drop.case)}”" if drop.case else ""
     return f"Of {titled(drop.engine)} it is not known whether it has {drop.requirement}{where}: {drop.value}."

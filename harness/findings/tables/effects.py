@@ -267,7 +267,7 @@ def sentences(
 ) -> list[str]:
     """What leaving effects out saves, engine by engine, and what the audit says.
 
-    Args: accusing: of each scene that fails it too. titles: what engines are called.
+    Args: accusing: of each scene that fails it too. titles: what engines and cases are called, by name.
     """
     lines = []
     for saving in savings(rows):
@@ -285,5 +285,5 @@ def sentences(
         if audited.clean == audited.scenes == 1 and not audited.in_doubt:
             call = "the scene calls for exactly what it needs"
         lines.append(f"Audit: {call}, judged on {judge}{beside}.")
-    lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences if accusing else ()), *audited.doubts)]
+    lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences(titles) if accusing else ()), *audited.doubts(titles))]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]

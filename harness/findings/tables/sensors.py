@@ -77,23 +77,24 @@ def _rate(row: Mapping[str, Any]) -> str:
     return ", ".join(parts)
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Engine by engine, how many ideal signals stay within their bounds; then what noise costs beside bare rays."""
-    lines = []
+def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | None = None) -> list[str]:
+    """Engine by engine, how many ideal signals stay within their bounds; then what noise costs beside bare rays.
+
+    Args: titles: of engines and cases, by name; without them names stand."""
+    lines, known = [], titles or {}
     for engine in dict.fromkeys(row["engine"] for row in rows):
-        mine = [row for row in rows if row["engine"] == engine]
+        mine, called = [row for row in rows if row["engine"] == engine], known.get(engine, engine)
         judged = [row for row in mine if row["passed"] is not None]
         silent = sum(not row["channel"] for row in mine)
         if judged:
             kept = sum(row["passed"] for row in judged)
-            text = f"{engine}: {kept} of {len(judged)} ideal signals stay within their bounds"
+            text = f"{called}: {kept} of {len(judged)} ideal signals stay within their bounds"
             lines.append(text + (f"; {silent} without readings." if silent else "."))
         elif silent:
-            lines.append(f"{engine}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
+            lines.append(f"{called}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
     for row in rows:
         if row["times_bare"] is not None and row["channel"] == "range":
-            name = f"{row['case']} {row['where']}".strip()
-            lines.append(
-                f"{name} on {row['engine']}/{row['track']}: a ray that is read costs {row['times_bare']:.2g} bare ones."
-            )
+            name = f"{known.get(row['case'], row['case'])} {row['where']}".strip()
+            engine = known.get(row["engine"], row["engine"])
+            lines.append(f"{name}: on {engine}, {row['track']}, a ray that is read costs {row['times_bare']:.2g} bare ones.")
     return lines

@@ -58,18 +58,19 @@ def log_moving(
         path = f"{root}/{batch.path}"
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)
-        rec.log(path, *drawn(batch, paint), static=True)
+        shapes = drawn(batch, paint)
         p, q = p_WS.astype(np.float32), xyzw(q_WS)
-        pivot = None if (p == p[:1]).all() else shared_pivot(batch, arrays)
-        if len(time) > 1 and (p == p[:1]).all() and (q == q[:1]).all():
-            rec.log(path, rr.InstancePoses3D(translations=p[0], quaternions=q[0]), static=True)
-        elif pivot is not None:
-            about = rr.InstancePoses3D(translations=(batch.p_BS - pivot.p_BP).astype(np.float32), quaternions=xyzw(batch.q_BS))
-            rec.log(path, about, static=True)
-            places = np.broadcast_to(pivot.p_WP.astype(np.float32), (len(time), 3))
-            turns = xyzw(arrays["q_WB"][:, batch.bodies[0]])
-            rec.send_columns(path, columns(time), rr.Transform3D.columns(translation=places, quaternion=turns))
+        stays = (p == p[:1]).all()
+        if len(time) > 1 and stays and (q == q[:1]).all():
+            rec.log(path, *shapes, rr.InstancePoses3D(translations=p[0], quaternions=q[0]), static=True)
+        elif not stays and (pivot := shared_pivot(batch, arrays)) is not None:
+            p_PS = (batch.p_BS - pivot.p_BP).astype(np.float32)
+            rec.log(path, *shapes, rr.InstancePoses3D(translations=p_PS, quaternions=xyzw(batch.q_BS)), static=True)
+            p_WP = np.broadcast_to(pivot.p_WP.astype(np.float32), (len(time), 3))
+            turns = rr.Transform3D.columns(translation=p_WP, quaternion=xyzw(arrays["q_WB"][:, batch.bodies[0]]))
+            rec.send_columns(path, columns(time), turns)
         else:
+            rec.log(path, *shapes, static=True)
             rows = rr.InstancePoses3D.columns(translations=p.reshape(-1, 3), quaternions=q.reshape(-1, 4))
             rec.send_columns(path, columns(time), rows.partition(np.full(len(time), len(batch.bodies))))
 

@@ -6,10 +6,13 @@ import numpy as np
 
 from reports.recordings.rotation import Floats, rotate
 
-__all__ = ["ROUNDING", "Pivot", "pivot_of"]
+__all__ = ["Pivot", "pivot_of"]
 
 ROUNDING = 2.0**-24
 """Half a unit in the last place of single precision, which recordings are written in."""
+
+SOUGHT = 32
+"""Instants that a pivot is sought at; all of them say whether it is one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,20 +26,23 @@ class Pivot:
 def pivot_of(p_WB: Floats, q_WB: Floats) -> Pivot | None:
     """The point about which a body at places p_WB (t, 3) m with attitudes q_WB (t, 4) turns; None where there is none.
 
-    p_WB + R_WB p_BP = p_WP at all instants. With the means over them taken off, that is an equation for p_BP alone, solved by
-    least squares; of an axis that stays, it gives the point next to the body's origin. What is found is a pivot if the place of
-    the body put together again from single precision is the one that was given, but for roundings: one of p_WP, one of p_BP,
-    and two of the attitude (a quaternion says half of an angle), of numbers no larger than the body's own coordinates.
+    p_WB + R_WB p_BP = p_WP at all instants. With the means over some of them taken off, that is an equation for p_BP alone,
+    solved by least squares; of an axis that stays, it gives the point next to the body's origin. What is found is a pivot if the
+    place of the body put together again from single precision is everywhere the one that was given, but for roundings: one of
+    p_WP, one of p_BP and two of the attitude (a quaternion says half of an angle), of numbers no larger than the body's own
+    coordinates.
     """
-    turned = np.stack([rotate(q_WB, np.broadcast_to(axis, p_WB.shape)) for axis in np.eye(3)], axis=-1)
-    swing, way = turned - turned.mean(axis=0), p_WB - p_WB.mean(axis=0)
-    # Three equations in the mean, not three an instant: the rounding of their squares lies far below that of single precision.
-    square, pull = np.einsum("tij,tik->jk", swing, swing), -np.einsum("tij,ti->j", swing, way)
-    p_BP = np.linalg.lstsq(square, pull, rcond=1e-12)[0]
-    p_WP = (p_WB + turned @ p_BP).mean(axis=0)
-    again = single(p_WP) - rotate(single(q_WB), np.broadcast_to(single(p_BP), p_WB.shape))
-    off, size = np.abs(again - p_WB).max(), np.abs(p_WB).max()
-    return Pivot(p_WP, p_BP) if off <= 4 * ROUNDING * size else None
+    some = np.unique(np.linspace(0, len(p_WB) - 1, SOUGHT).astype(np.int64))
+    near = p_WB[some]
+    turned = rotate(q_WB[some][:, None], np.eye(3)).swapaxes(1, 2)
+    swing, way = turned - turned.mean(axis=0), near - near.mean(axis=0)
+    p_BP = np.linalg.lstsq(swing.reshape(-1, 3), -way.reshape(-1), rcond=1e-6)[0]
+    p_WP = (near + turned @ p_BP).mean(axis=0)
+    allowed = 4 * ROUNDING * np.abs(p_WB).max()
+    if np.abs(near + turned @ p_BP - p_WP).max() > allowed:
+        return None
+    again = single(p_WP) - rotate(single(q_WB), single(p_BP))
+    return Pivot(p_WP, p_BP) if np.abs(again - p_WB).max() <= allowed else None
 
 
 def single(values: Floats) -> Floats:

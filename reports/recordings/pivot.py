@@ -11,6 +11,10 @@ __all__ = ["Pivot", "pivot_of"]
 ROUNDING = 2.0**-24
 """Half a unit in the last place of single precision, which recordings are written in."""
 
+FAR = 2.0
+"""No pivot and no arm is farther off than this many times the body's own largest distance from the origin: the difference of two
+large numbers would shake in single precision."""
+
 SOUGHT = 32
 """Instants that a pivot is sought at; all of them say whether it is one."""
 
@@ -28,9 +32,8 @@ def pivot_of(p_WB: Floats, q_WB: Floats) -> Pivot | None:
 
     p_WB + R_WB p_BP = p_WP at all instants. With the means over some of them taken off, that is an equation for p_BP alone,
     solved by least squares; of an axis that stays, it gives the point next to the body's origin. What is found is a pivot if the
-    place of the body put together again from single precision is everywhere the one that was given, but for roundings: one of
-    p_WP, one of p_BP and two of the attitude (a quaternion says half of an angle), of numbers no larger than the body's own
-    coordinates.
+    place of the body put together again from single precision is everywhere the one that was given, but for roundings of the
+    larger of both points' distances: one of p_WP, one of p_BP and two of the attitude (a quaternion says half of an angle).
     """
     some = np.unique(np.linspace(0, len(p_WB) - 1, SOUGHT).astype(np.int64))
     near = p_WB[some]
@@ -38,8 +41,9 @@ def pivot_of(p_WB: Floats, q_WB: Floats) -> Pivot | None:
     swing, way = turned - turned.mean(axis=0), near - near.mean(axis=0)
     p_BP = np.linalg.lstsq(swing.reshape(-1, 3), -way.reshape(-1), rcond=1e-6)[0]
     p_WP = (near + turned @ p_BP).mean(axis=0)
-    allowed = 4 * ROUNDING * np.abs(p_WB).max()
-    if np.abs(near + turned @ p_BP - p_WP).max() > allowed:
+    size = max(float(np.linalg.norm(p_WP)), float(np.linalg.norm(p_BP)))
+    allowed = 4 * ROUNDING * size
+    if size > FAR * np.linalg.norm(p_WB, axis=1).max() or np.abs(near + turned @ p_BP - p_WP).max() > allowed:
         return None
     again = single(p_WP) - rotate(single(q_WB), single(p_BP))
     return Pivot(p_WP, p_BP) if np.abs(again - p_WB).max() <= allowed else None

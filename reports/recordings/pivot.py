@@ -12,8 +12,8 @@ ROUNDING = 2.0**-24
 """Half a unit in the last place of single precision, which recordings are written in."""
 
 FAR = 2.0
-"""No pivot and no arm is farther off than this many times the body's own largest distance from the origin: the difference of two
-large numbers would shake in single precision."""
+"""No pivot and no arm is longer than this many times the body's own largest distance from the origin: the difference of two large
+numbers would shake in single precision."""
 
 SOUGHT = 32
 """Instants that a pivot is sought at; all of them say whether it is one."""
@@ -31,9 +31,9 @@ def pivot_of(p_WB: Floats, q_WB: Floats) -> Pivot | None:
     """The point about which a body at places p_WB (t, 3) m with attitudes q_WB (t, 4) turns; None where there is none.
 
     p_WB + R_WB p_BP = p_WP at all instants. With the means over some of them taken off, that is an equation for p_BP alone,
-    solved by least squares; of an axis that stays, it gives the point next to the body's origin. What is found is a pivot if the
-    place of the body put together again from single precision is everywhere the one that was given, but for roundings of the
-    larger of both points' distances: one of p_WP, one of p_BP and two of the attitude (a quaternion says half of an angle).
+    solved by least squares; of an axis that stays, it gives the point next to the body's origin. What is found is a pivot if
+    the place of the body put together again from single precision is everywhere the one that was given, but for roundings of
+    the larger of both points' distances: one of p_WP, one of p_BP and two of the attitude (a quaternion says half of an angle).
     """
     some = np.unique(np.linspace(0, len(p_WB) - 1, SOUGHT).astype(np.int64))
     near = p_WB[some]

@@ -4,7 +4,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -81,7 +80,7 @@ def moving_of(case: Case) -> list[Batch]:
 
 
 def recorded(path: Path, moving: Sequence[Batch], runs: Mapping[str, Mapping[str, Floats]]) -> Path:
-    """A recording of these runs' bodies alone: of curves, ways and contacts a run has as many whether one moves or a hundred."""
+    """A recording of the bodies alone: of curves, ways and contacts a run has as many whether one moves or a hundred."""
     rec = rr.RecordingStream("plumbline-poses", send_properties=False)
     rec.set_log_time_enabled(False)
     rec.set_log_tick_enabled(False)
@@ -94,7 +93,7 @@ def recorded(path: Path, moving: Sequence[Batch], runs: Mapping[str, Mapping[str
 
 
 def composed(read: Read, path: str, instants: int) -> tuple[Floats, Floats]:
-    """What a viewer makes of a path: its transform, where it has one, and the poses of its instances in it; (t, n, 3), (t, n, 4)."""
+    """What a viewer makes of a path, (t, n, 3) m and (t, n, 4): its transform, where it has one, and its instances in it."""
 
     def told(name: str, size: int) -> Floats:
         rows = np.array(read.column(path, name), dtype=np.float64).reshape(len(read.column(path, name)), -1, size)
@@ -110,8 +109,8 @@ def composed(read: Read, path: str, instants: int) -> tuple[Floats, Floats]:
 def test_a_pose_takes_at_most_forty_bytes_and_is_where_the_engine_put_it(name: str, tmp_path: Path) -> None:
     """Forty: by how much all instants take more than half of them, over the poses more, with what is written once left aside.
 
-    Where: a place, put together from what is written, is off by one rounding; that of what turns about a point by four of numbers
-    up to twice as large, as `pivot_of` allows, and by one more for where a shape lies in its body.
+    Where: a place, put together from what is written, is off by one rounding; that of what turns about a point by four of
+    numbers up to twice as large, as `pivot_of` allows, and by one more for where a shape lies in its body.
     """
     moving, runs = moving_of(CASES[name]), seen_of(CASES[name])
     whole = recorded(tmp_path / "whole.rrd", moving, runs)

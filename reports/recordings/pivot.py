@@ -12,8 +12,8 @@ ROUNDING = 2.0**-24
 """Half a unit in the last place of single precision, which recordings are written in."""
 
 FAR = 2.0
-"""No pivot and no arm is longer than this many times the body's own largest distance from the origin: the difference of two large
-numbers would shake in single precision."""
+"""No pivot and no arm is longer than this many times the body's own largest distance from the origin: the difference of two
+large numbers would shake in single precision."""
 
 SOUGHT = 32
 """Instants that a pivot is sought at; all of them say whether it is one."""

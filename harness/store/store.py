@@ -233,6 +233,14 @@ class Store:
         named = {text for text in trials["alteration"].unique() if "name" in json.loads(text)}
         return trials[(trials["members"] == 1) & ~trials["alteration"].isin(named)]
 
+    @cached_property
+    def tried(self) -> Mapping[str, Sequence[Mapping[str, Any]]]:
+        """The rows of `trials` of each case."""
+        rows: dict[str, list[Mapping[str, Any]]] = {}
+        for row in records(self.trials):
+            rows.setdefault(row["case"], []).append(row)
+        return rows
+
     @property
     def measurements(self) -> pd.DataFrame:
         """One row a metric of a trial."""

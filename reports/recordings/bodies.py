@@ -7,6 +7,7 @@ import numpy as np
 
 from reports.recordings.colour import GRID, GROUND, Rgba
 from reports.recordings.layout import STAGE
+from reports.recordings.pivot import Pivot, pivot_of
 from reports.recordings.rotation import Floats, compose, rotate
 from reports.recordings.shapes import CROWD, Batch, Paint, batches, drawn
 from reports.recordings.timeline import checked, columns
@@ -45,7 +46,8 @@ def log_moving(
     """Log bodies that move below `root`: shapes once, and so the poses of those that stay where they are; poses in columns.
 
     A viewer takes a pose from one row and never puts it together from two: each row says place and attitude. One of them that
-    stays the same is packed to next to nothing.
+    stays the same is packed to next to nothing. So what turns about a point is told from there: the pose of that point over
+    time, and its shapes as they lie about it, once.
 
     Args: bodies: by kind of shape, as `sharing` has them.
     """
@@ -56,13 +58,32 @@ def log_moving(
         path = f"{root}/{batch.path}"
         p_WS, q_WS = poses(batch, arrays["p_WB"], arrays["q_WB"])
         checked(path, time, p_WS, q_WS)
-        rec.log(path, *drawn(batch, paint), static=True)
-        p, q = p_WS.astype(np.float32), q_WS[:, :, [1, 2, 3, 0]].astype(np.float32)
-        if len(time) > 1 and (p == p[:1]).all() and (q == q[:1]).all():
-            rec.log(path, rr.InstancePoses3D(translations=p[0], quaternions=q[0]), static=True)
+        shapes = drawn(batch, paint)
+        p, q = p_WS.astype(np.float32), xyzw(q_WS)
+        stays = (p == p[:1]).all()
+        if len(time) > 1 and stays and (q == q[:1]).all():
+            rec.log(path, *shapes, rr.InstancePoses3D(translations=p[0], quaternions=q[0]), static=True)
+        elif not stays and (pivot := shared_pivot(batch, arrays)) is not None:
+            p_PS = (batch.p_BS - pivot.p_BP).astype(np.float32)
+            rec.log(path, *shapes, rr.InstancePoses3D(translations=p_PS, quaternions=xyzw(batch.q_BS)), static=True)
+            p_WP = np.broadcast_to(pivot.p_WP.astype(np.float32), (len(time), 3))
+            turns = rr.Transform3D.columns(translation=p_WP, quaternion=xyzw(arrays["q_WB"][:, batch.bodies[0]]))
+            rec.send_columns(path, columns(time), turns)
         else:
+            rec.log(path, *shapes, static=True)
             rows = rr.InstancePoses3D.columns(translations=p.reshape(-1, 3), quaternions=q.reshape(-1, 4))
             rec.send_columns(path, columns(time), rows.partition(np.full(len(time), len(batch.bodies))))
+
+
+def xyzw(q: Floats) -> Floats:
+    """Quaternions (..., 4) in single precision, in rerun's order."""
+    return q[..., [1, 2, 3, 0]].astype(np.float32)
+
+
+def shared_pivot(batch: Batch, arrays: Mapping[str, Floats]) -> Pivot | None:
+    """The point that all shapes of a batch turn about: that of their body, where they have one body and it has one."""
+    body = batch.bodies[0]
+    return pivot_of(arrays["p_WB"][:, body], arrays["q_WB"][:, body]) if (batch.bodies == body).all() else None
 
 
 def log_paths(rec: "rr.RecordingStream", path: str, p_WB: Floats, colour: Rgba, extent: float) -> None:

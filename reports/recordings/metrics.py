@@ -74,11 +74,14 @@ def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
     return {"speed": np.sqrt(squares.max(axis=1)), "kinetic_energy": energy}
 
 
-def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
-    """Instants and largest distance [m] and angle [rad] from the truth over all moving bodies, where the truth is told."""
+def errors(stage: Stage, run: Run, told: tuple[Floats, Floats, Floats]) -> dict[str, tuple[Floats, Floats]]:
+    """Instants and largest distance [m] and angle [rad] from the truth over all moving bodies, where the truth is told.
+
+    Args: told: the truth at the run's instants, as `truth_at` has it.
+    """
     by_metric: dict[str, tuple[Floats, Floats]] = {}
     places = stage.moving
-    kept, p_WB, q_WB = truth_at(stage.truth, run.time)
+    kept, p_WB, q_WB = told
     if not len(kept) or not len(places):
         return {}
     for name, apart in (
@@ -95,8 +98,12 @@ def errors(stage: Stage, run: Run) -> dict[str, tuple[Floats, Floats]]:
 def curves(stage: Stage) -> tuple[Curve, ...]:
     """All curves of a stage, without what is not finite, as densely as the viewer has frames."""
     collected: list[Curve] = []
+    # Runs at the same time step share their instants, and with them what the truth says.
+    instants = {run.time.tobytes(): run.time for run in stage.runs}
+    told = {key: truth_at(stage.truth, time) for key, time in instants.items()}
     for run in stage.runs:
-        drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()} | errors(stage, run)
+        drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()}
+        drawn |= errors(stage, run, told[run.time.tobytes()])
         for metric, (time, values) in drawn.items():
             kept = _drawn(time, values, stage.length)
             look = rgba(run.colour), 2.5 if run.track == "tuned" else 1.2

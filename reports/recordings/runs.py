@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 from zipfile import BadZipFile
@@ -10,7 +10,6 @@ from zipfile import BadZipFile
 import numpy as np
 
 from harness.store.imported_scenes import looks_of
-from harness.store.rows import records
 from harness.store.store import Store, StoreError
 from reports.palette import looks
 from reports.recordings.layout import run_path
@@ -115,7 +114,7 @@ def cut(arrays: Mapping[str, Floats], count: int) -> dict[str, Floats]:
     return kept
 
 
-def chosen(trials: list[dict[str, Any]], case: Mapping[str, Any]) -> list[dict[str, Any]]:
+def chosen(trials: Sequence[Mapping[str, Any]], case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """One trial for each engine and track, all of the same parameters and seed, with the case's own dt where there is one."""
     with_states = [t for t in trials if isinstance(t["trajectory_hash"], str)]
     if not with_states:
@@ -135,7 +134,7 @@ def chosen(trials: list[dict[str, Any]], case: Mapping[str, Any]) -> list[dict[s
         key=lambda key: (json.loads(key[0]) != own, -engines_with(key), key[1]),
     )
     wanted = case.get("dt") or min(t["dt"] for t in with_states)
-    picked: dict[tuple[str, str], dict[str, Any]] = {}
+    picked: dict[tuple[str, str], Mapping[str, Any]] = {}
     for trial in sorted(
         (t for t in with_states if variant(t) == shown), key=lambda t: round(abs(math.log(t["dt"] / wanted)), 9)
     ):
@@ -146,10 +145,9 @@ def chosen(trials: list[dict[str, Any]], case: Mapping[str, Any]) -> list[dict[s
 def stage_of(store: Store, name: str) -> Stage:
     """All that the recording of a case shows."""
     case = store.catalogue.get("cases", {}).get(name, {})
-    frame = store.trials
-    trials: list[dict[str, Any]] = records(frame[frame["case"] == name])
-    engines = list(store.catalogue.get("engines", {})) or sorted(set(frame["engine"]))
-    colours = looks(dict.fromkeys([*engines, *frame["engine"]]))
+    trials, met = store.tried.get(name, ()), store.trials["engine"]
+    engines = list(store.catalogue.get("engines", {})) or sorted(set(met))
+    colours = looks(dict.fromkeys([*engines, *met]))
     order = {engine: rank for rank, engine in enumerate(colours)}
     runs: list[Run] = []
     notes: dict[str, str] = {}

@@ -68,8 +68,12 @@ def placed_shapes(body: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int], most: int = CROWD) -> list[Batch]:
-    """The shapes of the bodies at these places, one path a body, or one a kind of shape where there are more than `most`."""
+    """The shapes of the bodies at these places, one path a body, or one a kind of shape where there are more than `most`.
+
+    A mesh is one path, of which an instance is a copy: where bodies share paths, those that are alike share that of the first.
+    """
     crowd = len(places) > most
+    meshes: list[tuple[Mapping[str, Any], str]] = []
     gathered: dict[str, list[tuple[int, str, Mapping[str, Any]]]] = {}
     for index in places:
         body = bodies[index]
@@ -79,8 +83,10 @@ def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int], most: in
             kind = p["shape"]["type"]
             path = kind if crowd else part(body["name"])
             if kind in MESHES and (crowd or len(placed) > 1):
-                # A mesh is one path: an instance is a copy of the whole mesh.
                 path = f"{part(body['name'])}/{kind}_{number}"
+                if crowd:
+                    path = next((there for shape, there in meshes if shape == p["shape"]), path)
+                    meshes.append((p["shape"], path))
             elif not crowd and len(kinds) > 1:
                 path = f"{path}/{kind}"
             gathered.setdefault(path, []).append((index, body["name"], p))

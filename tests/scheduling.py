@@ -31,7 +31,6 @@ DEAREST = (
     "tests/conformance/test_bullet_choices.py",
     "tests/stress/test_damaged_store.py",
     "tests/conformance/test_claims.py",
-    "tests/unit/test_recordings_bar.py",
     "tests/stress/test_plugins.py",
     "tests/unit/test_engine_joint_hold.py",
     "tests/unit/test_reports_html.py",

@@ -32,6 +32,18 @@ BYTES = 40.0
 INSTANTS = 240
 """Of each case the beginning, of so many samples."""
 
+QUICK = (
+    "flight_box",
+    "friction_painleve",
+    "joint_conical_pendulum",
+    "orbit_kepler",
+    "spin_heavy_top",
+    "stack_arch",
+    "stand_hit",
+)
+"""Cases of each kind of path (alone, about a pivot, a shared mesh, a robot), the dearest a pose among them; `make test-all`
+asks all."""
+
 FEW = 30
 """Rows are packed by what they repeat of those before them: of fewer than these, what stands first is a large part."""
 
@@ -105,14 +117,21 @@ def composed(read: Read, path: str, instants: int) -> tuple[Floats, Floats]:
     return compose(told("Transform3D:translation", 3), told("Transform3D:quaternion", 4)[..., [3, 0, 1, 2]], p, q)
 
 
-@pytest.mark.parametrize("name", [name for name, case in CASES.items() if moving_of(case)])
+def test_the_quick_ones_are_cases_with_bodies_that_move() -> None:
+    assert set(QUICK) <= {name for name, case in CASES.items() if moving_of(case)}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in CASES])
 def test_a_pose_takes_at_most_forty_bytes_and_is_where_the_engine_put_it(name: str, tmp_path: Path) -> None:
     """Forty: by how much all instants take more than half of them, over the poses more, with what is written once left aside.
 
     Where: a place, put together from what is written, is off by one rounding; that of what turns about a point by four of
     numbers up to twice as large, as `pivot_of` allows, and by one more for where a shape lies in its body.
     """
-    moving, runs = moving_of(CASES[name]), seen_of(CASES[name])
+    moving = moving_of(CASES[name])
+    if not moving:
+        pytest.skip("nothing in it moves")
+    runs = seen_of(CASES[name])
     whole = recorded(tmp_path / "whole.rrd", moving, runs)
     half = {engine: {key: rows[: len(rows) // 2] for key, rows in arrays.items()} for engine, arrays in runs.items()}
     more = sum(len(batch.bodies) for batch in moving) * sum(

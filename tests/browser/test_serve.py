@@ -193,8 +193,8 @@ def browser(playwright: Any) -> Iterator[Any]:
     chromium.close()
 
 
-# The viewer's compiler of shaders tells the console 9000 times what it does, and each line goes through three processes: here only
-# warnings and errors are told, and no more than ten pictures are drawn a second.
+# The viewer's compiler of shaders tells the console 9000 times what it does, and each line goes through three processes.
+# Here only warnings and errors are told, and no more than ten pictures are drawn a second.
 SPARING = """
 for (const told of ["debug", "info", "log", "trace"]) console[told] = () => {};
 const draw = window.requestAnimationFrame.bind(window);

@@ -49,6 +49,7 @@ NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chro
 """Programs that drive as one; the first has no windows to draw, and takes two thirds of the others' time of the processor."""
 CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), os.environ.get("PLUMBLINE_CHROMIUM"))
 SCREEN = {"width": 1280, "height": 900}
+DARK = "() => matchMedia('(prefers-color-scheme: dark)').matches"
 
 
 @pytest.fixture(scope="package")
@@ -88,7 +89,8 @@ class Visit:
             "request": lambda request: self.asked.append(request.url),
             "dialog": lambda dialog: (self.said.append("dialog"), dialog.dismiss()),
         }
-        page.goto("about:blank")  # or else the page before would draw its charts anew for the next one's screen
+        if page.viewport_size != viewport or page.evaluate(DARK) != (color_scheme == "dark"):
+            page.goto("about:blank")  # the page before would draw its charts anew for the next one's screen
         for event, hear in self._heard.items():
             page.on(event, hear)
         page.emulate_media(color_scheme=color_scheme, media="screen")

@@ -21,6 +21,7 @@ SEEN = (Path(__file__).parent / "seen.js").read_text(encoding="utf-8")
 LINKS = """() => [...document.querySelectorAll("[href], [src]")].map((one) => one.href?.baseVal ?? one.href ?? one.src)"""
 SWITCH = (Path(__file__).parent / "switched.js").read_text(encoding="utf-8")
 FILTER = (Path(__file__).parent / "filtered.js").read_text(encoding="utf-8")
+AXE = (Path(__file__).parent / "violations.js").read_text(encoding="utf-8")
 
 
 @cache
@@ -71,7 +72,7 @@ def _keyboard(page: Any) -> list[str]:
 def _axe(page: Any, source: str) -> list[str]:
     """Serious and critical violations of WCAG, by axe-core."""
     page.evaluate(source)
-    result = page.evaluate("async () => (await axe.run(document, { resultTypes: ['violations'], preload: false })).violations")
+    result = page.evaluate(AXE)
     return [
         f"axe {rule['id']} ({rule['impact']}, {len(rule['nodes'])} times): {rule['nodes'][0]['html'][:160]} "
         f"{rule['nodes'][0].get('failureSummary', '')[:200]}"

@@ -9,9 +9,11 @@ from typing import Any
 import pytest
 
 import reports
+from reports import html
+from reports.page import pages
 from tests.small_studies import WRITTEN
 
-__all__ = ["CHROMIUM", "QUIET", "Visit"]
+__all__ = ["CHROMIUM", "QUIET", "Visit", "page_of", "width_on"]
 
 NOT_NEEDED = (
     "AimEnabled",
@@ -47,6 +49,7 @@ NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chro
 """Programs that drive as one; the first has no windows to draw, and takes two thirds of the others' time of the processor."""
 CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), os.environ.get("PLUMBLINE_CHROMIUM"))
 SCREEN = {"width": 1280, "height": 900}
+DARK = "() => matchMedia('(prefers-color-scheme: dark)').matches"
 
 
 @pytest.fixture(scope="package")
@@ -86,6 +89,8 @@ class Visit:
             "request": lambda request: self.asked.append(request.url),
             "dialog": lambda dialog: (self.said.append("dialog"), dialog.dismiss()),
         }
+        if page.viewport_size != viewport or page.evaluate(DARK) != (color_scheme == "dark"):
+            page.goto("about:blank")  # the page before would draw its charts anew for the next one's screen
         for event, hear in self._heard.items():
             page.on(event, hear)
         page.emulate_media(color_scheme=color_scheme, media="screen")
@@ -123,15 +128,36 @@ def visit(tab: Any) -> Iterator[Any]:
 
 @pytest.fixture
 def look(tab: Any) -> Callable[[Path], Any]:
-    """Open a page for one who leaves it as it is, or turns it back: it is not opened again where it stands open like that."""
+    """Open a page, or take it as it stands open: whoever does not turn it back says so, and it is opened for the next."""
 
-    def at(path: Path) -> Any:
+    def at(path: Path, *, turned_back: bool = True) -> Any:
         if tab.evaluate("window.lookedAt") != path.as_uri():
             Visit(tab, path).close()
-            tab.evaluate("address => { window.lookedAt = address; }", path.as_uri())
+        tab.evaluate("address => { window.lookedAt = address; }", path.as_uri() if turned_back else "")
         return tab
 
     return at
+
+
+FITS = """() => [...document.querySelectorAll('figure.chart')].every((figure) => {
+  const chart = figure.querySelector('.plot svg.marks');
+  return !chart || chart.getBoundingClientRect().right <= figure.getBoundingClientRect().right + 1;
+})"""
+
+
+def width_on(page: Any, wide: int) -> int:
+    """How wide an open page is on a screen of a width, both in px, once its charts are drawn for that. Raises: TimeoutError."""
+    page.set_viewport_size({"width": wide, "height": 844})
+    page.wait_for_function(FITS, polling=25, timeout=10_000)
+    width: int = page.evaluate("document.documentElement.scrollWidth")
+    return width
+
+
+def page_of(folder: Path, name: str) -> Path:
+    """A page as it stands in the report of a run folder; the pages and pictures beside it are not made."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(html, "pages", lambda: tuple(one for one in pages() if one.name == name))
+        return reports.build(folder).with_name(f"{name}.html")
 
 
 @pytest.fixture(scope="session")

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-import reports
 from harness.findings.selection import Wish, choose
 from harness.store.store import Store
+from tests.browser.conftest import page_of
 from tests.selection_folder import Made, write_selection_folder
 
 pytestmark = pytest.mark.browser
@@ -23,8 +23,7 @@ def test_places_and_scores_of_the_page_are_those_of_the_command(tmp_path: Path, 
     found = choose(store, Wish(weights={"price": 5.0}))
     assert found.rank is not None
     assert any(datum.bounded for datum in found.evidence.table.values())
-    reports.build(folder)
-    page = visit(folder / "report" / "select.html").page
+    page = visit(page_of(folder, "select")).page
     price = page.get_by_label("price", exact=False).first
     price.fill("5")
     page.wait_for_function("() => document.getElementById('headline').textContent.includes('2000 draws')")

@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-import reports
+from tests.browser.conftest import page_of, width_on
 from tests.sensor_folder import write_sensor_folder
 
 pytestmark = pytest.mark.browser
@@ -14,11 +14,11 @@ pytestmark = pytest.mark.browser
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return reports.build(write_sensor_folder(tmp_path_factory.mktemp("sensors") / "run")).parent / "sensors.html"
+    return page_of(write_sensor_folder(tmp_path_factory.mktemp("sensors") / "run"), "sensors")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_opens_in_silence_with_its_pictures_and_charts(page: Path, visit: Any, scheme: str) -> None:
+def test_it_opens_in_silence_with_its_pictures_and_charts_and_fits_a_phone(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []
     assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}
@@ -31,10 +31,5 @@ def test_it_opens_in_silence_with_its_pictures_and_charts(page: Path, visit: Any
         assert box is not None
         assert box["width"] > 300
         assert charts.nth(k).locator(".mark-symbol path").count() > 0
-
-
-def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:
-    seen = visit(page)
-    seen.page.set_viewport_size({"width": 390, "height": 844})
-    seen.page.wait_for_timeout(300)
-    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert width_on(seen.page, 390) <= 390
+    assert seen.said == []

@@ -7,6 +7,7 @@ import pytest
 
 from harness.history.regressions import read_trends
 from reports import trends_page
+from tests.browser.conftest import width_on
 from tests.synthetic_history import write_history
 from tests.unit.test_trends import planted
 
@@ -20,7 +21,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_opens_in_silence_says_the_first_bad_night_first_and_unfolds(page: Path, visit: Any, scheme: str) -> None:
+def test_it_opens_in_silence_says_the_first_bad_night_first_fits_a_phone_and_unfolds(
+    page: Path, visit: Any, scheme: str
+) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []
     assert [url for url in seen.asked if not url.startswith(("file:", "data:"))] == []
@@ -29,13 +32,8 @@ def test_it_opens_in_silence_says_the_first_bad_night_first_and_unfolds(page: Pa
     assert "plumbline reproduce" in seen.page.locator("#worse code").first.inner_text()
     assert seen.page.locator("#charts svg").count() > 0
     assert not seen.page.locator(".trend").first.is_visible()
+    assert width_on(seen.page, 390) <= 390
+    assert seen.page.evaluate("document.documentElement.scrollHeight") < 9000
+    assert width_on(seen.page, 1280) <= 1280
     seen.page.locator("details.family summary").first.click()
     assert seen.page.locator(".trend").first.is_visible()
-
-
-def test_a_phone_needs_no_sideways_scrolling_and_the_page_is_short(page: Path, visit: Any) -> None:
-    seen = visit(page)
-    seen.page.set_viewport_size({"width": 390, "height": 844})
-    seen.page.wait_for_timeout(300)
-    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
-    assert seen.page.evaluate("document.documentElement.scrollHeight") < 9000

@@ -9,6 +9,7 @@ import pytest
 from harness.findings.changes import compare
 from harness.store.store import Store
 from reports import what_changed
+from tests.browser.conftest import width_on
 from tests.two_runs import write_two_runs
 
 pytestmark = pytest.mark.browser
@@ -29,19 +30,14 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_opens_in_silence_and_says_the_worst_first(page: Path, visit: Any, scheme: str) -> None:
+def test_it_opens_in_silence_says_the_worst_first_and_fits_a_phone(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []
     assert "errs more" in seen.page.locator("#worse li").first.inner_text()
     assert "plumbline reproduce" in seen.page.locator("#worse li code").first.inner_text()
     rows = seen.page.locator("#all tbody tr")
     assert rows.count() > 50
+    assert width_on(seen.page, 390) <= 390
+    assert width_on(seen.page, 1280) <= 1280
     seen.page.locator("#all select").select_option("worse")
     assert set(seen.page.locator("#all tbody tr:visible td:first-child").all_inner_texts()) == {"worse"}
-
-
-def test_a_phone_needs_no_sideways_scrolling(page: Path, visit: Any) -> None:
-    seen = visit(page)
-    seen.page.set_viewport_size({"width": 390, "height": 844})
-    seen.page.wait_for_timeout(300)
-    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -156,14 +156,16 @@ def test_an_open_folder_that_is_itself_a_link_opens_nothing(where: str, folder: 
     ledger.survived("server", f"the folder '{where}' is a link to elsewhere", "files opened 0")
 
 
-def drip(connections: list[socket.socket], seconds: float) -> None:
-    """One byte of a head from each, every tenth of a second; those that the server has closed are left."""
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        for one in connections:
-            with contextlib.suppress(OSError):
-                one.send(b"a")
-        time.sleep(0.1)
+PACE = 0.02
+"""Seconds from one byte of a dripped head to the next."""
+
+
+def drip(connections: list[socket.socket]) -> None:
+    """One byte of a head from each; those that the server has closed are left."""
+    for one in connections:
+        with contextlib.suppress(OSError):
+            one.send(b"a")
+    time.sleep(PACE)
 
 
 @pytest.fixture
@@ -183,7 +185,7 @@ def test_five_hundred_that_never_end_their_head_do_not_stop_a_good_client(served
             with contextlib.suppress(OSError):
                 one.sendall(FIRST + HOST + b"X: ")
         for _ in range(20):
-            drip(slow, 0.1)
+            drip(slow)
             served.is_well()
         taken = served.taken()
     finally:
@@ -223,27 +225,30 @@ def test_two_hundred_that_never_read_their_answer_do_not_stop_a_good_client(serv
     ledger.survived("server", "200 clients that never read 40 MB", f"20 of 20 answered beside them, {taken}")
 
 
-def closed_by_the_server(connection: socket.socket, seconds: float = 20.0) -> bool:
-    """Does the server close the connection by itself? What it says before is read and dropped."""
+def closed_by_the_server(connection: socket.socket, *, dripped: bool = False, seconds: float = 20.0) -> bool:
+    """Does the server close the connection by itself, also while more of a head comes? What it says before is dropped."""
     until = time.monotonic() + seconds
     with contextlib.suppress(ConnectionResetError):
         while time.monotonic() < until:
-            if select.select([connection], [], [], 0.5)[0] and not connection.recv(2**16):
+            if dripped:
+                drip([connection])
+            if select.select([connection], [], [], 0.0 if dripped else 0.5)[0] and not connection.recv(2**16):
                 return True
         return False
     return True
 
 
 def test_a_head_that_does_not_end_in_time_is_told_so_and_closed(hasty: Served, ledger: Page) -> None:
-    for name, begun in (("nothing said", b""), ("half a head", FIRST + HOST), ("line feeds alone", b"GET / HTTP/1.1\n\n")):
-        with hasty.connect() as connection:
-            connection.sendall(begun)
-            assert everything(connection).startswith(b"HTTP/1.1 408 ")
-        ledger.survived("server", f"a head that does not end: {name}", "408, closed")
-    with hasty.connect() as connection:
-        drip([connection], 2.0)
-        assert closed_by_the_server(connection)
-    ledger.survived("server", "a byte of a head every tenth of a second", "closed when the time of the whole head was over")
+    begun = {"nothing said": b"", "half a head": FIRST + HOST, "line feeds alone": b"GET / HTTP/1.1\n\n"}
+    with contextlib.ExitStack() as opened:
+        kept = {name: opened.enter_context(hasty.connect()) for name in begun}
+        for name, connection in kept.items():
+            connection.sendall(begun[name])
+        assert closed_by_the_server(opened.enter_context(hasty.connect()), dripped=True)
+        for name, connection in kept.items():
+            assert everything(connection).startswith(b"HTTP/1.1 408 "), name
+            ledger.survived("server", f"a head that does not end: {name}", "408, closed")
+    ledger.survived("server", "a byte of a head every fiftieth of a second", "closed when the time of the whole head was over")
 
 
 def test_an_answer_that_is_not_read_in_time_is_given_up(hasty: Served, ledger: Page) -> None:

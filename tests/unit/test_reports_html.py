@@ -4,7 +4,7 @@ import csv
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 from threading import Event
@@ -194,23 +194,19 @@ def test_a_report_that_cannot_be_made_leaves_the_old_one_untouched(tmp_path: Pat
     assert (report / "index.html").read_bytes() == before
 
 
-@pytest.fixture(scope="module")
-def alone(report: Path) -> Mapping[str, str]:
-    """What the first page makes by itself."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(html, "pages", lambda: tuple(one for one in pages() if one.name == "index"))
-        return html.rendered(Store(report.parent))
+def test_a_page_cannot_write_outside_the_report_nor_over_another(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = tuple(one for one in pages() if one.name == "index")
+    monkeypatch.setattr(html, "pages", lambda: own)
+    alone = html.rendered(Store(report.parent))
+    names = ["../index.html", "/etc/passwd", "a/b/c.html", "x.exe", "index.html", ".hidden.html"]
 
+    def page(k: int, name: str) -> Page:
+        return Page(name=f"x{k}", title="X", order=-1, render=lambda _: {f"x{k}.html": "", name: ""})
 
-@pytest.mark.parametrize("name", ["../index.html", "/etc/passwd", "a/b/c.html", "x.exe", "index.html", ".hidden.html"])
-def test_a_page_cannot_write_outside_the_report_nor_over_another(
-    report: Path, alone: Mapping[str, str], monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
-    own = [one for one in pages() if one.name == "index"]
-    page = Page(name="x", title="X", order=-1, render=lambda _: {"x.html": "", name: ""})
-    monkeypatch.setattr(html, "pages", lambda: (page, *own))
+    monkeypatch.setattr(html, "pages", lambda: (*(page(k, name) for k, name in enumerate(names)), *own))
     made = dict(html.rendered(Store(report.parent)))
-    assert re.search("expected a plain name|another page", made.pop("x.html"))
+    for k, name in enumerate(names):
+        assert re.search("expected a plain name|another page", str(made.pop(f"x{k}.html"))), name
     assert made.keys() == alone.keys()
     assert made["index.html"] == alone["index.html"]
 

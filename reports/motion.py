@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.metrics import errors, motion
+from reports.recordings.metrics import errors, motion, truths
 from reports.recordings.rotation import Floats, angle
 from reports.recordings.runs import Run, Stage
 from reports.recordings.truth import told_places
@@ -91,9 +91,9 @@ def motion_of(store: "Store", stage: Stage) -> Motion | None:
     off_unit = "rad" if off_name == "attitude_error" else "m"
     bounds = _bounds(store, stage)
     lines = []
-    for run in stage.runs:
+    for run, truth_there in zip(stage.runs, truths(stage), strict=True):
         values = measure(run.arrays)
-        apart = errors(stage, run).get(off_name, (np.zeros(0), np.zeros(0)))
+        apart = errors(stage, run, truth_there).get(off_name, (np.zeros(0), np.zeros(0)))
         bound = bounds.get((run.trial["trial"], f"{off_name}_max"))
         lines.append(_line(run, values, apart, bound))
     told = set(told_places(stage)) == {int(k) for k in stage.moving} and measure is not _depth and _tells(stage, unit)

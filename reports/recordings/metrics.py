@@ -77,7 +77,7 @@ def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
 def errors(stage: Stage, run: Run, told: tuple[Floats, Floats, Floats]) -> dict[str, tuple[Floats, Floats]]:
     """Instants and largest distance [m] and angle [rad] from the truth over all moving bodies, where the truth is told.
 
-    Args: told: the truth at the run's instants, as `truth_at` has it.
+    Args: told: the truth at the run's instants, one of `truths`.
     """
     by_metric: dict[str, tuple[Floats, Floats]] = {}
     places = stage.moving
@@ -95,15 +95,18 @@ def errors(stage: Stage, run: Run, told: tuple[Floats, Floats, Floats]) -> dict[
     return by_metric
 
 
+def truths(stage: Stage) -> list[tuple[Floats, Floats, Floats]]:
+    """The truth at the instants of each run, as `truth_at` has it; runs at the same time step share both."""
+    instants = {run.time.tobytes(): run.time for run in stage.runs}
+    told = {key: truth_at(stage.truth, time) for key, time in instants.items()}
+    return [told[run.time.tobytes()] for run in stage.runs]
+
+
 def curves(stage: Stage) -> tuple[Curve, ...]:
     """All curves of a stage, without what is not finite, as densely as the viewer has frames."""
     collected: list[Curve] = []
-    # Runs at the same time step share their instants, and with them what the truth says.
-    instants = {run.time.tobytes(): run.time for run in stage.runs}
-    told = {key: truth_at(stage.truth, time) for key, time in instants.items()}
-    for run in stage.runs:
-        drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()}
-        drawn |= errors(stage, run, told[run.time.tobytes()])
+    for run, told in zip(stage.runs, truths(stage), strict=True):
+        drawn = {metric: (run.time, values) for metric, values in motion(stage, run.arrays).items()} | errors(stage, run, told)
         for metric, (time, values) in drawn.items():
             kept = _drawn(time, values, stage.length)
             look = rgba(run.colour), 2.5 if run.track == "tuned" else 1.2

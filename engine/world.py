@@ -1,4 +1,4 @@
-"""A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
+"""A world of bodies, joints and surfaces: advance, read, cast rays into, save it (over 400 lines: one class, the interface)."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -38,8 +38,8 @@ The contract, proven by `harness.conformance`:
   reads every engine's, from the poses of the bodies where the engine says nothing. For bodies whose motion is prescribed:
   `Simulation.prescribe(velocities)`, (v_WB, w_WB) [m/s, rad/s] by the names of such bodies, which hold from the next step on
   until told otherwise. What is joined to such a body follows by its joints alone, and contacts meet it at its velocity.
-  For steps of uneven lengths: `Simulation.retime(dt)`, the length [s] of each step from the next one on, sub-steps dividing it;
-  what a step takes over from the one before it (warm starts, rates foreseen) has to fit the new length, or is `Unsupported`.
+  For steps of uneven lengths: `Simulation.retime(dt)`, the length [s] of each step from the next one on, sub-steps dividing it,
+  which raises `Unsupported` where what a step takes over from the last one would not fit.
 """
 
 from abc import ABC, abstractmethod
@@ -173,8 +173,7 @@ class Settings:
     Terms:
         dt [s]; substeps per dt; iterations of the contact or constraint solver; integrator, solver: the engine's own names in
         lower case; tolerance of the solver; options: what only this engine knows; source: who recommends it.
-        pace: the recorded sequence that steps follow in turns, each dt times its factor, with dt as their mean
-        (`harness.trajectory.pace`); '' for even steps. An engine is told dt, and each length as its step comes.
+        pace: the recorded sequence of lengths that steps follow about a mean of dt (`harness.trajectory.pace`); '' for even ones.
     """
 
     dt: float = 1 / 240

@@ -267,7 +267,7 @@ def _retimed(simulation: Simulation) -> None:
     """Raises: Unsupported, also of a simulation that has no such call."""
     if not hasattr(simulation, "retime"):
         raise Unsupported("retime", "the simulation offers none")
-    simulation.retime(0.01)  # type: ignore[attr-defined]  # what an engine may offer, see harness.adapter
+    simulation.retime(0.01)
     simulation.step()
 
 

@@ -173,7 +173,7 @@ class Settings:
     Terms:
         dt [s]; substeps per dt; iterations of the contact or constraint solver; integrator, solver: the engine's own names in
         lower case; tolerance of the solver; options: what only this engine knows; source: who recommends it.
-        pace: the recorded sequence of lengths that steps follow about a mean of dt (`harness.trajectory.pace`); '' for even ones.
+        pace: the recorded sequence of lengths that steps follow, dt their mean (`harness.trajectory.pace`); '' for even ones.
     """
 
     dt: float = 1 / 240

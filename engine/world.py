@@ -175,7 +175,8 @@ class World:
                 self._resume(status)
 
     def retime(self, dt: float) -> None:
-        """The length [s] of each step from the next one on, sub-steps dividing it; contacts stay as stiff as they were built.
+        """The length [s] of each step from the next one on, sub-steps dividing it; contacts are as stiff as it resolves, or
+        as it was built where it resolves more.
 
         Raises: ValueError; NotSupported where bodies sleep.
         """

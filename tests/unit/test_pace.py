@@ -177,5 +177,5 @@ def test_a_study_that_would_clock_uneven_steps_is_refused() -> None:
     with pytest.raises(StudyError, match="pace 'loaded', expected timing = false"):
         list(timed.trials(cases, adapters, {"reference": "1"}))
     tracks = {trial.track for trial in study.trials(cases, adapters, {"reference": "1"})}
-    assert tracks == {"default", "tuned", "uneven", "uneven tuned"}
+    assert tracks == {"default", "tuned", "uneven", "uneven one stiffness", "uneven tuned"}
     assert Variant(pace="loaded").over(adapters["reference"].tracks).pace == "loaded"

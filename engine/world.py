@@ -1,4 +1,4 @@
-"""A world of bodies, joints and surfaces: advance it, read it, cast rays into it, save it."""
+"""A world of bodies, joints and surfaces: advance, read, cast rays into, save it (over 400 lines: one class, the interface)."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -32,6 +32,7 @@ from engine.options import Options
 from engine.rays.cast import METHODS, as_rays, cast_on_shapes, unit_directions
 from engine.rays.hits import Hits
 from engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
+from engine.steps.lengths import fit_impulses
 
 if TYPE_CHECKING:
     from engine.images.eye import Eye, Picture
@@ -73,6 +74,7 @@ class World:
         sun: Sun | None = None,
     ) -> None:
         self.options = options or Options()
+        self._dt = self.options.dt
         if self.options.level_of_detail is not None:
             from engine.build.level_of_detail import at_level
 
@@ -171,6 +173,25 @@ class World:
             count -= done
             if status != DONE:
                 self._resume(status)
+
+    def retime(self, dt: float) -> None:
+        """The length [s] of each step from the next one on, sub-steps dividing it; contacts are as stiff as it resolves, or
+        as it was built where it resolves more.
+
+        Raises: ValueError; NotSupported where bodies sleep.
+        """
+        if self.options.sleeping:
+            raise NotSupported("steps of uneven lengths beside sleep", "sleeping contacts keep the impulses of their last step")
+        self._dt = dt = number("world", "dt", dt)
+        if dt <= 0.0:
+            raise ValueError(f"world: dt {dt} s, expected above 0")
+        setting = float_table(self._floats, self._ints, at.SETTING)[0]
+        setting[at.DT] = setting[at.WHOLE_STEP] = dt
+        for steps in (self._exact, self._swept):
+            if steps is not None:
+                steps.retime(dt)
+        if self.touching and self._swept is None:
+            fit_impulses(self._floats, self._ints, dt)
 
     def _resume(self, status: int) -> None:
         """Do what has to be done before a world that stopped with a status goes on. Raises: Diverged."""
@@ -283,7 +304,7 @@ class World:
         if self.steps == 0:
             return np.full(6, np.nan)
         total = float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
-        mean: FloatArray = total / self.options.dt
+        mean: FloatArray = total / self._dt
         return mean
 
     def joint_motion(self, joint: str) -> tuple[float, float]:
@@ -294,11 +315,11 @@ class World:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
         count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
         points = sphere_points if self.spheres else manifold_points
-        last = points(self._floats, self._ints, count, self.options.margin, self.options.dt)
+        last = points(self._floats, self._ints, count, self.options.margin, self._dt)
         if self._swept is None:
             return last
         past = self._swept.earlier
-        return joined(Contacts(past.bodies, past.point, past.normal, past.gap, past.impulse / self.options.dt), last)
+        return joined(Contacts(past.bodies, past.point, past.normal, past.gap, past.impulse / self._dt), last)
 
     def cast(
         self,

@@ -24,6 +24,7 @@ NAMES = {
     "render": "pictures",
     "save": "saved states",
     "native_steps": "many steps in a call",
+    "step_lengths": "steps of uneven lengths",
 }
 """What a feature is called in a table, where its own name says too little."""
 BATCH = "many worlds in a call"

@@ -24,6 +24,7 @@ from harness.scene import (
 )
 from harness.search.own_limits import OwnLimit, Rung, own_limit
 from harness.study import plugins
+from harness.trajectory.pace import Pace
 from harness.trajectory.parting import extent
 from harness.trial.simulate import simulate
 
@@ -199,7 +200,7 @@ def _rung(adapter: Adapter, scene: Scene, duration: float, settings: Settings) -
         run, broke = simulate(
             simulation,
             scene,
-            dt=settings.dt,
+            pace=Pace(settings.dt),
             duration=duration,
             sample_interval=1 / 60,
             with_contacts=False,

@@ -27,6 +27,10 @@ class ReactionReader:
             k: joint for k, joint in enumerate(scene.joints) if joint.name in made.hung and _told(joint, joint.name in followed)
         }
 
+    def retime(self, h: float) -> None:
+        """The length [s] of the (sub)steps to come."""
+        self._h = h
+
     def stepped(self, count: int) -> None:
         """Steps are taken: if they are listened to, there is something to tell."""
         self._measured = self._measured or (self._on and count > 0)

@@ -77,6 +77,21 @@ class BulletSimulation:
                 self._touched.append(self._points())
         self._check()
 
+    def retime(self, dt: float) -> None:
+        """The length [s] of each step from the next one on. Raises: Unsupported."""
+        made, h = self._made, dt / self._substeps
+        if any(group.skeleton is not None for group in made.actuators.values()) or getattr(made.springs, "implicit", False):
+            raise Unsupported(
+                "steps of uneven lengths beside springs or drives that are taken implicitly",
+                "the rates that they lead to are foreseen from the step before, which has to be as long",
+            )
+        self._port.call("setTimeStep", h)
+        for group in made.actuators.values():
+            group.h = h
+        for belt in made.prescribed:
+            belt.h = h
+        self._reactions.retime(h)
+
     def _act(self) -> None:
         """Prescribe velocities, apply springs, drives and wrenches for the coming (sub)step."""
         p, client = self._port.bullet, self._port.client

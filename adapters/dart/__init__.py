@@ -158,6 +158,7 @@ ADAPTER = DartAdapter(
         | Feature.CONTACT_FORCES
         | Feature.RAYS
         | Feature.WRENCH
+        | Feature.STEP_LENGTHS
     ),
     tracks={
         "default": Settings(source="dartpy 6.20.0 as it comes: FCL, Dantzig, deactivation on"),

@@ -62,6 +62,16 @@ class DartSimulation(Simulation):
         with correcting(built.dart, built.resolved.options["error_reduction"]) if built.loops else _NOTHING:
             self._advance(built, count * built.substeps)
 
+    def retime(self, dt: float) -> None:
+        """The length [s] of each step from the next one on. Raises: Unsupported."""
+        built = self._open
+        if built.springs is not None and built.springs.implicit:
+            raise Unsupported(
+                "steps of uneven lengths beside a spring between two points that is taken implicitly",
+                "the rate that it leads to is foreseen from the step before, which has to be as long",
+            )
+        built.world.setTimeStep(dt / built.substeps)
+
     def _advance(self, built: Built, count: int) -> None:
         """Take `count` sub-steps. Raises: Diverged."""
         advance = built.world.step

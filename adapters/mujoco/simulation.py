@@ -56,6 +56,10 @@ class MujocoSimulation:
         if self._numbers.tobytes() != self._clean:
             self._examine()
 
+    def retime(self, dt: float) -> None:
+        """The length [s] of each step from the next one on; time constants of constraints stay those of the built step."""
+        self._m.opt.timestep = dt / self._substeps
+
     def _examine(self) -> None:
         """Has a counter risen that says that the state is lost? Raises: Diverged."""
         if self._numbers[fatal(self._mj)].any():

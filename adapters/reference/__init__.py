@@ -8,6 +8,8 @@ Sources:
 Deviations:
     * Contacts are springs with a frequency of at most a quarter of the sub-step's rate, so resting bodies sink in by
       micrometres.
+    * Under uneven steps (`retime`) contacts are softer in steps longer than dt, and as stiff as under dt in shorter ones. Where
+      bodies sleep, uneven steps are `Unsupported`.
     * Approaches slower than four times what gravity gives in one sub-step do not bounce.
     * Without the effect `continuous_collision`, contacts are made ahead of time up to half the thickness of the thinner shape.
       With it they are made for the way of the whole step unless the option 'continuous' is 'swept': that costs least and knows
@@ -108,7 +110,7 @@ ADAPTER = ReferenceAdapter(
     | F.ARMATURE | F.FRICTION_LOSS | F.SPEED_LIMIT
     | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION
     | F.RESTITUTION | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS
-    | F.RENDER | F.RAY_TRACING | F.WRENCH | F.SAVE | F.NATIVE_STEPS,
+    | F.RENDER | F.RAY_TRACING | F.WRENCH | F.SAVE | F.NATIVE_STEPS | F.STEP_LENGTHS,
     tracks={
         "default": Settings(
             substeps=4,

@@ -56,6 +56,15 @@ class ReferenceSimulation:
         except engine.NotSupported as error:
             raise Unsupported(error.what, error.why) from error
 
+    def retime(self, dt: float) -> None:
+        """The length [s] of each step from the next one on. Raises: Unsupported."""
+        import engine
+
+        try:
+            self._world.retime(dt)
+        except engine.NotSupported as error:
+            raise Unsupported(error.what, error.why) from error
+
     def state(self, out: State) -> None:
         """Write the present state into `out`."""
         table = self._world.state()

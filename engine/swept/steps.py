@@ -24,6 +24,7 @@ from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
 from engine.options import Options
+from engine.steps.lengths import fit_impulses
 from engine.swept.earliest import earliest_impact
 from engine.swept.path import PATH_COLUMNS
 from engine.swept.strike import place_bodies, strike
@@ -39,8 +40,6 @@ MAX_IMPACTS = 256
 """Impacts of one step [1] that are followed one by one."""
 SWEEPS = 24
 """Sweeps of a blow, which has no impulses to start from: as many as a blow of the soft solver has."""
-MOST_GROWTH = 8.0
-"""Largest factor [1] on impulses from a short part of a step to a longer one: beyond, their rounding would grow as well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +83,10 @@ class SweptSteps:
             if status != DONE:
                 return step + int(status == DIVERGED), status
         return steps, DONE
+
+    def retime(self, dt: float) -> None:
+        """The length [s] of the steps to come."""
+        self._dt = dt
 
     @property
     def earlier(self) -> Earlier:
@@ -155,12 +158,7 @@ class SweptSteps:
         """A contact step of `span` seconds, started from impulses that fit its length. Returns: a status."""
         setting = float_table(floats, ints, at.SETTING)[0]
         setting[at.DT] = span
-        if span != setting[at.LAST_SPAN]:
-            share = min(span / setting[at.LAST_SPAN], MOST_GROWTH)
-            manifolds = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
-            float_table(floats, ints, at.POINT)[: 4 * manifolds, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] *= share
-            float_table(floats, ints, at.MANIFOLD)[:manifolds, at.SPIN_IMPULSE : at.SPIN_IMPULSE + 3] *= share
-            setting[at.LAST_SPAN] = span
+        fit_impulses(floats, ints, span)
         status = self._find_anew(floats, ints)
         if status != DONE:
             return status

@@ -28,7 +28,7 @@ The contract, proven by `harness.conformance`:
 * Arrays that are handed in are checked at one door, `harness.adapter.what_goes_in`: `wrench`, `cast`, `caster`, `command` and
   `state` raise `ValueError` for a wrong shape, type or content before the engine sees them.
 * A state that stopped being finite is never repaired: after a silent auto-reset or repair, `step` raises `Diverged`.
-* Six things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
+* Seven things may be offered beyond the protocol. For sensors: `Simulation.inertial(name)`, what the engine's own accelerometer
   and gyroscope [m/s2, rad/s], each (3,) in S, say at this instant for the scene's sensor of that name. For the clock:
   `build_batch`, many worlds of one scene on one thread, and `Simulation.caster(origins, directions, max_range)`, a function
   that casts the same rays again into arrays made beforehand. For forces told anew before each step: `Simulation.force_lead`,
@@ -38,6 +38,8 @@ The contract, proven by `harness.conformance`:
   reads every engine's, from the poses of the bodies where the engine says nothing. For bodies whose motion is prescribed:
   `Simulation.prescribe(velocities)`, (v_WB, w_WB) [m/s, rad/s] by the names of such bodies, which hold from the next step on
   until told otherwise. What is joined to such a body follows by its joints alone, and contacts meet it at its velocity.
+  For steps of uneven lengths: `Simulation.retime(dt)`, the length [s] of each step from the next one on, sub-steps dividing it,
+  which raises `Unsupported` where what a step takes over from the last one would not fit.
 """
 
 from abc import ABC, abstractmethod
@@ -52,6 +54,7 @@ from harness.adapter.notice import Notice
 from harness.intake.mendable import Mendable
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
+from harness.trajectory.pace import PACES
 
 if TYPE_CHECKING:
     from harness.scene.parity.facts import RobotFacts
@@ -134,6 +137,8 @@ class Feature(Flag):
     WRENCH = auto()
     SAVE = auto()
     NATIVE_STEPS = auto()
+    STEP_LENGTHS = auto()
+    """Steps whose length is told anew before each."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -168,6 +173,7 @@ class Settings:
     Terms:
         dt [s]; substeps per dt; iterations of the contact or constraint solver; integrator, solver: the engine's own names in
         lower case; tolerance of the solver; options: what only this engine knows; source: who recommends it.
+        pace: the recorded sequence of lengths that steps follow, dt their mean (`harness.trajectory.pace`); '' for even ones.
     """
 
     dt: float = 1 / 240
@@ -178,6 +184,7 @@ class Settings:
     tolerance: float | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
+    pace: str = ""
 
     def __post_init__(self) -> None:
         if not 1e-12 <= self.dt <= 1e3:
@@ -188,6 +195,8 @@ class Settings:
                 raise SettingsError(f"settings: {name} {value}, expected 1..1000000")
         if self.tolerance is not None and not 0 <= self.tolerance < 1:
             raise SettingsError(f"settings: tolerance {self.tolerance}, expected 0..1")
+        if self.pace and self.pace not in PACES:
+            raise SettingsError(f"settings: pace {self.pace!r}, expected one of {', '.join(PACES)}, or none for even steps")
 
     @property
     def substep(self) -> float:

@@ -22,6 +22,7 @@ from harness.adapter import Simulation
 from harness.scene import Vector3
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import product
+from harness.trajectory.pace import Pace
 
 __all__ = ["Control", "Controlled", "Velocities", "wrench_after"]
 
@@ -53,28 +54,30 @@ class Control:
 class Controlled:
     """A simulation under a control: stepped, read and closed like any other."""
 
-    def __init__(self, simulation: Simulation, control: Control, dt: float, bodies: int) -> None:
+    def __init__(self, simulation: Simulation, control: Control, pace: float | Pace, bodies: int) -> None:
         self.simulation = simulation
-        self._control, self._dt, self._reading = control, dt, State.empty(bodies)
-        self._every = max(1, round(control.interval / dt))
+        self._pace = pace if isinstance(pace, Pace) else Pace(pace)
+        self._control, self._reading = control, State.empty(bodies)
+        self._every = max(1, round(control.interval / self._pace.dt))
         # What is held for longer than a step is a law of time: it is asked at the start of its interval.
-        self._lead = 0.0 if control.interval > 0.0 else float(getattr(simulation, "force_lead", 0.0)) * dt
+        self._lead = 0.0 if control.interval > 0.0 else float(getattr(simulation, "force_lead", 0.0))
         self._here = 0
 
     def renew(self, most: int) -> int:
         """Tell what is due, and count `most` steps, or those until it is due again, as taken; how many they are."""
         if self._here % self._every == 0:
-            time, law = self._here * self._dt, self._control
+            time, law, length = self._pace.time(self._here), self._control, self._pace.length(self._here)
             if law.wrench is not None:
                 self.simulation.state(self._reading)
-                if self._lead > 0.0:
-                    _drift(self._reading, self._lead)
-                self.simulation.wrench(*law.wrench(time + self._lead, self._reading))
+                lead = self._lead * length
+                if lead > 0.0:
+                    _drift(self._reading, lead)
+                self.simulation.wrench(*law.wrench(time + lead, self._reading))
             if law.velocities is not None:
                 moved: Any = self.simulation
-                moved.prescribe(law.velocities(time, self._every * self._dt))
+                moved.prescribe(law.velocities(time, self._pace.span(self._here, self._every)))
             if law.targets is not None:
-                self.simulation.command(law.targets(time + (self._dt / 2 if law.interval <= 0.0 else 0.0)))
+                self.simulation.command(law.targets(time + (length / 2 if law.interval <= 0.0 else 0.0)))
         count = min(most, self._every - self._here % self._every)
         self._here += count
         return count

@@ -21,7 +21,7 @@ class Metric:
     Terms:
         name: unique, snake case. unit: SI, '1' for none. source: book, paper or definition. better: which way is good.
         verdict: where the name says that something happened (a collapse, a passage), what has to happen for it to count, in
-        words; '' for a plain measure.
+        words; '' for a plain measure. even: does it reckon with steps of one length? Uneven ones are then not measurable.
         measure: (scene, actual, expected or None) to the number; non-finite input gives a non-finite number, never a good one.
     """
 
@@ -31,7 +31,10 @@ class Metric:
     measure: Callable[[Scene, Trajectory, Trajectory | None], float]
     better: Literal["lower", "higher"] = "lower"
     verdict: str = ""
+    even: bool = False
 
     def __call__(self, scene: Scene, actual: Trajectory, expected: Trajectory | None = None) -> float:
-        """The number, in the metric's unit."""
+        """The number, in the metric's unit. Raises: NotMeasurable."""
+        if self.even and not actual.even:
+            raise NotMeasurable("it reckons with steps of one length, and those of this run are uneven")
         return float(self.measure(scene, actual, expected))

@@ -153,18 +153,21 @@ def _dissipation(at: _Recorded, slow: float) -> Floats:
 
 
 SIGNORINI_RESIDUAL = Metric(
+    even=True,
     name="signorini_residual",
     unit="1",
     source="Moreau 1988: normal forces that pull, or act across a gap that the step cannot close, over the weight, at worst",
     measure=_worst(_signorini),
 )
 CONE_RESIDUAL = Metric(
+    even=True,
     name="cone_residual",
     unit="1",
     source="Moreau 1988: tangential forces beyond mu_s N, over the weight, at worst",
     measure=_worst(_cone),
 )
 DISSIPATION_RESIDUAL = Metric(
+    even=True,
     name="dissipation_residual",
     unit="1",
     source="Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, over the weight, at worst",

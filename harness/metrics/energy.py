@@ -147,7 +147,11 @@ def _staggered_drift(scene: Scene, actual: Trajectory, expected: Trajectory | No
 ENERGY_MAX = Metric(name="energy_drift_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_drift(s, a, e)))
 ENERGY_FINAL = Metric(name="energy_drift_final", unit="1", source=SOURCE, measure=lambda s, a, e: last(_drift(s, a, e)))
 ENERGY_STAGGERED = Metric(
-    name="energy_drift_staggered_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_staggered_drift(s, a, e))
+    name="energy_drift_staggered_max",
+    unit="1",
+    source=SOURCE,
+    even=True,
+    measure=lambda s, a, e: maximum(_staggered_drift(s, a, e)),
 )
 ENERGY_GAIN = Metric(
     name="energy_gain_max",

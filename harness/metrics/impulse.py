@@ -28,6 +28,7 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
 IMPULSE_MAX = Metric(
     name="impulse_max",
     unit="N s",
+    even=True,
     source="definition: greatest |sum of the contact forces on a body|, averaged over a step, times the step",
     measure=_measure,
 )

@@ -51,6 +51,7 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
 
 
 METRIC = MOMENTUM_RESIDUAL = Metric(
+    even=True,
     name="momentum_residual",
     unit="1",
     source="Newton's second law over a step: |m dv - (F + m g) dt| at worst, over the greatest m |dv|",

@@ -52,7 +52,11 @@ ORBIT_ENERGY_FINAL = Metric(
     name="orbit_energy_drift_final", unit="1", source=SOURCE, measure=lambda s, a, e: last(_drift(s, a, e, 0.0))
 )
 ORBIT_ENERGY_STAGGERED = Metric(
-    name="orbit_energy_drift_staggered_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_drift(s, a, e, 1.0))
+    name="orbit_energy_drift_staggered_max",
+    unit="1",
+    source=SOURCE,
+    even=True,
+    measure=lambda s, a, e: maximum(_drift(s, a, e, 1.0)),
 )
 
 METRIC = (ORBIT_ENERGY_MAX, ORBIT_ENERGY_FINAL, ORBIT_ENERGY_STAGGERED)

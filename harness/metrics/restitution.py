@@ -171,25 +171,31 @@ def _gain(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> floa
 
 
 BOUNCE_HEIGHT_ERROR = Metric(
+    even=True,
     name="bounce_height_error",
     unit="1",
     source=f"{SOURCE}; |h'/h - e^2| of the first bounce, worst ball; linear in small errors, as an error of e is not at e = 0",
     measure=_height,
 )
-RESTITUTION_ERROR = Metric(name="restitution_error", unit="1", source=f"{SOURCE}; first impact, worst ball", measure=_first)
+RESTITUTION_ERROR = Metric(
+    even=True, name="restitution_error", unit="1", source=f"{SOURCE}; first impact, worst ball", measure=_first
+)
 LATER_RESTITUTION_ERROR = Metric(
+    even=True,
     name="later_restitution_error",
     unit="1",
     source=f"{SOURCE}; second and third impact where they come in with half the first speed, worst ball",
     measure=_later,
 )
 IMPACT_TIME_ERROR = Metric(
+    even=True,
     name="impact_time_error",
     unit="s",
     source=f"{SOURCE}; landings of the first two parabolas against the truth's, worst ball",
     measure=_landing,
 )
 BOUNCING_TIME_ERROR = Metric(
+    even=True,
     name="bouncing_time_error",
     unit="s",
     source=f"{SOURCE}, t0 (1 + e)/(1 - e) in all; last instant off the ground by {HOP:g} of the drop, against the truth's, "
@@ -197,6 +203,7 @@ BOUNCING_TIME_ERROR = Metric(
     measure=_total,
 )
 BOUNCE_GAIN = Metric(
+    even=True,
     name="bounce_gain",
     unit="1",
     source="conservation of energy: by how much a bounce rises above the one before, h'/h - 1, worst bounce of the worst ball "

@@ -101,6 +101,11 @@ def _sides(study: "Study", experiment: Experiment, engines: Sequence[Adapter]) -
     for engine in engines:
         for name, variant in study.variants.get(engine_of(engine.name), {}).items():
             if any(fnmatchcase(f"{engine_of(engine.name)}/{name}", pattern) for pattern in experiment.variants):
+                if variant.pace and (experiment.timing or experiment.limit or experiment.sweep or experiment.refine):
+                    raise StudyError(
+                        f"experiment '{experiment.name}': variant '{engine.name}/{name}' has the pace '{variant.pace}', "
+                        "expected timing = false and no limit, sweep or refine: the clock and the searches take even steps"
+                    )
                 try:
                     yield name, engine, variant.over(engine.tracks)
                 except SettingsError as error:

@@ -75,6 +75,7 @@ class Variant:
     integrator: Name | None = None
     solver: Name | None = None
     tolerance: Annotated[float, Field(ge=0, lt=1)] | None = None
+    pace: Name | None = None
     options: dict[Name, Value] = Field(default_factory=dict)
     source: Annotated[str, Field(max_length=2000)] = ""
 
@@ -85,7 +86,7 @@ class Variant:
     def over(self, tracks: Mapping[str, Settings]) -> Settings:
         """The settings of this variant of an engine with these tracks."""
         base = tracks[self.on]
-        names = ("substeps", "iterations", "integrator", "solver", "tolerance")
+        names = ("substeps", "iterations", "integrator", "solver", "tolerance", "pace")
         overrides = {name: value for name in names if (value := getattr(self, name)) is not None}
         return replace(
             base, **overrides, options={**base.options, **self.options}, source=self.source or f"a variant of {self.on}"

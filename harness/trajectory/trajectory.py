@@ -148,7 +148,7 @@ class Trajectory:
     """States over time: time (t,) s, and the arrays of `State` with t in front.
 
     Terms:
-        dt [s]: the step that made it; 0 for a truth.
+        dt [s]: the step that made it, the longest of uneven ones; 0 for a truth. even: were all its steps of one length?
         contacts: one `Contacts` an instant, or None where they were not asked for.
         streams: sensor signals by name, "<sensor>/<channel>", each (k, ...), stamped (k,) s under "<sensor>/time".
     """
@@ -161,6 +161,7 @@ class Trajectory:
     dt: float = 0.0
     contacts: tuple[Contacts, ...] | None = None
     streams: Mapping[str, Floats] = field(default_factory=dict)
+    even: bool = True
 
     @classmethod
     def of(cls, time: Floats, n: int) -> Self:

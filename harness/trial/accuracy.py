@@ -23,7 +23,9 @@ from harness.store.record import Measurement, Record, Status
 from harness.store.trajectory_file import save_trajectory
 from harness.study.trial import Trial
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.pace import Pace
 from harness.trial.equivalent_runs import equivalent_run, equivalent_streams
+from harness.trial.paced import check_paced, paced
 from harness.trial.readings_due import readings_due
 from harness.trial.simulate import simulate
 from harness.trial.truth_cache import bounded, truth_of
@@ -140,21 +142,27 @@ def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What an engine made of a scene. Terms: broke: when and how it diverged, None where it did not."""
+    """What an engine made of a scene. Terms: broke: when and how it diverged, None where it did not. pace: of its steps."""
 
     actual: Trajectory
     broke: str | None
     resolved: Mapping[str, Any]
     warnings: tuple[StoredNotice, ...]
+    pace: Pace
 
     @property
     def steps(self) -> int:
         """Whole steps taken."""
-        return round(float(self.actual.time[-1]) / self.actual.dt) if len(self.actual) else 0
+        return self.pace.steps(float(self.actual.time[-1])) if len(self.actual) else 0
+
+    @property
+    def sim_seconds(self) -> float:
+        """The time that these steps take [s]."""
+        return self.pace.time(self.steps)
 
     def substep(self, asked: Settings) -> float:
-        """The step that the engine really took [s]: by what it says it used; by what was asked where it said nothing."""
-        return asked.dt / (self.resolved.get("substeps") or asked.substeps or 1)
+        """The longest step that the engine really took [s]: by what it says it used, or by what was asked."""
+        return self.pace.longest / (self.resolved.get("substeps") or asked.substeps or 1)
 
 
 def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answer:
@@ -162,35 +170,39 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
 
     Raises: Unsupported, Unavailable, SettingsError.
     """
+    check_paced(adapter, trial.settings)
+    pace = Pace.of(trial.settings.pace, trial.settings.dt)
     sample_interval = 0.0 if trial.alteration.every_step else case.sample_interval
     retelling = trial.alteration.retelling(scene, case.duration)
     if retelling is not None:
         return _equivalent(trial, retelling, adapter, case.duration, sample_interval)
     try:
-        return _stepped(trial, case, adapter, scene, sample_interval)
+        return _stepped(trial, case, adapter, scene, sample_interval, pace)
     except Diverged as error:
-        return Answer(Trajectory.of(np.zeros(0), len(scene.bodies)), str(error), {}, ())
+        return Answer(Trajectory.of(np.zeros(0), len(scene.bodies)), str(error), {}, (), pace)
 
 
-def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_interval: float) -> Answer:
+def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_interval: float, pace: Pace) -> Answer:
     """Raises: Diverged, outside its steps; otherwise as `answer_of`."""
-    worlds, batch, dt = case.count_of_worlds(trial.parameters), None, trial.settings.dt
+    worlds, batch = case.count_of_worlds(trial.parameters), None
     simulation: Simulation
     if worlds > 1:
+        if not pace.even:
+            raise Unsupported("many worlds under uneven steps", "a batch of worlds takes even steps")
         batch = adapter.build_batch(scene, trial.settings, worlds)
         simulation = cast(Simulation, Answering(cast(Simulation, WorldOf(batch, worlds - 1)), scene))
     else:
-        simulation = cast(Simulation, Answering(adapter.build(scene, trial.settings), scene))
+        simulation = paced(cast(Simulation, Answering(adapter.build(scene, trial.settings), scene)), pace)
         control = acting(scene, None if case.control is None else case.control(**trial.parameters))
         if control is not None:
-            simulation = cast(Simulation, Controlled(simulation, control, dt, len(scene.bodies)))
+            simulation = cast(Simulation, Controlled(simulation, control, pace, len(scene.bodies)))
     try:
         with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
         seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
         actual, broke = simulate(
             simulation,
             scene,
-            dt=dt,
+            pace=pace,
             duration=case.duration,
             sample_interval=sample_interval,
             with_contacts=with_contacts,
@@ -202,6 +214,8 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
             seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
         resolved, warnings = simulation.resolved.plain(), _stored(simulation.warnings())
+        if not pace.even:
+            resolved |= {"pace": trial.settings.pace, "longest_step": pace.longest}
     finally:
         simulation.close()
     if case.retellings is not None and broke is None and not trial.alteration.every_step:
@@ -209,7 +223,7 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             other = replace(retelling, scene=trial.alteration.of(retelling.scene))
             streams, remarks = equivalent_streams(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
-    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings)
+    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace)
 
 
 def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:
@@ -225,7 +239,7 @@ def _equivalent(trial: Trial, retelling: Retelling, adapter: Adapter, duration: 
         actual, broke = equivalent_run(retelling, adapter, trial.settings, duration, sample_interval)
     except Diverged as error:
         actual, broke = Trajectory.of(np.zeros(0), len(retelling.scene.bodies)), str(error)
-    return Answer(actual, broke, {}, ())
+    return Answer(actual, broke, {}, (), Pace.of(trial.settings.pace, trial.settings.dt))
 
 
 def refusal(trial: Trial, error: Unsupported | Unavailable | SettingsError) -> Record:
@@ -252,7 +266,9 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:
-        bounded_case = bounded(case, trial.settings.dt, answer.substep(trial.settings), trial.parameters, folder, trial.sources)
+        bounded_case = bounded(
+            case, answer.pace.longest, answer.substep(trial.settings), trial.parameters, folder, trial.sources
+        )
         measurements = judge(bounded_case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(
@@ -261,7 +277,7 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         substep=answer.substep(trial.settings),
         warnings=warnings,
         measurements=measurements,
-        sim_seconds=answer.steps * trial.settings.dt,
+        sim_seconds=answer.sim_seconds,
         steps=answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, scene, actual, expected),
     )

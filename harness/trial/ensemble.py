@@ -79,7 +79,7 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     shown, sign = first_break(start.scene, actual, SIGNS if _stands(case) else [sign for sign in SIGNS if sign != "height"])
     taken_back = start.back(actual)
     truth = truth_of(case, scene, actual.time, plain.parameters, folder, trial.sources)
-    asked = bounded(case, trial.settings.dt, answer.substep(trial.settings), plain.parameters, folder, trial.sources)
+    asked = bounded(case, answer.pace.longest, answer.substep(trial.settings), plain.parameters, folder, trial.sources)
     measured = judge(asked, scene, taken_back, truth) if number == 0 or not (_stands(case) or _limited(case)) else ()
     failed = [measurement.metric for measurement in measured if measurement.passed is False]
     by, time = "", end
@@ -147,7 +147,7 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
         substep=shown.answer.substep(trial.settings),
         warnings=shown.answer.warnings,
         measurements=tuple(made),
-        sim_seconds=shown.answer.steps * trial.settings.dt,
+        sim_seconds=shown.answer.sim_seconds,
         steps=shown.answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, shown.scene, shown.answer.actual, None),
         rough_cost=None if broken and not _compared(trial) else _cost(trial, case, adapter),

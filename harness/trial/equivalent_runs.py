@@ -11,6 +11,8 @@ from harness.case.commands import acting
 from harness.case.forces import Controlled
 from harness.case.symmetries import Retelling
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.pace import Pace
+from harness.trial.paced import paced
 from harness.trial.simulate import simulate, steps_between_samples
 
 __all__ = ["equivalent_run", "equivalent_streams"]
@@ -48,21 +50,23 @@ def equivalent_run(
     Raises: Unsupported; Diverged: before there is anything to tell.
     """
     dt, clock = settings.dt, retelling.clock
-    simulation = cast(Simulation, Answering(adapter.build(retelling.scene, settings.with_dt(dt * clock)), retelling.scene))
+    pace = Pace.of(settings.pace, dt * clock)
+    built = adapter.build(retelling.scene, settings.with_dt(dt * clock))
+    simulation = paced(cast(Simulation, Answering(built, retelling.scene)), pace)
     control = acting(retelling.scene)
     if control is not None:
-        simulation = cast(Simulation, Controlled(simulation, control, dt * clock, len(retelling.scene.bodies)))
+        simulation = cast(Simulation, Controlled(simulation, control, pace, len(retelling.scene.bodies)))
     try:
-        since = (
-            0.0
+        before = (
+            0
             if retelling.restored_at is None
             else _taken_back(simulation, retelling.restored_at, duration, sample_interval, dt)
         )
         run, broke = simulate(
             simulation,
             retelling.scene,
-            dt=dt * clock,
-            duration=(duration - since) * clock,
+            pace=pace.since(before),
+            duration=(duration - before * dt) * clock,
             sample_interval=sample_interval * clock,
             with_contacts=False,
             seed=0,
@@ -70,15 +74,15 @@ def equivalent_run(
     finally:
         simulation.close()
     made = retelling.back(run)
-    return replace(made, time=made.time + since), broke
+    return replace(made, time=made.time + Pace.of(settings.pace, dt).time(before), even=pace.even), broke
 
 
-def _taken_back(simulation: Simulation, time: float, duration: float, sample_interval: float, dt: float) -> float:
-    """Save at a sample near `time` [s], go to the end and back; the time [s] of that sample. Raises: Diverged, Unsupported."""
+def _taken_back(simulation: Simulation, time: float, duration: float, sample_interval: float, dt: float) -> int:
+    """Save at a sample near `time` [s], go to the end and back; the steps before that sample. Raises: Diverged, Unsupported."""
     every = steps_between_samples(sample_interval, dt)
     before = every * max(1, round(time / (every * dt)))
     simulation.step(before)
     saved = simulation.save()
     simulation.step(max(1, round(duration / dt) - before))
     simulation.restore(saved)
-    return before * dt
+    return before

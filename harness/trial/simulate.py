@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from harness.adapter import Diverged, Simulation
+from harness.adapter import Diverged, Simulation, Unsupported
 from harness.adapter.what_comes_out import BrokenContract
 from harness.scene import Scene
 from harness.sensors.recorder import SensorRecorder
 from harness.trajectory import Contacts, Floats, State, Trajectory
+from harness.trajectory.pace import Pace
 
 __all__ = ["simulate", "steps_between_samples"]
 
@@ -22,9 +23,10 @@ def steps_between_samples(interval: float, dt: float) -> int:
 class _Log:
     """Room for a trajectory, filled sample by sample."""
 
-    def __init__(self, steps: int, every: int, dt: float, bodies: int, with_contacts: bool) -> None:
+    def __init__(self, steps: int, every: int, pace: Pace, bodies: int, with_contacts: bool) -> None:
         places = [*range(0, steps, every), steps]
-        self.trajectory = Trajectory.of(np.array(places, dtype=np.float64) * dt, bodies)
+        self.trajectory = Trajectory.of(np.array([pace.time(place) for place in places], dtype=np.float64), bodies)
+        self.pace = pace
         self.contacts: list[Contacts] | None = [] if with_contacts else None
         self.filled = 0
 
@@ -39,11 +41,13 @@ class _Log:
         self.filled += 1
         return state
 
-    def result(self, dt: float, streams: dict[str, Floats]) -> Trajectory:
+    def result(self, streams: dict[str, Floats]) -> Trajectory:
         """The trajectory as far as it was filled."""
         n, t = self.filled, self.trajectory
         contacts = None if self.contacts is None else tuple(self.contacts)
-        return Trajectory(t.time[:n], t.p_WB[:n], t.q_WB[:n], t.v_WB[:n], t.w_WB[:n], dt=dt, contacts=contacts, streams=streams)
+        states = t.p_WB[:n], t.q_WB[:n], t.v_WB[:n], t.w_WB[:n]
+        dt, even = self.pace.longest, self.pace.even
+        return Trajectory(t.time[:n], *states, dt=dt, contacts=contacts, streams=streams, even=even)
 
 
 def _promised(trajectory: Trajectory, scene: Scene) -> Trajectory:
@@ -60,16 +64,24 @@ def simulate(
     simulation: Simulation,
     scene: Scene,
     *,
-    dt: float,
+    pace: Pace,
     duration: float,
     sample_interval: float,
     with_contacts: bool,
     seed: int,
 ) -> tuple[Trajectory, str | None]:
-    """Step a simulation to its end; the trajectory and, where it diverged, when and how. Raises: BrokenContract."""
+    """Step a simulation to its end; the trajectory and, where it diverged, when and how.
+
+    Samples are taken every so many steps, at the times at which these end: uneven ones, where the steps are.
+
+    Raises: BrokenContract; Unsupported for sensors under uneven steps.
+    """
+    dt = pace.dt
+    if scene.sensors and not pace.even:
+        raise Unsupported("sensors under uneven steps", "their readings and latencies are whole numbers of even steps")
     steps = max(1, round(duration / dt))
     every = steps_between_samples(sample_interval, dt)
-    log = _Log(steps, every, dt, len(scene.bodies), with_contacts)
+    log = _Log(steps, every, pace, len(scene.bodies), with_contacts)
     sensors = SensorRecorder(scene, simulation, seed, dt) if scene.sensors else None
     here, reading = 0, State.empty(len(scene.bodies))
     try:
@@ -90,5 +102,5 @@ def simulate(
                 simulation.state(reading)
                 sensors.read(here * dt, reading)
     except Diverged as error:
-        return _promised(log.result(dt, {}), scene), f"by step {here + 1} of {steps} (t = {here * dt:.6g} s): {error}"
-    return _promised(log.result(dt, {} if sensors is None else sensors.streams()), scene), None
+        return _promised(log.result({}), scene), f"by step {here + 1} of {steps} (t = {pace.time(here):.6g} s): {error}"
+    return _promised(log.result({} if sensors is None else sensors.streams()), scene), None

@@ -10,6 +10,7 @@ from harness.case.forces import Controlled
 from harness.scene import Scene
 from harness.store.record import Measurement
 from harness.trajectory import Trajectory
+from harness.trajectory.pace import Pace
 from harness.trial.accuracy import judge
 from harness.trial.simulate import simulate
 from harness.trial.truth_cache import bounded, truth_of
@@ -62,7 +63,7 @@ def put(
         actual, broke = simulate(
             simulation,
             sensors(scene),
-            dt=settings.dt,
+            pace=Pace(settings.dt),
             duration=case.duration,
             sample_interval=case.sample_interval,
             with_contacts=case.with_contacts and Feature.CONTACTS in adapter.features,

@@ -22,6 +22,7 @@ from harness.scene.importers.reading import read
 from harness.scene.importers.sweeping import FASTEST, FREQUENCY, SHARE
 from harness.study import plugins
 from harness.trajectory import Floats
+from harness.trajectory.pace import Pace
 from harness.trial.simulate import simulate
 from tests.robot_files import imported, row, urdf
 
@@ -216,7 +217,7 @@ def driven(engine: str, track: str, dt: float, motion: Motion) -> Floats:
     run, broke = simulate(
         Controlled(simulation, control, dt, 1),  # type: ignore[arg-type]
         scene,
-        dt=dt,
+        pace=Pace(dt),
         duration=1.0,
         sample_interval=0.1,
         with_contacts=False,

@@ -20,6 +20,7 @@ from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.trajectory import Contacts, Floats, State, Trajectory
 from harness.trajectory.kinematics import angle_between
+from harness.trajectory.pace import Pace
 from harness.trial.equivalent_runs import equivalent_streams
 from harness.trial.simulate import simulate
 
@@ -112,7 +113,7 @@ def told(name: str, fault: str = "") -> tuple[Scene, Trajectory]:
     plain = Thrown(scene, settings, "" if fault in ("diverges", "again") else fault)
     run, broke = simulate(
         plain,  # type: ignore[arg-type]
-        scene, dt=DT, duration=DURATION, sample_interval=2 * DT, with_contacts=False, seed=0,
+        scene, pace=Pace(DT), duration=DURATION, sample_interval=2 * DT, with_contacts=False, seed=0,
     )  # fmt: skip
     assert broke is None
     maker._made = 1

@@ -78,6 +78,10 @@ class ExactSteps:
         self._h, self._substeps, self._tolerance = options.dt / options.substeps, options.substeps, options.tolerance
         self.certificate = Certificate()
 
+    def retime(self, dt: float) -> None:
+        """The length [s] of the steps to come."""
+        self._h = dt / self._substeps
+
     def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
         for step in range(steps):

@@ -14,6 +14,7 @@ from harness.trajectory import Floats, State
 
 __all__ = [
     "CommandsFirstDriveOnly",
+    "DeafToLengths",
     "DeafToUnknownJoints",
     "KinematicStandsStill",
     "NeverIdle",
@@ -139,6 +140,13 @@ class NeverIdle(Wrapped):
     def step(self, count: int = 1) -> None:
         """As inside, at least once."""
         self.inner.step(max(count, 1))
+
+
+class DeafToLengths(Wrapped):
+    """Takes each step as long as it was built with."""
+
+    def retime(self, dt: float) -> None:
+        """Not heard."""
 
 
 class SlowIsStill(Wrapped):

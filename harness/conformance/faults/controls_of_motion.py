@@ -8,6 +8,7 @@ from harness.conformance.faults.broken_motion import clamped, losing_speed, slee
 from harness.conformance.faults.broken_scenes import every_body, gravity, swap_inertia
 from harness.conformance.faults.broken_states import BodyAngularVelocity, OneStepBehind, ScalarLast, Shuffled
 from harness.conformance.faults.broken_steps import (
+    DeafToLengths,
     KinematicStandsStill,
     NeverIdle,
     NoGyroscopicTorque,
@@ -223,6 +224,13 @@ MOTION_CONTROLS: tuple[Control, ...] = (
         fault="steps of .9 and 1.1 dt in turns",
         plant=uneven,
         caught_by=("steps_are_even",),
+    ),
+    Control(
+        name="step_lengths_ignored",
+        fault="every step is dt long, whatever is told for it",
+        plant=wrapped(DeafToLengths),
+        caught_by=("step_lengths_are_kept",),
+        needs=Feature.STEP_LENGTHS,
     ),
     Control(
         name="no_step_is_a_step",

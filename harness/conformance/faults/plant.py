@@ -13,7 +13,7 @@ from harness.trajectory import Contacts, Floats, Hits, Image, State
 __all__ = ["Broken", "Edit", "Repaired", "Rewritten", "Wrapped", "plant", "simulated", "changed_scene", "wrapped"]
 
 
-BEYOND = ("inertial", "caster", "force_lead", "joint_states", "prescribe")
+BEYOND = ("inertial", "caster", "force_lead", "joint_states", "prescribe", "retime")
 """What a simulation may offer beyond the protocol, see `harness.adapter`."""
 
 

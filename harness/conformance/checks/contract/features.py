@@ -263,6 +263,14 @@ def _ray(simulation: Simulation) -> None:
     simulation.cast(np.array([[0.0, 0.0, 5.0]]), np.array([[0.0, 0.0, -1.0]]), 10.0)
 
 
+def _retimed(simulation: Simulation) -> None:
+    """Raises: Unsupported, also of a simulation that has no such call."""
+    if not hasattr(simulation, "retime"):
+        raise Unsupported("retime", "the simulation offers none")
+    simulation.retime(0.01)
+    simulation.step()
+
+
 _CALLS: Mapping[Feature, Callable[[Simulation], object]] = {
     Feature.CONTACTS: lambda simulation: simulation.contacts(),
     Feature.RAYS: _ray,
@@ -272,6 +280,7 @@ _CALLS: Mapping[Feature, Callable[[Simulation], object]] = {
     ),
     Feature.WRENCH: lambda simulation: simulation.wrench(np.zeros((1, 3)), np.zeros((1, 3))),
     Feature.SAVE: lambda simulation: simulation.restore(simulation.save()),
+    Feature.STEP_LENGTHS: _retimed,
 }
 
 

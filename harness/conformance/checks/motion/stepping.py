@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.adapter import Adapter, Settings
+from harness.adapter import Adapter, Feature, Settings
 from harness.conformance.check import ConformanceCheck, Finding, judge, near
-from harness.conformance.runs import COARSE, built, record, state_of
+from harness.conformance.runs import COARSE, ROUNDING, built, record, state_of
 from harness.conformance.scenes import TURNED, G, free
 from harness.scene import Scene
 
@@ -43,6 +43,35 @@ def _steps_are_even(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
+LENGTHS = (1.0, 0.5, 2.0, 1.25, 0.75, 0.5)
+"""Of steps, in dt: each may be shorter or longer than the one before; their mean is 1."""
+
+
+def _step_lengths_are_kept(adapter: Adapter, settings: Settings) -> Finding:
+    """Step h adds g h to the speed of what falls and v h to the way of what flies, and the fall is the sum of all of them.
+
+    Semi-implicit Euler falls by g sum(h_k (h_1 + .. + h_k)), g sum(h_k^2)/2 more than g t^2/2; explicit Euler by as much less,
+    and what is more exact, or takes sub-steps, lies between the two.
+    """
+    lengths = COARSE * np.array(LENGTHS)
+    states, scene = [], _falling()
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        states.append(state_of(simulation, scene))
+        for length in lengths.tolist():
+            simulation.retime(length)  # type: ignore[attr-defined]  # what an engine may offer, see harness.adapter
+            simulation.step()
+            states.append(state_of(simulation, scene))
+    v, x = np.array([state.v_WB[0, 2] for state in states]), np.array([state.p_WB[1, 0] for state in states])
+    t, fallen = float(lengths.sum()), states[0].p_WB[0, 2] - states[-1].p_WB[0, 2]
+    because = "1 % of dt: a default damping of .16 1/s takes half of it; a length that is ignored is 25 % of dt off or more"
+    staggered = 1.01 * G * float((lengths**2).sum()) / 2 + ROUNDING
+    return judge(
+        near("speed gained in each of 6 steps [m/s]", np.diff(v), -G * lengths, 0.01 * G * COARSE, because),
+        near("way gained in each of 6 steps [m]", np.diff(x), 3.0 * lengths, 0.01 * 3.0 * COARSE, because),
+        near("way fallen [m]", fallen, G * t * t / 2, staggered, "g sum(h^2)/2 of a scheme of first order"),
+    )
+
+
 CHECKS = (
     ConformanceCheck(
         name="no_step_is_no_step",
@@ -54,6 +83,13 @@ CHECKS = (
         name="steps_are_even",
         question="Is every single step dt long, not only the mean of many?",
         run=_steps_are_even,
+        excusable=False,
+    ),
+    ConformanceCheck(
+        name="step_lengths_are_kept",
+        question="Is every step as long as was told for it, where lengths are uneven?",
+        run=_step_lengths_are_kept,
+        needs=Feature.STEP_LENGTHS,
         excusable=False,
     ),
 )

@@ -17,6 +17,7 @@ from harness.case.forces import Controlled
 from harness.scene.file import dump_json
 from harness.study import plugins
 from harness.trajectory import Trajectory
+from harness.trajectory.pace import Pace
 from harness.trial.simulate import simulate
 from reports.recordings.bodies import log_moving, poses, sharing
 from reports.recordings.pivot import FAR, ROUNDING
@@ -62,7 +63,7 @@ def moved(case: Case, engine: str) -> Trajectory | None:
         answer, _ = simulate(
             simulation,
             scene,
-            dt=case.dt,
+            pace=Pace(case.dt),
             duration=min(case.duration, INSTANTS * max(case.sample_interval, case.dt)),
             sample_interval=case.sample_interval,
             with_contacts=False,

@@ -32,6 +32,7 @@ from harness.study import plugins
 from harness.study.experiment import Experiment
 from harness.study.trial import Trial
 from harness.trajectory import Trajectory
+from harness.trajectory.pace import Pace
 from harness.trial.accuracy import _stepped
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 
@@ -126,7 +127,7 @@ def run_of(tmp_path: Path) -> tuple[Scene, Trajectory]:
         seed=0,
     )
     scene = case.scene()
-    return scene, _stepped(trial, case, adapter, scene, case.sample_interval).actual
+    return scene, _stepped(trial, case, adapter, scene, case.sample_interval, Pace(1 / 240)).actual
 
 
 def test_ideal_readings_are_judged_by_the_motion_that_they_ride_on(tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def test_a_pendulum_of_hardly_any_inertia_stays_on_its_anchor(kind: str, inertia
 
 @TREES
 @TRACKS
-@pytest.mark.parametrize("inertia", [1e-10, 1e-11, 1e-12, 1e-13])
+@pytest.mark.parametrize("inertia", [1e-10, *(pytest.param(i, marks=pytest.mark.slow) for i in (1e-11, 1e-12)), 1e-13])
 @pytest.mark.parametrize("links", [2, 3])
 def test_a_chain_of_thin_links_on_skew_axes_holds(links: int, inertia: float, integrator: str) -> None:
     """Just where floats still carry the system, closing a gap of 1e-11 m takes turns of whole radians by rows that cancel.

@@ -28,7 +28,7 @@ STOPS = {
 
 @TRACKS
 @pytest.mark.parametrize("last", ["revolute", "ball"])
-@pytest.mark.parametrize("limited", [("rocker_pin",), PINS], ids=["one", "all"])
+@pytest.mark.parametrize("limited", [pytest.param(("rocker_pin",), marks=pytest.mark.slow), PINS], ids=["one", "all"])
 def test_limits_that_are_never_reached_change_nothing(limited: tuple[str, ...], last: str, integrator: str) -> None:
     """Bit for bit, for 5 s: their rows are held at no impulse. Crank and coupler pass through one line, where that of the
     rocker's limit all but follows from the others.

@@ -118,8 +118,8 @@ def _pictures_drawn_once() -> Iterator[None]:
         yield
 
 
-MEMORY, ENOUGH = Path("/dev/shm"), 4 * 2**30
-"""A file system that is no disk, and the bytes that it needs free to hold what tests write, a few times over."""
+MEMORY, ENOUGH = Path("/dev/shm"), 12 * 2**30
+"""A file system that is no disk, and the bytes that it needs free: twice what `make test-all` writes, 5 GB."""
 
 
 def pytest_configure() -> None:

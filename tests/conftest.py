@@ -140,12 +140,6 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-def pytest_sessionfinish() -> None:
-    """Search for garbage once, and take what is left out of the five searches that pytest makes for errors nobody heard."""
-    gc.collect()
-    gc.freeze()
-
-
 SECONDS = defaultdict[str, float](float)
 """How long the tests of each file took, in whichever process."""
 

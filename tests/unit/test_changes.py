@@ -65,6 +65,27 @@ def test_an_engine_that_takes_a_fifth_longer_is_told_by_trial_and_as_a_whole_ove
     assert len(changes.rows) > 0.9 * whole.count
 
 
+def test_what_delays_all_engines_at_a_question_alike_is_of_none_of_them_and_hides_none_that_is_slower(tmp_path: Path) -> None:
+    busy = ("stack_tower", "joint_chain", "flight_projectile")
+
+    def disturbed(trials: pd.DataFrame, _measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+        for number, case in enumerate(busy):
+            there = samples["trial"].isin(trials.loc[trials["case"] == case, "trial"])
+            samples.loc[there, "cpu"] *= 1.4 + 0.2 * number
+
+    assert compared(tmp_path / "busy", disturbed).rows == ()
+
+    def one_slower(trials: pd.DataFrame, measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+        disturbed(trials, measurements, samples)
+        samples.loc[samples["trial"].isin(trials.loc[cells(trials, busy[0], "bullet"), "trial"]), "cpu"] *= 1.3
+
+    rows = compared(tmp_path / "slower", one_slower).rows
+    assert rows
+    assert {(row.sense, row.case, row.engine) for row in rows} == {("worse", busy[0], "bullet")}
+    # Two medians of ten samples with 2 % noise each.
+    assert all(abs((row.ratio or 0) - 1.3) < 0.1 for row in rows)
+
+
 def test_one_engine_alone_is_compared_over_the_canary(tmp_path: Path) -> None:
     folders = write_two_runs(tmp_path)
     for folder in folders:

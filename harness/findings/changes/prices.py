@@ -6,10 +6,14 @@ memory the next time: how far prices of unchanged trials stray from run to run i
 that, or below what marks a timing as unstable, is told of a single trial; nor what is within the 99 % interval of its own
 samples, widened to Student's, since three samples say little of how far they stray. Of an engine as a whole less can be told,
 by the median. Where the clock ran over another part of the motion (a run too long for a sample), nothing is compared.
+
+Whatever else wants the processor comes for seconds or minutes, and then meets all that is clocked side by side: one question,
+put to all engines in turn. So a price of one trial has to stand out from the other engines at the same question, by what
+unchanged prices stray from each other there, and from the run as a whole too; the smaller of both changes is told.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -71,6 +75,19 @@ class _Yardstick:
 
 
 @dataclass(frozen=True, slots=True)
+class _Neighbours:
+    """Unchanged prices of other engines at one question.
+
+    Terms: step: logarithm of their common motion. error: its standard error. spread: of unchanged prices about the common
+    motion of their question, in logarithms.
+    """
+
+    step: float
+    error: float
+    spread: float
+
+
+@dataclass(frozen=True, slots=True)
 class _Samples:
     """Of one trial. Terms: cost [s] of a unit, canary [s], each (k,). steps: of each sample."""
 
@@ -92,10 +109,11 @@ def price_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iter
     prices = [_price(pair, before, after) for pair in same]
     for engine in dict.fromkeys(price.pair.b.engine for price in prices):
         mine = [price for price in prices if price.pair.b.engine == engine]
-        by = _yardstick(mine, [price for price in prices if price.pair.b.engine != engine and price.steady])
+        others = [price for price in prices if price.pair.b.engine != engine and price.steady]
+        by, beside = _yardstick(mine, others), _side_by_side(others)
         yield from _of_all(engine, mine, by)
         for price in mine:
-            if (change := _of_one(price, by, store_b.catalogue)) is not None:
+            if (change := _of_one(price, by, beside.get(_question(price)), store_b.catalogue)) is not None:
                 yield change
 
 
@@ -181,12 +199,42 @@ def _yardstick(mine: Sequence[_Price], others: Sequence[_Price]) -> _Yardstick:
     return _Yardstick("canary", middle, TOLD_OF_ALL / CERTAIN, spread)
 
 
-def _of_one(price: _Price, by: _Yardstick, catalogue: Mapping[str, Any]) -> Change | None:
-    beside = price.canary if by.beside == "canary" else by.step
-    step = price.step - beside
-    half = max(price.half, Z_95 * math.hypot(by.spread, by.error))
-    if price.unstable or abs(step) <= max(math.log1p(TOLD), CERTAIN * by.spread, half, price.sure):
+def _question(price: _Price) -> Hashable:
+    """What is clocked side by side has it in common."""
+    b = price.pair.b
+    return getattr(b, "experiment", ""), b.case, b.parameters
+
+
+def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
+    """By question, where there are two prices at least; nothing where there are too few of them for a spread."""
+    asked: dict[Hashable, list[_Price]] = {}
+    for price in others:
+        asked.setdefault(_question(price), []).append(price)
+    steps = {question: np.array([price.step for price in prices]) for question, prices in asked.items() if len(prices) > 1}
+    # About a middle of their own, n values stray by the n-th part of their variance too little.
+    apart = [(of - np.median(of)) * math.sqrt(len(of) / (len(of) - 1)) for of in steps.values()]
+    if sum(map(len, apart)) < FEWEST:
+        return {}
+    spread = float(np.median(np.abs(np.concatenate(apart)))) / _NORMAL_MAD
+    # What an engine's settings have in common is that they are clocked in one process.
+    engines = {question: len({price.pair.b.engine for price in asked[question]}) for question in steps}
+    return {
+        question: _Neighbours(float(np.median(of)), _MEDIAN_ERROR * spread / math.sqrt(engines[question]), spread)
+        for question, of in steps.items()
+    }
+
+
+def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue: Mapping[str, Any]) -> Change | None:
+    whole = price.step - (price.canary if by.beside == "canary" else by.step)
+    step, error, spread, told = whole, by.error, by.spread, math.log1p(TOLD)
+    if beside is not None:
+        step, error, spread = price.step - beside.step, beside.error, beside.spread
+    half = max(price.half, Z_95 * math.hypot(spread, error))
+    if price.unstable or min(abs(step), abs(whole)) <= told or step * whole < 0.0:
         return None
+    if abs(step) <= max(CERTAIN * math.hypot(spread, error), half, price.sure):
+        return None
+    step = min(step, whole, key=abs)
     b = price.pair.b
     return Change(
         kind="price",

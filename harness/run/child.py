@@ -11,8 +11,10 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
+from multiprocessing import forkserver
 from multiprocessing.process import BaseProcess, parent_process
 from pathlib import Path
+from typing import Any
 
 import psutil
 
@@ -92,6 +94,7 @@ def confine(log: Path) -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)
         _end_if_forsaken()
+        _let_go_of_the_server()
     be_killed_first()
     stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     os.dup2(stream, 1)
@@ -120,6 +123,18 @@ def _end_if_forsaken() -> None:
         if asked_by is None or psutil.Process(os.getppid()).ppid() == asked_by.pid:
             return
     os._exit(1)
+
+
+def _let_go_of_the_server() -> None:
+    """Close this process's end of the pipe that keeps its fork server alive, so that the server ends with who started it.
+
+    Python gives an end to every process, and a server waits for the last. Where a run is killed over an engine that hangs, that
+    one would keep the server, the server's life would spare it, and both would stay for good.
+    """
+    server: Any = forkserver._forkserver
+    if parent_process() is not None and server._forkserver_alive_fd is not None:
+        os.close(server._forkserver_alive_fd)
+        server._forkserver_alive_fd = None
 
 
 def _load(trial: Trial, case: Case, adapter: Adapter) -> None:

@@ -27,7 +27,7 @@ __all__ = ["LONGEST", "Reading", "read_by_command"]
 YARDSTICK = "[" + "[]," * 200_000 + "[]]"
 """What is read to learn how fast this machine is: 0.6 MB of JSON."""
 LONGEST = 40
-"""How many times as much processor time as the yardstick one file may cost: the dearest, of 6 MB, was seen to cost 8 to 9 times."""
+"""How many times as much processor time as the yardstick one file may cost; the dearest, of 6 MB, costs 8 to 9 times."""
 WAIT = 60.0
 """Seconds that it may cost on a clock, however many others want the processor: a pipe nobody writes to costs no time of its."""
 MOST_SAID = 10_000

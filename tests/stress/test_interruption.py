@@ -91,6 +91,27 @@ def test_a_killed_run_that_is_resumed_has_every_cell_exactly_once(
     ledger.survived("interruption", f"SIGKILL of the run after {instant:g} s", "cells lost 0, doubled 0")
 
 
+def test_a_run_that_is_killed_takes_an_engine_along_that_hangs(
+    tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
+) -> None:
+    out = tmp_path / "out"
+    process = start(write_study(tmp_path), out, with_plugins, engine="hang")
+    until = time.monotonic() + 60.0
+    while not [*out.glob("logs/*.log")]:
+        assert process.poll() is None
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    time.sleep(1.0)  # it has begun, and sleeps from its twentieth step on
+    started = psutil.Process(process.pid).children(recursive=True)
+    assert len(started) > 1
+    process.kill()
+    # As long as one of them lives, it holds the pipes that this reads.
+    process.communicate(timeout=60)
+    _, alive = psutil.wait_procs(started, timeout=10.0)
+    assert alive == []
+    ledger.survived("interruption", "SIGKILL of a run whose engine hangs", f"{len(started)} processes, all gone")
+
+
 @pytest.mark.parametrize(
     ("by", "ignored"),
     [

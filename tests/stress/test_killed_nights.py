@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.history.folder import History, opened
-from harness.run.verify import problems
+from harness.history.folder import opened
+from harness.history.soundness import problems_of
 from tests.stress.ledger import Page
 
 ROOT = Path(__file__).parents[2]
@@ -35,7 +35,7 @@ LONGEST = 240.0
 
 
 def begun(root: Path, study: Path, environment: Mapping[str, str]) -> subprocess.Popen[str]:
-    words = ["nightly", "--history", root, "--study", study, "--engine", "sound", "--engine", "hang", "--gate", "sound"]
+    words = ["nightly", "--history", root, "--study", study, "--engine", "sound", "--engine", "hang", "--gate", "hang"]
     return subprocess.Popen(
         [sys.executable, "-m", "harness.cli", *map(str, words)],
         env=dict(environment) | {"PYTHONPATH": os.pathsep.join((environment["PYTHONPATH"], str(ROOT)))},
@@ -96,12 +96,12 @@ def test_a_night_that_is_killed_three_times_beside_an_engine_that_hangs_ends_as_
     assert found == said_of(undisturbed)
     assert [status for (engine, _, _), (status, _) in found.items() if engine == "hang"] == ["timeout"] * CELLS
     assert [status for (engine, _, _), (status, _) in found.items() if engine == "sound"] == ["passed"] * CELLS
-    assert [*problems(root)] == []
-    history: History = opened(root)
+    history = opened(root)
+    assert [*problems_of(history)] == []
     assert (history.nights()[0].store().trials["cpu_per_unit"] > 0).sum() == CELLS
     # The next night recalls what was answered, time-outs too, but for what is drawn to be computed again.
     computed = re.search(r"(\d+) computed \((\d+) of them known ones again", ended(begun(root, study, with_plugins)))
     assert computed is not None
     assert computed[1] == computed[2]
-    assert [*problems(root)] == []
+    assert [*problems_of(history)] == []
     ledger.survived("nights", f"{KILLS} kills of a night, an engine that hangs", f"{len(found)} cells, lost 0, doubled 0")

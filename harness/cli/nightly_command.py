@@ -93,7 +93,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     from harness.findings.vendor.shelf import shelf
     from harness.history.known_findings import asked_again, turned
     from harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-    from harness.history.words import in_short, left_out_in_short, unanswered_in_short
+    from harness.history.words import in_short, left_out_in_short, unanswered_in_short, worse_in_short
     from harness.study.experiment import StudyError
 
     night = night_to_do(history, asked)
@@ -131,10 +131,8 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
     barred = () if news is None else news.regressions(asked.gated)
-    worse = [row for row in account["told"] if row["regression"]]
-    for row in worse:
-        say(f"{'gate: ' if row['engine'] in asked.gated else ''}{row['sentence']}")
-        say(f"    {row['command']}  (id {row['id']})")
+    for line in worse_in_short(account["told"], asked.gated):
+        say(line)
     say(str(summary))
     if notify is not None:
         _notify(notify, summary)

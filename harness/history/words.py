@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 from harness.findings.changes import Change, Changes
@@ -12,10 +13,12 @@ from harness.history.identity import Named, change_id
 from harness.history.since_last_seen import News
 from harness.intake.safe_text import markdown_cell
 
-__all__ = ["in_short", "left_out_in_short", "open_since", "summary", "told", "unanswered_in_short"]
+__all__ = ["in_short", "left_out_in_short", "open_since", "summary", "told", "unanswered_in_short", "worse_in_short"]
 
 _FIRST = 8
 """Names that a line has room for."""
+_MOST = 25
+"""Changes that are told line by line; nobody reads more in a mail."""
 
 
 def told(row: Change, changes: Changes, since: str) -> dict[str, Any]:
@@ -59,6 +62,25 @@ def unanswered_in_short(rows: Sequence[Mapping[str, Any]]) -> str:
     longest = sorted(rows, key=lambda row: -row["seconds"])
     names = [f"{row['case']} {row['engine']}/{row['track']} ({row['experiment']}) {row['seconds']:.0f} s" for row in longest]
     return f"without an answer when time was up, and since when: {', '.join(names[:_FIRST])}"
+
+
+def worse_in_short(rows: Sequence[Mapping[str, Any]], gated: Collection[str]) -> list[str]:
+    """Lines of what got worse: engines as a whole first, then the heaviest; of each id the first, how many more there are, and
+    what shows it again.
+
+    Args: rows: as `told` gives them. gated: engines that may not be worse.
+    """
+    named: dict[str, list[Mapping[str, Any]]] = {}
+    for row in sorted(rows, key=lambda row: row["case"] != ""):
+        if row["regression"]:
+            named.setdefault(row["id"], []).append(row)
+    lines = []
+    for number, (first, *more) in islice(named.items(), _MOST):
+        also = f"; {len(more)} more of it" if more else ""
+        lines.append(f"{'gate: ' if first['engine'] in gated else ''}{first['sentence']}")
+        lines.append(f"    {first['command']}  (id {number}{also})")
+    rest = len(named) - _MOST
+    return [*lines, f"… and {rest} more, in summary.md and changes.json"] if rest > 0 else lines
 
 
 def in_short(plan: Mapping[str, Any]) -> str:

@@ -18,7 +18,7 @@ from harness.history.folder import opened, stamp_of
 from harness.history.identity import Named, change_id
 from harness.history.regressions import read_trends
 from harness.history.soundness import problems_of
-from harness.history.words import unanswered_in_short
+from harness.history.words import unanswered_in_short, worse_in_short
 from harness.run import campaign
 from harness.run.interrupt import TimeIsUp, naming
 from harness.store.journal import Journal, read_journal
@@ -181,6 +181,20 @@ def drifting(root: Path, study: Path, nights: int) -> None:
             journal.append(priced(record, 1e-5 * drift * float(np.exp(rng.normal(0, 0.02))), 1e-3))
         journal.close()
     shutil.rmtree(first.folder)
+
+
+def test_of_many_things_that_got_worse_those_of_an_engine_as_a_whole_come_first_and_each_id_once() -> None:
+    cells = [("stack_tower", str(number // 3)) for number in range(90)]
+    rows = [
+        {"id": name, "case": case, "engine": "dart", "regression": True, "sentence": f"{case} {name}.", "command": "see"}
+        for case, name in [*cells, ("", "whole")]
+    ]
+    better = dict(rows[0], id="better", regression=False)
+    lines = worse_in_short([better, *rows], ["dart"])
+    assert lines[:4] == ["gate:  whole.", "    see  (id whole)", "gate: stack_tower 0.", "    see  (id 0; 2 more of it)"]
+    assert lines[-1] == "… and 6 more, in summary.md and changes.json"
+    assert len(lines) == 2 * 25 + 1
+    assert worse_in_short([better], ["dart"]) == []
 
 
 def test_what_a_night_waited_for_in_vain_is_named_and_holds_up_nothing_the_next_night(

@@ -47,9 +47,9 @@ POST, TOP, GAP = 0.025, 0.2, 0.005
 """Half the width and the height of the post; free way from a nut on it to what is below [m]."""
 FLOOR, LEAN, SLOPE, WALL = 0.2, math.pi / 4, 0.5, 0.05
 """Half the width of the floor [m], lean [rad] and length [m] of the walls, half the thickness of both [m]."""
-OUT, HEIGHT, LAYER = 0.2, 0.25, 4
-"""Where loose bodies start: off the axis and over the floor [m], so many in a layer."""
-SETTLED, DURATION = 2.0, 12.0
+OUT, HEIGHT, LAYER, RISE = 0.16, 0.13, 4, 0.24
+"""Where loose bodies start: off the axis and over the floor [m], so many in a layer, and from one layer to the next [m]."""
+SETTLED, DURATION = 4.0, 14.0
 SHARE = 0.01
 """Of g, that what lies still may shake by: the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz)."""
 
@@ -144,7 +144,7 @@ def scene(n: float = LOOSE, friction: float = FRICTION, form: str = FORM, seed: 
         place, attitude = (0.0, 0.0, (k + 1) * GAP + (2 * k + 1) * THICK), np.array([1.0, 0.0, 0.0, 0.0])
         if loose:
             angle, layer = 2 * math.pi * (number % LAYER + 0.5 * (number // LAYER)) / LAYER, number // LAYER
-            place = (OUT * math.cos(angle), OUT * math.sin(angle), HEIGHT * (1 + layer))
+            place = (OUT * math.cos(angle), OUT * math.sin(angle), HEIGHT + RISE * layer)
             attitude = draw.normal(size=4)
         bodies.append(
             Body(
@@ -164,8 +164,8 @@ def scene(n: float = LOOSE, friction: float = FRICTION, form: str = FORM, seed: 
 
 def _given_back(dt: float, n: float = LOOSE) -> float:
     """Energy over mass that contacts may give back [J/kg]."""
-    layers = 1 + max(0, round(n) - 1) // LAYER
-    return math.exp(-4) * G * HEIGHT * layers + (G * dt) ** 2 / 2 + G * GIVE
+    highest = HEIGHT + RISE * (max(0, round(n) - 1) // LAYER)
+    return math.exp(-4) * G * highest + (G * dt) ** 2 / 2 + G * GIVE
 
 
 CASE = Case(
@@ -177,8 +177,7 @@ CASE = Case(
     scene=scene,
     parameters={"n": LOOSE, "friction": FRICTION, "form": FORM, "seed": 0},
     duration=DURATION,
-    dt=1 / 120,
-    ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 480),
+    ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
     sample_interval=1 / 20,
     with_contacts=True,
     checks=(

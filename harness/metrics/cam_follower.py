@@ -62,7 +62,6 @@ CAM_FOLLOWER_GAP = Metric(
     source="definition: greatest distance, or depth, between the highest point of a cam and the lowest of the follower on it, "
     "along its rail",
     measure=_gap,
-    verdict="a follower leaves its cam, or stands in it",
 )
 
 METRIC = CAM_FOLLOWER_GAP

@@ -29,7 +29,8 @@ def _outermost(body: Body, up_B: Floats) -> Floats:
         reaches.append(up_B @ np.array(placed.p_BS) + own)
     if not reaches:
         raise NotMeasurable(f"body '{body.name}' has no shape")
-    return np.max(reaches, axis=0)
+    outermost: Floats = np.max(reaches, axis=0)
+    return outermost
 
 
 def _gap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

@@ -21,7 +21,7 @@ from cases.system_level_of_detail import (
     scene,
 )
 from harness.metrics.cam_follower import CAM_FOLLOWER_GAP
-from harness.scene import EARTH_GRAVITY
+from harness.scene import EARTH_GRAVITY, ConvexHull
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate
 
@@ -36,6 +36,7 @@ def ride(facets: float = 320, told: float | None = None) -> Trajectory:
     run = expected(TIME)
     for place, cam in enumerate(scene(**parameters).bodies[::2]):
         placed = cam.collision[0]
+        assert isinstance(placed.shape, ConvexHull)
         corners = np.array(placed.p_BS) + rotate(np.array(placed.q_BS), np.array(placed.shape.vertices))
         path = rotate(run.q_WB[:, 2 * place, None], corners[None])
         highest = np.argmax(path[:, :, 2], axis=1)

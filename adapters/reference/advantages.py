@@ -66,6 +66,7 @@ ADVANTAGES: Mapping[str, Advantage] = {
     "default/spin_heavy_top": _quarter("by one ours loses the top, .17 m off within the run"),
     "default/spin_symmetric_top": _quarter("by one ours errs .011 for .009 (DART)"),
     "default/stack_arch": _quarter("by one ours errs .0033 for .0017 (DART)"),
+    "default/stack_bowl": _quarter("by one ours sinks 120 um, Bullet 22"),
     "default/stack_pile": _quarter("by one ours sinks 180 um, Bullet 20"),
     "default/stack_tower": _quarter("by one ours errs .0036 for .0005 (DART)"),
     "tuned/friction_creep": Advantage(by="sub-steps", why="eight to one: by one ours creeps 1.0e-8 m/s, Bullet 3.5e-9"),
@@ -81,6 +82,7 @@ ADVANTAGES: Mapping[str, Advantage] = {
     ),
     "tuned/stack_arch": Advantage(by="sub-steps", why="eight to one: by one ours errs .0033, MuJoCo .0002"),
     "tuned/stack_pile": Advantage(by="sub-steps", why="eight to one: by one ours sinks 180 um, Bullet 12"),
+    "tuned/system_level_of_detail": Advantage(by="sub-steps", why="eight to one: by one ours errs .00177, Bullet .00176"),
     "tuned/stack_pyramid": Advantage(by="sub-steps", why="eight to one: by one ours sinks 430 um, DART 16"),
     "tuned/stack_tower": Advantage(by="sub-steps", why="eight to one: by one ours errs .0036, Bullet and DART .0005"),
     "tuned/impact_bounce": Advantage(

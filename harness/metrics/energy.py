@@ -21,6 +21,7 @@ __all__ = [
     "ENERGY_GAIN",
     "ENERGY_GROWTH",
     "ENERGY_MAX",
+    "ENERGY_RISE",
     "ENERGY_STAGGERED",
     "HELD_ENERGY_GAIN",
     "METRIC",
@@ -115,6 +116,12 @@ def _held_change(scene: Scene, actual: Trajectory) -> Floats:
     return change
 
 
+def _rise(energy: Floats) -> Floats:
+    """How much more there is than there was before, (t,): over the least so far; not finite from where one sample is not."""
+    rise: Floats = energy - np.minimum.accumulate(energy)
+    return rise
+
+
 def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     return np.abs(energy_change(scene, actual, expected))
 
@@ -171,5 +178,11 @@ HELD_ENERGY_GAIN = Metric(
     source="dissipation: kinetic energy, and that of weight, springs and drives, won since the start, over the movable mass",
     measure=lambda s, a, _e: maximum(_held_change(s, a)),
 )
+ENERGY_RISE = Metric(
+    name="energy_rise_max",
+    unit="J/kg",
+    source="dissipation: kinetic energy, and that of weight, springs and drives, over its least so far, over the movable mass",
+    measure=lambda s, a, _e: maximum(_rise(_held_change(s, a))),
+)
 
-METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED, ENERGY_GAIN, ENERGY_GROWTH, HELD_ENERGY_GAIN)
+METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED, ENERGY_GAIN, ENERGY_GROWTH, ENERGY_RISE, HELD_ENERGY_GAIN)

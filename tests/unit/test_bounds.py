@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cases.system_level_of_detail import inner
 from harness.adapter import Settings
 from harness.case import Case, Check
 from harness.metrics.position import POSITION_MAX
@@ -73,6 +74,8 @@ def test_no_bound_reads_a_constant_in_place_of_a_parameter(name: str) -> None:
 
 FALL, GIVE = -EARTH_GRAVITY[2] / 240**2, 1e-3
 """One step's fall and what a contact may give way [m]."""
+BLOW = 2 * 2.0 * 0.1 * np.sin(np.arccos(inner(4))) / 240
+"""A step's way at the speed by which a corner of 320 facets of a ball of 10 cm at 2 rad/s meets a face [m]."""
 FOLLOWS = [
     ("impact_momentum", "momentum_drift_max", {"speed": 10.0}, 10.0),
     ("impact_cradle", "momentum_drift_max", {"speed": 1.0, "gaps": (1e-3, 0.0, 0.0, 0.0)}, 4.0),
@@ -83,6 +86,7 @@ FOLLOWS = [
     ("spin_heavy_top", "precession_rate_error", {"spin": 1000.0}, 5.0),
     ("tunnel_thin_mesh", "lateral_kick", {"speed": 40.0, "slide": 2.0}, 2.0),
     ("stand_hit", "held_energy_gain_max", {"speed": 6.0}, 4.0),
+    ("system_level_of_detail", "cam_follower_gap", {"rate": 4.0}, (FALL + 2 * BLOW + GIVE) / (FALL + BLOW + GIVE)),
     ("joint_limits", "limit_overshoot_max", {"amplitude": 179.0}, None),
 ]
 """Case, metric, changed parameters, and by hand how many times the bound at the case's own that at these is."""

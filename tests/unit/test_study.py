@@ -154,7 +154,13 @@ def test_the_quick_study_has_a_case_of_each_family_and_does_not_grow_by_itself()
 
 
 @pytest.mark.parametrize(
-    ("given", "scene"), [("scaling", "flight_box"), ("tremble", "stand_humanoid"), ("uneven_steps", "stack_tower")]
+    ("given", "scene"),
+    [
+        ("scaling", "flight_box"),
+        ("tremble", "stand_humanoid"),
+        ("uneven_steps", "stack_tower"),
+        ("level_of_detail", "system_level_of_detail"),
+    ],
 )
 def test_every_variant_of_a_study_is_one_that_its_engine_builds(given: str, scene: str) -> None:
     study, case = load_study(given), plugins.case(scene)

@@ -231,6 +231,16 @@ def bricks() -> Plant:
     return Plant(scene, run, ended(run, short, (0.3, 0.0, -0.9 * thick)), ended(run, short, (0.0, 0.0, -1.1 * thick)))
 
 
+def ringed() -> Plant:
+    """A ring of two boxes over a post, raised and pushed against it, which stays on it, and one that is past its side."""
+    ring = box("ring", (0.01, 0.05, 0.02), (0.0, 0.0, 0.1))
+    halves = tuple(replace(ring.collision[0], p_BS=(x, 0.0, 0.0)) for x in (-0.04, 0.04))
+    post = replace(box("post", (0.025, 0.025, 0.1), (0.0, 0.0, 0.1)), motion="static")
+    scene = Scene(bodies=(post, replace(ring, collision=halves)), surfaces=GRIP)
+    run = still(scene)
+    return Plant(scene, run, ended(run, 1, (0.005, 0.0, 0.09)), ended(run, 1, (0.03, 0.0, 0.0)))
+
+
 def huge() -> Plant:
     """A number that is large is a number."""
     scene = shot().scene
@@ -278,6 +288,7 @@ PLANTS: dict[str, Callable[[], Plant]] = {
     "wrong_fates": lambda: inclined("stack_tip_or_slide", turned((0.0, 0.0, 1.0), 0.6), turned((0.0, 1.0, 0.0), 0.6)),
     "tipping_angle_error": lambda: inclined("stack_tip_or_slide", turned((0.0, 0.0, 1.0), 0.6), turned((0.0, 1.0, 0.0), 0.6)),
     "lost_start_share": balanced,
+    "unthreaded": ringed,
 }
 VERDICTS = {name: metric for name, metric in plugins.metrics().items() if metric.verdict}
 

@@ -109,6 +109,23 @@ def test_random_problems_with_mass_ratios_of_1e4_are_solved_to_round_off(seed: i
     assert solve(_random_problem(100 + seed, bodies=8, contacts=20)).residual <= EXACT
 
 
+@pytest.mark.parametrize("effort", [20.0, 50.0])
+def test_an_effort_bounds_the_matrices_and_its_end_keeps_the_best_answer(effort: float) -> None:
+    """Of 18 unknowns a matrix costs .45 ms or more. What more effort adds follows on the same matrices: it can only be better."""
+    problem = _random_problem(3, ratio=1e4)
+    bounded, longer = (solve(problem, tolerance=0.0, effort=most) for most in (effort, 2.0 * effort))
+    assert 0.5 * effort / 0.55 < bounded.matrices <= effort / 0.45
+    assert bounded.matrices < longer.matrices
+    assert longer.residual <= bounded.residual == relative_residual(problem, bounded.impulse)
+
+
+def test_an_effort_that_suffices_changes_no_bit() -> None:
+    problem = _random_problem(103, bodies=8, contacts=20)
+    bounded, free = solve(problem, effort=400.0), solve(problem)
+    assert bounded.residual <= EXACT
+    assert np.array_equal(bounded.impulse, free.impulse)
+
+
 def test_a_frictionless_contact_beside_a_rough_one_gets_no_tangential_impulse() -> None:
     problem = _random_problem(7)
     friction = problem.friction.copy()

@@ -49,7 +49,7 @@ class Certificate:
 
     Terms:
         residual: the largest relative residual of a solve [1]; solves: how many there were; missed: how many ended above the
-        tolerance; crowded: sub-steps with more blows than were told apart.
+        tolerance, with the best that their effort had found; crowded: sub-steps with more blows than were told apart.
     """
 
     residual: float = 0.0
@@ -75,7 +75,8 @@ class ExactSteps:
             if law.rolling_friction > 0.0 or law.torsional_friction > 0.0:
                 raise NotSupported("rolling or torsional friction", "the exact solver has forces at points only")
         self._bounces = any(law.restitution > 0.0 for law in surfaces)
-        self._h, self._substeps, self._tolerance = options.dt / options.substeps, options.substeps, options.tolerance
+        self._h, self._substeps = options.dt / options.substeps, options.substeps
+        self._tolerance, self._effort = options.tolerance, options.effort
         self.certificate = Certificate()
 
     def retime(self, dt: float) -> None:
@@ -132,7 +133,8 @@ class ExactSteps:
         problem, brought = assemble_problem(floats, ints, made, lift)
         if not np.isfinite(problem.velocity).all():
             return
-        solution = solve(problem, self._tolerance, guess=brought if brought.any() else None)
+        guess = brought if brought.any() else None
+        solution = solve(problem, self._tolerance, guess=guess, effort=self._effort)
         apply_impulse(floats, ints, made, solution.impulse)
         past = self.certificate
         self.certificate = replace(

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from engine.respond.exact.cone import compose, frame_of, root, spectral
+from engine.respond.exact.effort import Effort
 
 __all__ = ["PathPoint", "trace_path"]
 
@@ -40,6 +41,8 @@ CENTRED = 0.1
 """How far, relative to its distance from the boundary of the cone, a contact may be off the path."""
 SHORTEST, LONGEST = 1e-7, 3.0
 """Arc length of a step below which the path is given up, and the largest change of log w in one step."""
+MOST = 800
+"""Matrices of a path."""
 TRIES = 8
 """Newton steps allowed to come back to the path, and how the arc length changes after each number of them."""
 PACE = (2.0, 2.0, 2.0, 1.3, 1.3, 1.0, 0.7, 0.7, 0.7)
@@ -50,14 +53,12 @@ class PathPoint:
     """A point of the path.
 
     Terms:
-        x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w; steps: matrices factorised
-        since the point before.
+        x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w.
     """
 
     x: FloatArray
     drift: FloatArray
     width: float
-    steps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,14 +113,16 @@ def look(
     return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
 
 
-def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
+def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
     Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;
-        rubs (k,): contacts with friction; power: of w in the width of sliding; most: matrices allowed.
+        rubs (k,): contacts with friction; power: of w in the width of sliding; effort: what is left.
     """
     n, w = len(fine), fine.astype(np.float64)
-    x, used = start(w, fine, q, rubs, power)
+    before, extended = effort.matrices, fine.dtype != np.float64
+    x = start(w, fine, q, rubs, power, effort)
+    used = effort.matrices - before
     here = look(w, fine, q, rubs, x, WIDEST, power)
     unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)
     log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
@@ -130,10 +133,12 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
         matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
         matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
         right[:n], right[n] = miss, along
+        if not effort.take(extended):
+            return None
         _, _, made, status = gesv(matrix, right)
         return made if status == 0 and np.isfinite(made).all() else None
 
-    while used < most:
+    while used < MOST:
         made = newton(here, 0.0, 1.0)
         used += 1
         if made is None:
@@ -141,7 +146,7 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
         turn = made / math.sqrt(made[:n] @ made[:n] / n + made[n] ** 2)
         drift = (unit * made[:n]).reshape(-1, 3) / (made[n] or 1e-300)
         if used > count + 1 and log_width < math.log(WIDEST):
-            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width), used - count)
+            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width))
             count = used
         while arc > SHORTEST:
             step = min(arc, LONGEST / max(abs(turn[n]), 1e-9))
@@ -174,14 +179,14 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
             return
 
 
-def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -> tuple[FineArray, int]:
-    """The point of the path (k, 3) at the widest width by Newton with a line search, and the matrices factorised."""
+def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, effort: Effort) -> FineArray:
+    """The point of the path (k, 3) at the widest width by Newton with a line search."""
     x = np.zeros(q.shape, fine.dtype)
     x[:, 0] = WIDEST
     here = look(w, fine, q, rubs, x, WIDEST, power)
-    for count in range(60):
-        if here.off < 1e-2:
-            return x, count
+    for _ in range(60):
+        if here.off < 1e-2 or not effort.take(fine.dtype != np.float64):
+            break
         _, _, way, _ = gesv(here.slope, here.miss.ravel())
         way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())
         way[~rubs, 1:] = 0.0
@@ -191,4 +196,4 @@ def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_]
                 break
             size *= 0.5
         x = x + size * way
-    return x, 60
+    return x

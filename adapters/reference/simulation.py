@@ -140,7 +140,12 @@ class ReferenceSimulation:
             if certificate.missed
             else ""
         )
-        return (Notice(precision + missed + crowded),)
+        lessened = (
+            f"; {certificate.lessened} blows had less than their restitution, which would have given energy"
+            if certificate.lessened
+            else ""
+        )
+        return (Notice(precision + missed + crowded + lessened),)
 
     def save(self) -> object:
         """Both arrays of the world."""

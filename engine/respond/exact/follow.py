@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from engine.respond.exact.cone import inverse_slope, smooth_project
-from engine.respond.exact.effort import Effort
+from engine.respond.exact.effort import FOLLOWED, Effort
 
 __all__ = ["follow_path"]
 
@@ -59,7 +59,7 @@ def follow_path(
             error = float(np.abs(miss).max())
             if error <= 0.1 * width:
                 break
-            if not effort.take():
+            if not effort.take(FOLLOWED):
                 return x
             values, frame = inverse_slope(z, width)
             slope = (frame / values[:, None, :]) @ np.swapaxes(frame, 1, 2)

@@ -15,7 +15,7 @@ import numpy as np
 
 from engine.respond.exact.blocks import FINE, Blocks, FineArray
 from engine.respond.exact.cone import frame_of
-from engine.respond.exact.effort import Effort
+from engine.respond.exact.effort import FINE_MATRIX, Effort
 
 __all__ = ["central_point"]
 
@@ -74,7 +74,7 @@ def central_point(blocks: Blocks, q: FineArray, goal: float, most: int, effort: 
         frame, stretch = scaling(x, y)
         turned = np.swapaxes(frame, 1, 2)
         scaled = turn(frame, stretch * turn(turned, y))
-        if not (effort.take(fine=True) and blocks.factor(frame, 1.0 / stretch**2)):
+        if not (effort.take(FINE_MATRIX) and blocks.factor(frame, 1.0 / stretch**2)):
             return x, float(np.sqrt(mean))
         square = product(scaled, scaled)
         rest, share = -square, 0.0

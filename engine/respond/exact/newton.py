@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from engine.respond.exact.blocks import FINE, Blocks, FineArray
 from engine.respond.exact.cone import inverse_slope, smooth_project
-from engine.respond.exact.effort import Effort
+from engine.respond.exact.effort import FINE_MATRIX, Effort
 
 __all__ = ["minimise"]
 
@@ -57,7 +57,7 @@ def minimise(
         lowest = min(error, lowest)
         values, frame = inverse_slope(z, width)
         values = np.minimum(values, STEEPEST)
-        if not (effort.take(fine=True) and blocks.factor(frame, np.asarray(values - 1.0, FINE))):
+        if not (effort.take(FINE_MATRIX) and blocks.factor(frame, np.asarray(values - 1.0, FINE))):
             return x
         step = blocks.solve((frame @ (values[:, :, None] * (np.swapaxes(frame, 1, 2) @ miss[:, :, None])))[:, :, 0])
         step[~kept] = 0.0

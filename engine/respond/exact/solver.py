@@ -1,12 +1,12 @@
 """The exact solve: six methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
-2. path following on Coulomb's law from the middle of the cones (`follow`), and 1 from its end;
-3. 1 from the best so far with velocities weighed higher, for contacts that slip slowly under large impulses;
+2. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 1 with velocities weighed higher,
+   for contacts that slip slowly under large impulses, and Newton with the modes of the contacts that the path shows (`settle`);
+3. paths followed by width from the middle of the cones (`follow`), and from their ends 1;
 4. De Saxce's fixed point around convex problems (`fixed_point`), solved in extended precision and begun from the sliding of
-   the best so far, from none and from that of free motion; and after each round 1 and Newton with the modes of the contacts
-   that it shows (`settle`);
-5. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 3 and Newton with their modes;
+   the best so far, from none and from that of free motion; and after each round 1 and Newton with its modes;
+5. 2 with velocities in extended precision;
 6. 4 again, longer and from random sliding, the same in every run.
 
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
@@ -55,12 +55,12 @@ WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
 """First widths of the paths, and their last one, in units of the largest free velocity."""
 NARROW, CLOSER = 1e-2, 0.3
 """Width of a traced path below which Newton is tried, and how much narrower each time."""
-PATHS = tuple((power, fine) for fine in (False, True) for power in (2.0, 1.0, 1.5))
-"""Power of w in the width of sliding, and whether with more digits, of the paths: where one is lost, another may lead on."""
+POWERS = (2.0, 1.0, 1.5)
+"""Powers of w in the width of sliding, of the paths: where one is lost, another may lead on."""
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 EARLY, LATE = 4, 8
-"""Rounds of the fixed point from each start before paths are traced, and after; most that converge do so in the first few."""
+"""Rounds of the fixed point from each start before paths are traced with more digits, and after; most that converge do so in the first few."""
 GUESSES, SEED, SLOWEST = 8, 1, 1e-5
 """Random starts of the fixed point at the end, of four kinds each, what they are drawn with, and their slowest sliding."""
 PATIENCE = 12
@@ -124,6 +124,10 @@ def answers(search: Search, most: int, guess: FloatArray | None) -> Iterator[Ans
     if guess is not None:
         near = finish(search, guess * scaled.scale / scaled.unit)
         yield near
+    for power in POWERS:
+        found = trace(search, power)
+        yield found
+        near = min(near, found, key=residual_of)
     for width in WIDTHS:
         found = follow(search, width)
         yield found
@@ -132,8 +136,8 @@ def answers(search: Search, most: int, guess: FloatArray | None) -> Iterator[Ans
     begun, free = sliding_of(scaled, near[0]), sliding_of(scaled, np.zeros_like(scaled.q))
     for start in (begun, np.zeros_like(free), free):
         yield relax(search, start, min(EARLY, most))
-    for path in PATHS:
-        yield trace(search, path)
+    for power in POWERS:
+        yield trace(search, power, fine=True)
     yield relax(search, begun, most)
     draw = np.random.default_rng(SEED)
     for _ in range(GUESSES):
@@ -165,12 +169,12 @@ def sliding_of(scaled: Scaled, x: FloatArray) -> FloatArray:
     return sliding(scaled.rubs, scaled.q + (scaled.w @ x.ravel()).reshape(-1, 3))
 
 
-def trace(search: Search, path: tuple[float, bool]) -> Answer:
-    """From ever narrower points of the traced path."""
+def trace(search: Search, power: float, fine: bool = False) -> Answer:
+    """From ever narrower points of the traced path, and where it is lost, its last one. Args: as `trace_path`."""
     scaled, tolerance = search.scaled, search.tolerance
-    power, fine = path
-    best, lowest, narrow = np.zeros_like(scaled.q), np.inf, NARROW
+    best, lowest, narrow, last = np.zeros_like(scaled.q), np.inf, NARROW, np.zeros_like(scaled.q)
     for point in trace_path(scaled.fine if fine else scaled.w, scaled.q, scaled.rubs, power, search.effort):
+        last = point.x
         if point.width < narrow:
             narrow = CLOSER * point.width
             mode = modes_of(scaled.rubs, point.x, point.drift)
@@ -181,7 +185,7 @@ def trace(search: Search, path: tuple[float, bool]) -> Answer:
                     best, lowest = x, residual
                 if lowest <= tolerance:
                     return best, lowest
-    return best, lowest
+    return min((best, lowest), finish(search, last), key=residual_of)
 
 
 def relax(search: Search, s: FloatArray, most: int) -> Answer:

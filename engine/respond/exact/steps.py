@@ -3,7 +3,7 @@
 Where surfaces have restitution a sub-step goes on from blow to blow: the gaps of bodies that fall one behind the other may
 all close in it, and who strikes first decides how fast the next are struck. Up to the instant of a blow the velocities are
 those that end the sub-step, as in semi-implicit Euler; the blow itself is solved with what the forces have given until then,
-over the contacts that touch, and what they give in the rest is added again.
+over the contacts that touch, and what they give in the rest is added again. No blow gives energy (`passive`).
 
 Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (from impact to impact).
 """
@@ -21,6 +21,8 @@ from engine.memory.arena import float_table, int_table
 from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
 from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
+from engine.respond.exact.law import Problem
+from engine.respond.exact.passive import without_gain
 from engine.respond.exact.problem import (
     ContactFrames,
     apply_impulse,
@@ -30,7 +32,7 @@ from engine.respond.exact.problem import (
     rebound,
     time_to_blow,
 )
-from engine.respond.exact.solver import solve
+from engine.respond.exact.solver import Solution, solve
 
 __all__ = ["Certificate", "ExactSteps"]
 
@@ -49,13 +51,15 @@ class Certificate:
 
     Terms:
         residual: the largest relative residual of a solve [1]; solves: how many there were; missed: how many ended above the
-        tolerance, with the best that their effort had found; crowded: sub-steps with more blows than were told apart.
+        tolerance, with the best that their effort had found; crowded: sub-steps with more blows than were told apart; lessened: groups of points that rebounded by
+        less than their restitution, which would have given energy.
     """
 
     residual: float = 0.0
     solves: int = 0
     missed: int = 0
     crowded: int = 0
+    lessened: int = 0
 
 
 class ExactSteps:
@@ -133,8 +137,10 @@ class ExactSteps:
         problem, brought = assemble_problem(floats, ints, made, lift)
         if not np.isfinite(problem.velocity).all():
             return
-        guess = brought if brought.any() else None
-        solution = solve(problem, self._tolerance, guess=guess, effort=self._effort)
+        solution, lessened = self._solve(problem, brought if brought.any() else None), 0
+        if (lift < 0.0).any():
+            blow = without_gain(problem, lift, solution, self._solve)
+            solution, lessened = blow.solution, blow.lessened
         apply_impulse(floats, ints, made, solution.impulse)
         past = self.certificate
         self.certificate = replace(
@@ -142,4 +148,9 @@ class ExactSteps:
             residual=max(past.residual, solution.residual),
             solves=past.solves + 1,
             missed=past.missed + int(solution.residual > self._tolerance),
+            lessened=past.lessened + lessened,
         )
+
+    def _solve(self, problem: Problem, guess: FloatArray | None = None) -> Solution:
+        """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""
+        return solve(problem, self._tolerance, guess=guess, effort=self._effort)

@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from engine.respond.exact.cone import compose, frame_of, root, spectral
-from engine.respond.exact.effort import Effort
+from engine.respond.exact.effort import EXTENDED, TRACED, Effort
+from engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
 
 __all__ = ["PathPoint", "trace_path"]
 
@@ -75,7 +76,18 @@ class Local:
 def look(
     w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
 ) -> Local:
-    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with more digits."""
+    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with as many digits."""
+    if fine.dtype == np.float64:
+        slope, out = np.empty(w.shape), np.empty((len(x), COLUMNS))
+        off = look_at(w, q, rubs.astype(np.int64), np.ascontiguousarray(x), (width, power), slope, out)
+        return Local(out[:, MISS : MISS + 3], slope, out[:, RATE : RATE + 3], off, out[:, SIZE])
+    return look_widely(w, fine, q, rubs, x, width, power)
+
+
+def look_widely(
+    w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
+) -> Local:
+    """As `look`, in any precision."""
     k, soft, dim = len(x), width * width, width**power
     y = q + (fine @ x.ravel()).reshape(-1, 3) + soft * x
     y[~rubs, 1:] = 0.0
@@ -120,7 +132,7 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
         rubs (k,): contacts with friction; power: of w in the width of sliding; effort: what is left.
     """
     n, w = len(fine), fine.astype(np.float64)
-    before, extended = effort.matrices, fine.dtype != np.float64
+    before, cost = effort.matrices, TRACED if fine.dtype == np.float64 else EXTENDED
     x = start(w, fine, q, rubs, power, effort)
     used = effort.matrices - before
     here = look(w, fine, q, rubs, x, WIDEST, power)
@@ -133,7 +145,7 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
         matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
         matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
         right[:n], right[n] = miss, along
-        if not effort.take(extended):
+        if not effort.take(cost):
             return None
         _, _, made, status = gesv(matrix, right)
         return made if status == 0 and np.isfinite(made).all() else None
@@ -185,7 +197,7 @@ def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_]
     x[:, 0] = WIDEST
     here = look(w, fine, q, rubs, x, WIDEST, power)
     for _ in range(60):
-        if here.off < 1e-2 or not effort.take(fine.dtype != np.float64):
+        if here.off < 1e-2 or not effort.take(TRACED if fine.dtype == np.float64 else EXTENDED):
             break
         _, _, way, _ = gesv(here.slope, here.miss.ravel())
         way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())

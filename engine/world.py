@@ -109,7 +109,7 @@ class World:
         if self.touching and self.options.solver == "exact":
             from engine.respond.exact.steps import ExactSteps
 
-            self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
+            self._exact = ExactSteps(self.options, (surfaces or {}).values(), joints)
         self.in_joint_coordinates = forest is not None
         unsmooth = unsmooth_of(joints)
         if forest is not None:

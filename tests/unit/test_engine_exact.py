@@ -125,14 +125,14 @@ def test_the_first_touches_of_piles_that_are_held_from_two_sides_are_solved(seed
 
 
 def test_a_miss_is_answered_within_its_effort_counted_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No residual is at most 1e-30 where anything moves, so that every solve misses: in 5 ms, ten matrices at .45 ms or more.
+    """No residual is at most 1e-30 where anything moves, so that every solve misses: in 5 ms, 41 matrices at .12 ms or more.
 
     The bits are those of the same world again: matrices are counted, and no clock is looked at.
     """
     worlds = [_pile(1, 3, effort=5.0, tolerance=1e-30) for _ in range(2)]
     seen = _watched(worlds[0], 60, monkeypatch)
     assert len(seen) > 10
-    assert 0 < max(solution.matrices for _, solution in seen) <= 11
+    assert 0 < max(solution.matrices for _, solution in seen) <= 41
     certificate = worlds[0].certificate
     assert certificate is not None
     assert certificate.missed == sum(solution.residual > 1e-30 for _, solution in seen) > 0

@@ -24,7 +24,9 @@ from engine.memory.arena import float_table, int_table
 from engine.respond.exact.law import Problem
 
 __all__ = [
-    "ContactFrames", "apply_impulse", "assemble_problem", "closing", "contact_frames", "rebound", "time_to_blow",
+    "ContactFrames", "TOUCHING", "Movers", "apply_impulse", "assemble_problem", "brought_impulse", "closing", "contact_frames",
+    "cross_product", "friction_of", "keep_impulse", "movers_of", "pace_of", "rebound", "relative_velocity", "time_to_blow",
+    "weighted_rows",
 ]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
@@ -119,17 +121,29 @@ def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, li
 
     Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
     """
-    point = float_table(floats, ints, at.POINT)[made.rows]
-    friction = float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1]
     q = relative_velocity(float_table(floats, ints, at.STATE), made)
-    pace = float(np.sqrt((q * q).sum(axis=1)).max(initial=0.0))
+    speed = max(pace_of(q), float((-lift).max(initial=0.0)))
     q[:, 0] += lift
-    speed = max(pace, float((-lift).max(initial=0.0)))
+    reach = weighted_rows(made, movers_of(floats, ints, made.bodies))
+    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=friction_of(floats, ints, made), speed=speed)
+    return problem, brought_impulse(floats, ints, made)
 
-    reach = weighted_rows(floats, ints, made)
-    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=friction.copy(), speed=speed)
+
+def pace_of(u: FloatArray) -> float:
+    """The largest of velocities (k, 3) [m/s]."""
+    return float(np.sqrt((u * u).sum(axis=1)).max(initial=0.0))
+
+
+def friction_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """Coulomb's coefficients (k,) of the contacts."""
+    return np.array(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1])
+
+
+def brought_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """The impulses (k, 3) N s that the contacts bring from the last solve, in their frames."""
+    point = float_table(floats, ints, at.POINT)[made.rows]
     impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * made.frame[:, :, 0]
-    return problem, np.einsum("kji,kj->ki", made.frame, impulse)
+    return np.asarray(np.einsum("kji,kj->ki", made.frame, impulse))
 
 
 def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
@@ -138,23 +152,41 @@ def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
     return np.asarray(np.einsum("kji,kj->ki", made.frame, end[:, 1] - end[:, 0]), np.float64)
 
 
-def weighted_rows(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
-    """J S (3k, 6n) with M^-1 = S S^T, over the dynamic bodies in contact."""
+@dataclass(frozen=True, slots=True)
+class Movers:
+    """Dynamic bodies with M^-1 = S S^T.
+
+    Terms: rows (n,) of the arena's bodies; place: of each of these among the movers, -1 for others; root (n,): of the inverse
+        mass [kg^-1/2]; half (n, 3, 3): Cholesky factor of the inverse inertia in W.
+    """
+
+    rows: IntArray
+    place: IntArray
+    root: FloatArray
+    half: FloatArray
+
+
+def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
+    """The dynamic ones of some bodies."""
     mass, turned = float_table(floats, ints, at.BODY)[:, at.INV_MASS], float_table(floats, ints, at.TURNED)
-    moved = np.unique(made.bodies[mass[made.bodies] > 0.0])
+    rows = np.unique(bodies[mass[bodies] > 0.0])
     place = np.full(len(mass), -1)
-    place[moved] = np.arange(len(moved))
-    half = np.linalg.cholesky(symmetric(turned[moved]))
+    place[rows] = np.arange(len(rows))
+    return Movers(rows, place, np.sqrt(mass[rows]), np.linalg.cholesky(symmetric(turned[rows])))
+
+
+def weighted_rows(made: ContactFrames, movers: Movers) -> FloatArray:
+    """J S (3k, 6n) of the contacts."""
     k = len(made.rows)
-    reach = np.zeros((k, 3, len(moved), 6))
+    reach = np.zeros((k, 3, len(movers.rows), 6))
     for end, sign in ((0, -1.0), (1, 1.0)):
-        hit = np.flatnonzero(place[made.bodies[:, end]] >= 0)
-        n = place[made.bodies[hit, end]]
+        hit = np.flatnonzero(movers.place[made.bodies[:, end]] >= 0)
+        n = movers.place[made.bodies[hit, end]]
         rows = sign * np.swapaxes(made.frame[hit], 1, 2)
         turn = cross_product(made.arm[hit, end, None, :], rows)
-        reach[hit, :, n, :3] = rows * np.sqrt(mass[moved][n])[:, None, None]
-        reach[hit, :, n, 3:] = turn @ half[n]
-    return reach.reshape(3 * k, 6 * len(moved))
+        reach[hit, :, n, :3] = rows * movers.root[n][:, None, None]
+        reach[hit, :, n, 3:] = turn @ movers.half[n]
+    return reach.reshape(3 * k, 6 * len(movers.rows))
 
 
 def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
@@ -168,6 +200,12 @@ def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impul
         np.add.at(moment, made.bodies[:, end], sign * cross_product(made.arm[:, end], in_world))
     state[:, at.V : at.V + 3] += mass[:, None] * force
     state[:, at.W : at.W + 3] += np.einsum("nij,nj->ni", inverse, moment)
+    keep_impulse(floats, ints, made, impulse)
+
+
+def keep_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
+    """Keep impulses (k, 3) N s with the contact points."""
+    in_world = np.einsum("kij,kj->ki", made.frame, impulse)
     point = float_table(floats, ints, at.POINT)
     point[:, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
     point[made.rows, at.NORMAL_IMPULSE] = impulse[:, 0]

@@ -1,5 +1,7 @@
 """Steps of worlds with contact under the exact solver: find contacts, then in each sub-step kick, solve, certify, drift.
 
+Joints act on the kick, and on every impulse of a contact (`held`).
+
 Where surfaces have restitution a sub-step goes on from blow to blow: the gaps of bodies that fall one behind the other may
 all close in it, and who strikes first decides how fast the next are struck. Up to the instant of a blow the velocities are
 those that end the sub-step, as in semi-implicit Euler; the blow itself is solved with what the forces have given until then,
@@ -8,7 +10,8 @@ over the contacts that touch, and what they give in the rest is added again. No 
 Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (from impact to impact).
 """
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,10 +19,13 @@ from numpy.typing import NDArray
 
 from engine.describe.bodies import Surface
 from engine.describe.errors import NotSupported
+from engine.describe.joints import Joint
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
+from engine.respond.exact.held import assemble_held, give, held_bodies, hold
+from engine.respond.exact.joint_kernels import look_at_joints
 from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
 from engine.respond.exact.law import Problem
 from engine.respond.exact.passive import without_gain
@@ -29,7 +35,9 @@ from engine.respond.exact.problem import (
     assemble_problem,
     closing,
     contact_frames,
+    pace_of,
     rebound,
+    relative_velocity,
     time_to_blow,
 )
 from engine.respond.exact.solver import Solution, solve
@@ -65,19 +73,20 @@ class Certificate:
 class ExactSteps:
     """The step of one world, with the record of its residuals.
 
-    Args: options: time step, sub-steps and tolerance; surfaces: all laws of the world; jointed: whether it has joints.
-    Raises: NotSupported for joints, for static friction above kinetic, for rolling and for torsional friction.
+    Args: options: time step, sub-steps and tolerance; surfaces: all laws of the world; joints: all of its joints.
+    Raises: NotSupported for dry friction, limits of speed and limited drives in joints, for static friction above kinetic, for rolling and for torsional friction.
     """
 
-    def __init__(self, options: Options, surfaces: Iterable[Surface], jointed: bool) -> None:
-        if jointed:
-            raise NotSupported("joints beside contacts", "the exact solver knows contacts only")
+    def __init__(self, options: Options, surfaces: Iterable[Surface], joints: Sequence[Joint]) -> None:
+        for joint in joints:
+            refuse_bounded(joint)
         surfaces = tuple(surfaces)
         for law in surfaces:
             if law.static_friction > law.kinetic_friction:
                 raise NotSupported("static friction above kinetic", "the exact solver has Coulomb's law with one coefficient")
             if law.rolling_friction > 0.0 or law.torsional_friction > 0.0:
                 raise NotSupported("rolling or torsional friction", "the exact solver has forces at points only")
+        self._jointed = bool(joints)
         self._bounces = any(law.restitution > 0.0 for law in surfaces)
         self._h, self._substeps = options.dt / options.substeps, options.substeps
         self._tolerance, self._effort = options.tolerance, options.effort
@@ -93,17 +102,25 @@ class ExactSteps:
             status = int(begin_step(floats, ints))
             if status != DONE:
                 return step, status
+            float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
             for substep in range(self._substeps):
                 if self._advance(floats, ints, int(substep == self._substeps - 1)):
                     return step + 1, DIVERGED
+        if self._jointed:
+            return steps, int(look_at_joints(floats, ints))
         return steps, DONE
 
     def _advance(self, floats: FloatArray, ints: IntArray, last: int) -> bool:
         """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""
         h, motion = self._h, float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
         before = motion.copy()
-        slow = kick_touched(floats, ints, h)
-        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0:
+        slow, held, pace = kick_touched(floats, ints, h), None, 0.0
+        if self._jointed:
+            made = contact_frames(floats, ints)
+            pace = pace_of(relative_velocity(float_table(floats, ints, at.STATE), made))
+            held = held_bodies(floats, ints, made, h)
+            hold(floats, ints, held)
+        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
             return bool(drift_touched(floats, ints, h, last))
         kick, passed = motion - before, 0.0
         for _ in range(MOST_BLOWS if self._bounces else 0):
@@ -115,13 +132,12 @@ class ExactSteps:
             if struck.any():
                 motion -= (1.0 - passed / h) * kick
                 touching = made.of(struck | (closing(floats, ints, made, 1.0) == 0.0))
-                self._respond(
-                    floats, ints, touching, rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
-                )
+                bounce = rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
+                self._respond(floats, ints, touching, bounce, 0.0, pace)
                 drift_touched(floats, ints, 0.0, 0)
                 motion += (1.0 - passed / h) * kick
             else:
-                self._respond(floats, ints, made, closing(floats, ints, made, first))
+                self._respond(floats, ints, made, closing(floats, ints, made, first), first, pace)
                 drift_touched(floats, ints, first, 0)
                 passed += first
         made, left = contact_frames(floats, ints), max(h - passed, INSTANT * h)
@@ -129,19 +145,34 @@ class ExactSteps:
         if self._bounces and (struck := np.isfinite(time_to_blow(floats, ints, made, left, slow))).any():
             lift = np.where(struck, rebound(floats, ints, made, struck), lift)
             self.certificate = replace(self.certificate, crowded=self.certificate.crowded + 1)
-        self._respond(floats, ints, made, lift)
+        self._respond(floats, ints, made, lift, left, pace)
         return bool(drift_touched(floats, ints, h - passed, last))
 
-    def _respond(self, floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> None:
-        """Solve these contacts, apply the impulses, and record how exact they are. Args: lift: as `assemble_problem`."""
-        problem, brought = assemble_problem(floats, ints, made, lift)
+    def _respond(
+        self, floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray, left: float, pace: float
+    ) -> None:
+        """Solve these contacts, apply the impulses, and record how exact they are.
+
+        Args: lift: as `assemble_problem`; left [s]: as `assemble_held`; pace [m/s]: of the contacts before joints held them.
+        """
+        held, beside, lessened = None, None, 0
+        if self._jointed:
+            held = held_bodies(floats, ints, made, self._h)
+            beside = assemble_held(floats, ints, made, lift, held, left)
+            problem, brought, lift = beside.problem, beside.brought, beside.lift
+            problem = replace(problem, speed=max(problem.speed, pace))
+        else:
+            problem, brought = assemble_problem(floats, ints, made, lift)
         if not np.isfinite(problem.velocity).all():
             return
-        solution, lessened = self._solve(problem, brought if brought.any() else None), 0
+        solution = self._solve(problem, brought if brought.any() else None)
         if (lift < 0.0).any():
             blow = without_gain(problem, lift, solution, self._solve)
             solution, lessened = blow.solution, blow.lessened
-        apply_impulse(floats, ints, made, solution.impulse)
+        if held is None or beside is None:
+            apply_impulse(floats, ints, made, solution.impulse)
+        else:
+            give(floats, ints, held, beside, solution.impulse)
         past = self.certificate
         self.certificate = replace(
             past,
@@ -154,3 +185,17 @@ class ExactSteps:
     def _solve(self, problem: Problem, guess: FloatArray | None = None) -> Solution:
         """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""
         return solve(problem, self._tolerance, guess=guess, effort=self._effort)
+
+
+def refuse_bounded(joint: Joint) -> None:
+    """Keep from the exact solver what acts along a coordinate within bounds. Raises: NotSupported."""
+    drive = getattr(joint, "drive", None)
+    for held, what in (
+        (getattr(joint, "friction_loss", 0.0) > 0.0, "dry friction"),
+        (getattr(joint, "speed_limit", math.inf) < math.inf, "a limit of speed"),
+        (drive is not None and drive.limit < math.inf, "a limited drive"),
+    ):
+        if held:
+            raise NotSupported(
+                f"{what} in joint '{joint.name}' beside exact contacts", "the exact solver knows joints, springs, drives and stops"
+            )

@@ -11,7 +11,6 @@ from engine.respond.exact.law import Problem
 from engine.respond.exact.solver import Solution, solve
 from tests.exact_worlds import DEFAULT, DT, EXACT, G, ball, cube, residual, surface, world_of
 
-
 PATIENT = 1e6
 """An effort [ms] that all methods together do not reach."""
 

@@ -111,7 +111,8 @@ def test_random_problems_with_mass_ratios_of_1e4_are_solved_to_round_off(seed: i
 
 @pytest.mark.parametrize("effort", [20.0, 50.0])
 def test_an_effort_bounds_the_matrices_and_its_end_keeps_the_best_answer(effort: float) -> None:
-    """Of 18 unknowns a matrix costs .12 to .62 ms. What more effort adds follows on the same matrices: it can only be better."""
+    """Of 18 unknowns a matrix costs .12 to .62 ms. What more effort adds follows on the same matrices: it can only be
+    better."""
     problem = _random_problem(3, ratio=1e4)
     bounded, longer = (solve(problem, tolerance=0.0, effort=most) for most in (effort, 2.0 * effort))
     assert effort / 0.62 - 1.0 < bounded.matrices <= effort / 0.12

@@ -90,9 +90,7 @@ def test_a_group_that_would_gain_leaves_the_rebound_of_another_alone() -> None:
     assert gains[one] > 1e-6 > gains[other]
     w = np.zeros((12, 12))
     w[:6, :6], w[6:, 6:] = parts[one][0].inverse_mass, parts[other][0].inverse_mass
-    both = Problem(
-        w, np.concatenate([parts[k][0].velocity for k in (one, other)]), np.ones(4), max(p.speed for p, _ in parts)
-    )
+    both = Problem(w, np.concatenate([parts[k][0].velocity for k in (one, other)]), np.ones(4), max(p.speed for p, _ in parts))
     together = Solution(np.concatenate([plain[one].impulse, plain[other].impulse]), 0.0, 0)
     blow = without_gain(both, np.concatenate([parts[one][1], parts[other][1]]), together, solve)
     assert blow.lessened == 1

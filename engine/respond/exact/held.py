@@ -4,14 +4,15 @@ With M^-1 = S S^T, v = S s, the rows of all joints, J v + gamma lambda + beta = 
 
     A (s, t) = -beta,    A = [J S, gamma^1/2],    lambda = -gamma^-1/2 t
 
-of soft rows, one more coordinate t for each. Solved by the least (s, t), as mass times acceleration has it, they leave motions in
-the null space of A alone: with its projector P the contacts have W = (C P)(C P)^T, symmetric and positive semi-definite to the last
-bit, C = [J_contact S, 0]. A is decomposed into singular values, so that rows which depend on others, as in closed loops, do no harm.
+of soft rows, one more coordinate t for each. Solved by the least (s, t), as mass times acceleration has it, they leave motions
+in the null space of A alone: with its projector P the contacts have W = (C P)(C P)^T, symmetric and positive semi-definite to
+the last bit, C = [J_contact S, 0]. A is decomposed into singular values, so that rows which depend on others, as in closed
+loops, do no harm.
 
 Limits are unilateral rows, contacts without friction; a stop takes what comes and gives nothing back.
 
-Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 8.2 (loop constraints); Lacoursiere, Ghosts and Machines, 2007
-(soft rows as coordinates of their own); Golub, Van Loan, Matrix Computations, section 5.5 (rank and least squares).
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 8.2 (loop constraints); Lacoursiere, Ghosts and Machines,
+2007 (soft rows as coordinates of their own); Golub, Van Loan, Matrix Computations, section 5.5 (rank and least squares).
 """
 
 from dataclasses import dataclass
@@ -52,9 +53,9 @@ LINEAR_B, ANGULAR_B = at.JACOBIAN + 6, at.JACOBIAN + 9
 class Held:
     """The joints of a world in one pose.
 
-    Terms: movers: bodies in contact or held by joints; row (m, 18), body (m, 4): as of the arena, free rows first; free: how many
-        these are, the rest being limits; gap (l,): to the stops [m or rad]; reach (m, 6n): J S; basis (6n + soft, r): of the row
-        space of A; back (free, r): impulses from motions along the basis; rotors (m,): which
+    Terms: movers: bodies in contact or held by joints; row (m, 18), body (m, 4): as of the arena, free rows first; free: how
+        many these are, the rest being limits; gap (l,): to the stops [m or rad]; reach (m, 6n): J S; basis (6n + soft, r): of
+        the row space of A; back (free, r): impulses from motions along the basis; rotors (m,): which
         rows are those of rotors.
     """
 
@@ -124,8 +125,8 @@ def move(state: FloatArray, held: Held, s: FloatArray) -> None:
 class Beside:
     """A problem beside joints, and where it comes from.
 
-    Terms: problem; brought (k, 3) N s, lift (k,) m/s: as of `assemble_problem`; made: its contacts; stops: the rows of its stops, behind these;
-        across (3k, 6n + soft): C P; taken (3k, r): C along the basis of the joints.
+    Terms: problem; brought (k, 3) N s, lift (k,) m/s: as of `assemble_problem`; made: its contacts; stops: the rows of its
+        stops, behind these; across (3k, 6n + soft): C P; taken (3k, r): C along the basis of the joints.
     """
 
     problem: Problem
@@ -137,9 +138,7 @@ class Beside:
     taken: FloatArray
 
 
-def assemble_held(
-    floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray, held: Held, left: float
-) -> Beside:
+def assemble_held(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray, held: Held, left: float) -> Beside:
     """The problem of contacts and stops, the latter last, in what the joints leave.
 
     Args: lift: as `assemble_problem`; left [s]: in which stops may be reached; 0: those alone that are.

@@ -1,14 +1,14 @@
 """Blows that give no energy: Newton's restitution, less of it where Newton's law itself would give some.
 
-Points that strike at the same instant are one problem, u_N -> max(u_N, -e u_N) with Coulomb's law beside it. What all impulses r
-give is
+Points that strike at the same instant are one problem, u_N -> max(u_N, -e u_N) with Coulomb's law beside it. What all impulses
+r give is
 
     dE = r . (u + u') / 2,    u' = u + W r,
 
-for relative velocities u before and u' after. Without friction and with one e it is (1 - e) r . u / 2 <= 0. With friction off the
-centre of mass, or beside a point that is about to open, it may be positive (Kane, Levinson). At e = 0 it never is, since r . u' <= 0
-and r . (u' - u) = r W r >= 0. Each group of points that bodies connect therefore takes the largest share of its e, from 0 to 1, at
-which it gains nothing.
+for relative velocities u before and u' after. Without friction and with one e it is (1 - e) r . u / 2 <= 0. With friction off
+the centre of mass, or beside a point that is about to open, it may be positive (Kane, Levinson). At e = 0 it never is, since r
+. u' <= 0 and r . (u' - u) = r W r >= 0. Each group of points that bodies connect therefore takes the largest share of its e,
+from 0 to 1, at which it gains nothing.
 
 Source: Newton's law and its gain: Kane, Levinson, Dynamics, 1985; Stronge, Impact Mechanics, 2000, chapters 3 and 8.
 """
@@ -51,8 +51,8 @@ def energy_given(problem: Problem, lift: FloatArray, impulse: FloatArray) -> Flo
 def without_gain(problem: Problem, lift: FloatArray, solution: Solution, solve: Callable[[Problem], Solution]) -> Blow:
     """A blow in which no group of points gains energy.
 
-    Args: problem: with `lift` (k,) m/s on its normal velocities, negative where a point rebounds; solution: of it; solve: for the
-        impulses of another problem.
+    Args: problem: with `lift` (k,) m/s on its normal velocities, negative where a point rebounds; solution: of it; solve: for
+        the impulses of another problem.
     """
     if energy_given(problem, lift, solution.impulse).max(initial=0.0) <= 0.0:
         return Blow(solution, 0)

@@ -12,11 +12,11 @@
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 All together may cost what the `effort` says, counted in matrices and not by a clock; what is then best is the answer.
 
-What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10, without end of effort too. Of piles of four boxes with masses
-from 1 to 1e4 kg between walls all of the twenty that the tests know had no miss (2988 solves, at most 3.1e-11), of 61 others
-59 (2 misses in 9128 solves, at most 4.9e-10), of three of eight boxes two (1 miss in 450, 4.8e-7). Such a miss takes 10 s or more:
-a converged truth waits for it, and is refused on it; a world has 50 ms, unless told otherwise. Misses are counted in
-`World.certificate`.
+What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10, without end of effort too. Of piles
+of four boxes with masses from 1 to 1e4 kg between walls all of the twenty that the tests know had no miss (2988 solves, at most
+3.1e-11), of 61 others 59 (2 misses in 9128 solves, at most 4.9e-10), of three of eight boxes two (1 miss in 450, 4.8e-7). Such
+a miss takes 10 s or more: a converged truth waits for it, and is refused on it; a world has 50 ms, unless told otherwise.
+Misses are counted in `World.certificate`.
 """
 
 from collections.abc import Iterator
@@ -60,7 +60,8 @@ POWERS = (2.0, 1.0, 1.5)
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 EARLY, LATE = 4, 8
-"""Rounds of the fixed point from each start before paths are traced with more digits, and after; most that converge do so in the first few."""
+"""Rounds of the fixed point from each start before paths are traced with more digits, and after; most that converge do so in
+the first few."""
 GUESSES, SEED, SLOWEST = 8, 1, 1e-5
 """Random starts of the fixed point at the end, of four kinds each, what they are drawn with, and their slowest sliding."""
 PATIENCE = 12

@@ -59,8 +59,8 @@ class Certificate:
 
     Terms:
         residual: the largest relative residual of a solve [1]; solves: how many there were; missed: how many ended above the
-        tolerance, with the best that their effort had found; crowded: sub-steps with more blows than were told apart; lessened: groups of points that rebounded by
-        less than their restitution, which would have given energy.
+        tolerance, with the best that their effort had found; crowded: sub-steps with more blows than were told apart; lessened:
+        groups of points that rebounded by less than their restitution, which would have given energy.
     """
 
     residual: float = 0.0
@@ -74,7 +74,8 @@ class ExactSteps:
     """The step of one world, with the record of its residuals.
 
     Args: options: time step, sub-steps and tolerance; surfaces: all laws of the world; joints: all of its joints.
-    Raises: NotSupported for dry friction, limits of speed and limited drives in joints, for static friction above kinetic, for rolling and for torsional friction.
+    Raises: NotSupported for dry friction, limits of speed and limited drives in joints, for static friction above kinetic, for
+    rolling and for torsional friction.
     """
 
     def __init__(self, options: Options, surfaces: Iterable[Surface], joints: Sequence[Joint]) -> None:
@@ -197,5 +198,6 @@ def refuse_bounded(joint: Joint) -> None:
     ):
         if held:
             raise NotSupported(
-                f"{what} in joint '{joint.name}' beside exact contacts", "the exact solver knows joints, springs, drives and stops"
+                f"{what} in joint '{joint.name}' beside exact contacts",
+                "the exact solver knows joints, springs, drives and stops",
             )

@@ -206,9 +206,8 @@ def test_a_spring_presses_a_slide_onto_the_floor_with_what_it_is_short_of() -> N
     law = {"spring": engine.Spring(stiffness=200.0, damping=5.0, rest=-0.05)}
     more = {"drive": engine.Drive(stiffness=100.0, damping=1.0, target=-0.1)}
     for given, force in ((law, 200 * 0.05), ({**law, **more}, 200 * 0.05 + 100 * 0.1)):
-        slide = engine.Prismatic(
-            name="slide", parent=engine.WORLD, child="cube", anchor_W=(0, 0, 0.1), axis_W=(0, 0, 1), **given
-        )  # type: ignore[arg-type]
+        ends: Any = {"parent": engine.WORLD, "child": "cube", **given}
+        slide = engine.Prismatic(name="slide", anchor_W=(0, 0, 0.1), axis_W=(0, 0, 1), **ends)
         world = _world([GROUND, cube(p_WB=(0, 0, 0.1))], [slide], surface(0.5))
         world.step(20)
         assert residual(world) <= EXACT
@@ -282,6 +281,7 @@ def test_what_acts_within_bounds_along_a_joint_is_refused_by_its_name() -> None:
         ({"speed_limit": 1.0}, "a limit of speed in joint 'hinge'"),
         ({"drive": engine.Drive(stiffness=1.0, limit=5.0)}, "a limited drive in joint 'hinge'"),
     ):
-        hinge = engine.Revolute(name="hinge", parent=engine.WORLD, child="cube", anchor_W=(0, 0, 0.1), axis_W=UP, **given)  #
-        type: ignore[arg-type] with pytest.raises(engine.NotSupported, match=what):
+        ends: Any = {"parent": engine.WORLD, "child": "cube", **given}
+        hinge = engine.Revolute(name="hinge", anchor_W=(0, 0, 0.1), axis_W=UP, **ends)
+        with pytest.raises(engine.NotSupported, match=what):
             _world([GROUND, cube(p_WB=(0, 0, 0.1))], [hinge], surface(0.5))

@@ -28,6 +28,7 @@ from engine.respond.exact.problem import (
     TOUCHING,
     ContactFrames,
     Movers,
+    apply_impulse,
     brought_impulse,
     friction_of,
     keep_impulse,
@@ -104,7 +105,7 @@ def hold(floats: FloatArray, ints: IntArray, held: Held) -> None:
     state, body = float_table(floats, ints, at.STATE), held.body[: held.free]
     asked = -rates(state, held.row[: held.free], body) - held.row[: held.free, at.BIAS]
     along = held.back.T @ asked
-    move(state, held, (held.basis @ along)[: held.reach.shape[1]])
+    apply_impulse(state, held.movers, (held.basis @ along)[: held.reach.shape[1]])
     count_reactions(floats, ints, held, np.concatenate([held.back @ along, np.zeros(len(held.gap))]))
 
 
@@ -112,13 +113,6 @@ def rates(state: FloatArray, row: FloatArray, body: IntArray) -> FloatArray:
     """J v (m,) of rows."""
     velocity = state[body[:, :2], at.V : at.V + 6]
     return np.asarray((row[:, at.JACOBIAN : at.JACOBIAN + 12].reshape(-1, 2, 6) * velocity).sum(axis=(1, 2)))
-
-
-def move(state: FloatArray, held: Held, s: FloatArray) -> None:
-    """v += S s."""
-    change, movers = s.reshape(-1, 6), held.movers
-    state[movers.rows, at.V : at.V + 3] += movers.root[:, None] * change[:, :3]
-    state[movers.rows, at.W : at.W + 3] += np.einsum("nij,nj->ni", movers.half, change[:, 3:])
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +163,7 @@ def assemble_held(floats: FloatArray, ints: IntArray, made: ContactFrames, lift:
 def give(floats: FloatArray, ints: IntArray, held: Held, beside: Beside, impulse: FloatArray) -> None:
     """Change velocities by impulses (k, 3) N s of contacts and stops, and by those of the joints that they call for."""
     flat, k = impulse.ravel(), len(beside.made.rows)
-    move(float_table(floats, ints, at.STATE), held, (beside.across.T @ flat)[: held.reach.shape[1]])
+    apply_impulse(float_table(floats, ints, at.STATE), held.movers, (beside.across.T @ flat)[: held.reach.shape[1]])
     total = np.zeros(len(held.row))
     total[: held.free] = -held.back @ (beside.taken.T @ flat)
     total[beside.stops] = impulse[k:, 0]

@@ -51,6 +51,20 @@ class ContactFrames:
         return ContactFrames(self.rows[which], self.bodies[which], self.frame[which], self.arm[which])
 
 
+@dataclass(frozen=True, slots=True)
+class Movers:
+    """Dynamic bodies with M^-1 = S S^T.
+
+    Terms: rows (n,) of the arena's bodies; place: of each of these among the movers, -1 for others; root (n,): of the inverse
+        mass [kg^-1/2]; half (n, 3, 3): Cholesky factor of the inverse inertia in W.
+    """
+
+    rows: IntArray
+    place: IntArray
+    root: FloatArray
+    half: FloatArray
+
+
 def frames_of(normal: FloatArray) -> FloatArray:
     """Right-handed frames (k, 3, 3), the normal in the first column.
 
@@ -116,17 +130,19 @@ def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: 
     return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
 
 
-def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> tuple[Problem, FloatArray]:
+def assemble_problem(
+    floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray
+) -> tuple[Problem, Movers, FloatArray]:
     """The problem of these contacts, with velocities already kicked, and what is added to them along the normals, (k,) m/s.
 
-    Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
+    Returns: the problem, the bodies that it moves, and J S (3k, 6n).
     """
     q = relative_velocity(float_table(floats, ints, at.STATE), made)
     speed = max(pace_of(q), float((-lift).max(initial=0.0)))
     q[:, 0] += lift
-    reach = weighted_rows(made, movers_of(floats, ints, made.bodies))
-    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=friction_of(floats, ints, made), speed=speed)
-    return problem, brought_impulse(floats, ints, made)
+    movers = movers_of(floats, ints, made.bodies)
+    reach = weighted_rows(made, movers)
+    return Problem(reach @ reach.T, q, friction_of(floats, ints, made), speed), movers, reach
 
 
 def pace_of(u: FloatArray) -> float:
@@ -152,20 +168,6 @@ def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
     return np.asarray(np.einsum("kji,kj->ki", made.frame, end[:, 1] - end[:, 0]), np.float64)
 
 
-@dataclass(frozen=True, slots=True)
-class Movers:
-    """Dynamic bodies with M^-1 = S S^T.
-
-    Terms: rows (n,) of the arena's bodies; place: of each of these among the movers, -1 for others; root (n,): of the inverse
-        mass [kg^-1/2]; half (n, 3, 3): Cholesky factor of the inverse inertia in W.
-    """
-
-    rows: IntArray
-    place: IntArray
-    root: FloatArray
-    half: FloatArray
-
-
 def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
     """The dynamic ones of some bodies."""
     mass, turned = float_table(floats, ints, at.BODY)[:, at.INV_MASS], float_table(floats, ints, at.TURNED)
@@ -189,18 +191,11 @@ def weighted_rows(made: ContactFrames, movers: Movers) -> FloatArray:
     return reach.reshape(3 * k, 6 * len(movers.rows))
 
 
-def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
-    """Change the velocities by impulses (k, 3) N s, and keep them with the contact points."""
-    state, mass = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)[:, at.INV_MASS]
-    inverse = symmetric(float_table(floats, ints, at.TURNED))
-    in_world = np.einsum("kij,kj->ki", made.frame, impulse)
-    force, moment = np.zeros((len(mass), 3)), np.zeros((len(mass), 3))
-    for end, sign in ((0, -1.0), (1, 1.0)):
-        np.add.at(force, made.bodies[:, end], sign * in_world)
-        np.add.at(moment, made.bodies[:, end], sign * cross_product(made.arm[:, end], in_world))
-    state[:, at.V : at.V + 3] += mass[:, None] * force
-    state[:, at.W : at.W + 3] += np.einsum("nij,nj->ni", inverse, moment)
-    keep_impulse(floats, ints, made, impulse)
+def apply_impulse(state: FloatArray, movers: Movers, motion: FloatArray) -> None:
+    """v += S s for the motion s (6n,) of the movers, as impulses r give it: s = (J S)^T r."""
+    change = motion.reshape(-1, 6)
+    state[movers.rows, at.V : at.V + 3] += movers.root[:, None] * change[:, :3]
+    state[movers.rows, at.W : at.W + 3] += (movers.half @ change[:, 3:, None])[:, :, 0]
 
 
 def keep_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:

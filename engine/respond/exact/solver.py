@@ -12,11 +12,10 @@
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 All together may cost what the `effort` says, counted in matrices and not by a clock; what is then best is the answer.
 
-What is certified is the residual of the answer, whoever found it. A solve may miss 1e-10, without end of effort too. Of piles
-of four boxes with masses from 1 to 1e4 kg between walls all of the twenty that the tests know had no miss (2988 solves, at most
-3.1e-11), of 61 others 59 (2 misses in 9128 solves, at most 4.9e-10), of three of eight boxes two (1 miss in 450, 4.8e-7). Such
-a miss takes 10 s or more: a converged truth waits for it, and is refused on it; a world has 50 ms, unless told otherwise.
-Misses are counted in `World.certificate`.
+What is certified is the residual of the answer, whoever found it. A solve may miss its tolerance after all methods, which takes
+10 s or more: a converged truth waits for that, and is refused on it. A world has 50 ms a solve, unless told otherwise; misses
+are counted in `World.certificate`. Of 720 solves of six piles of four boxes with masses from 1 to 1e4 kg between walls, none
+missed without a bound, and 42 within 50 ms, by at most 7.4e-3.
 """
 
 from collections.abc import Iterator
@@ -96,6 +95,8 @@ def solve(
         effort [ms]: what may be spent, counted as `Effort` does.
     Returns: the best impulses found, whether or not they meet the tolerance: their residual says.
     """
+    if guess is not None and (brought := relative_residual(problem, guess)) <= tolerance:
+        return Solution(guess, brought, 0)
     best = np.zeros((problem.size, 3))
     lowest = relative_residual(problem, best)
     if lowest <= tolerance or problem.speed == 0.0:

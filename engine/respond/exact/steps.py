@@ -33,8 +33,10 @@ from engine.respond.exact.problem import (
     ContactFrames,
     apply_impulse,
     assemble_problem,
+    brought_impulse,
     closing,
     contact_frames,
+    keep_impulse,
     pace_of,
     rebound,
     relative_velocity,
@@ -156,24 +158,26 @@ class ExactSteps:
 
         Args: lift: as `assemble_problem`; left [s]: as `assemble_held`; pace [m/s]: of the contacts before joints held them.
         """
-        held, beside, lessened = None, None, 0
+        lessened, state = 0, float_table(floats, ints, at.STATE)
         if self._jointed:
             held = held_bodies(floats, ints, made, self._h)
             beside = assemble_held(floats, ints, made, lift, held, left)
             problem, brought, lift = beside.problem, beside.brought, beside.lift
             problem = replace(problem, speed=max(problem.speed, pace))
         else:
-            problem, brought = assemble_problem(floats, ints, made, lift)
+            problem, movers, reach = assemble_problem(floats, ints, made, lift)
+            brought = brought_impulse(floats, ints, made)
         if not np.isfinite(problem.velocity).all():
             return
         solution = self._solve(problem, brought if brought.any() else None)
         if (lift < 0.0).any():
             blow = without_gain(problem, lift, solution, self._solve)
             solution, lessened = blow.solution, blow.lessened
-        if held is None or beside is None:
-            apply_impulse(floats, ints, made, solution.impulse)
-        else:
+        if self._jointed:
             give(floats, ints, held, beside, solution.impulse)
+        else:
+            apply_impulse(state, movers, reach.T @ solution.impulse.ravel())
+            keep_impulse(floats, ints, made, solution.impulse)
         past = self.certificate
         self.certificate = replace(
             past,

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
+from engine.respond.exact.assembly import BROUGHT, FRICTION, VELOCITY, write_problem
 from engine.respond.exact.law import Problem
 
 __all__ = [
@@ -99,9 +100,8 @@ def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
     rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
     point, manifold = float_table(floats, ints, at.POINT)[rows], float_table(floats, ints, at.MANIFOLD)[rows // 4]
     arm = np.stack([point[:, at.ARM_A : at.ARM_A + 3], point[:, at.ARM_B : at.ARM_B + 3]], axis=1)
-    return ContactFrames(
-        rows, key[rows // 4][:, [at.BODY_A, at.BODY_B]], frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm
-    )
+    bodies = np.ascontiguousarray(key[rows // 4][:, [at.BODY_A, at.BODY_B]])
+    return ContactFrames(rows, bodies, frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm)
 
 
 def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
@@ -130,19 +130,18 @@ def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: 
     return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
 
 
-def assemble_problem(
-    floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray
-) -> tuple[Problem, Movers, FloatArray]:
+def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> tuple[Problem, FloatArray]:
     """The problem of these contacts, with velocities already kicked, and what is added to them along the normals, (k,) m/s.
 
-    Returns: the problem, the bodies that it moves, and J S (3k, 6n).
+    Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
     """
-    q = relative_velocity(float_table(floats, ints, at.STATE), made)
+    k = len(made.rows)
+    w, out = np.empty((3 * k, 3 * k)), np.empty((k, 7))
+    write_problem(floats, ints, made.rows, made.bodies, made.frame, made.arm, w, out)
+    q = out[:, VELOCITY : VELOCITY + 3].copy()
     speed = max(pace_of(q), float((-lift).max(initial=0.0)))
     q[:, 0] += lift
-    movers = movers_of(floats, ints, made.bodies)
-    reach = weighted_rows(made, movers)
-    return Problem(reach @ reach.T, q, friction_of(floats, ints, made), speed), movers, reach
+    return Problem(w, q, out[:, FRICTION].copy(), speed), out[:, BROUGHT : BROUGHT + 3]
 
 
 def pace_of(u: FloatArray) -> float:

@@ -50,6 +50,10 @@ SHARPER = ((1e4, 1e-8), (1e6, 1e-11), (1e2, 1e-8), (1e6, 1e-8), (1e4, 1e-11))
 """The same where contacts slip so slowly beside their impulses that they are taken for sticking."""
 MOST_STEPS, SHORTER = 12, (1.0, 0.5, 0.2, 0.05, 0.01)
 """How many steps it is given, and how much shorter they may be made."""
+SETTLED = 0.1
+"""Share of the tolerance down to which impulses that are brought along are made better. What velocities err by is made up for
+by the impulses of the next step, which then are wrong for the one after: accepted, they would have to be solved for in
+turns."""
 WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
 """First widths of the paths, and their last one, in units of the largest free velocity."""
 NARROW, CLOSER = 1e-2, 0.3
@@ -95,7 +99,7 @@ def solve(
         effort [ms]: what may be spent, counted as `Effort` does.
     Returns: the best impulses found, whether or not they meet the tolerance: their residual says.
     """
-    if guess is not None and (brought := relative_residual(problem, guess)) <= tolerance:
+    if guess is not None and (brought := relative_residual(problem, guess)) <= SETTLED * tolerance:
         return Solution(guess, brought, 0)
     best = np.zeros((problem.size, 3))
     lowest = relative_residual(problem, best)
@@ -124,7 +128,7 @@ def answers(search: Search, most: int, guess: FloatArray | None) -> Iterator[Ans
     scaled = search.scaled
     near: Answer = (np.zeros_like(scaled.q), np.inf)
     if guess is not None:
-        near = finish(search, guess * scaled.scale / scaled.unit)
+        near = finish(search, guess * scaled.scale / scaled.unit, share=SETTLED)
         yield near
     for power in POWERS:
         found = trace(search, power)
@@ -238,12 +242,12 @@ def settle(search: Search, near: FloatArray, mode: IntArray) -> Iterator[Answer]
         yield best, lowest
 
 
-def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN) -> Answer:
-    """By a few Newton steps on Coulomb's law from x."""
+def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN, share: float = 1.0) -> Answer:
+    """By a few Newton steps on Coulomb's law from x. Args: share: of the tolerance that is aimed at while steps help."""
     scaled, tolerance = search.scaled, search.tolerance
     x = np.where(scaled.kept, x, 0.0)
     best, lowest, idle = x, scaled.residual(x), 0
-    if not tolerance < lowest < NEAR:
+    if not share * tolerance < lowest < NEAR:
         return best, lowest
     weight, proximal = weights
     regular = weight * (scaled.w + proximal * np.eye(scaled.w.shape[0]))
@@ -263,6 +267,6 @@ def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN) 
         idle = 0 if now < 0.9 * lowest else idle + 1
         if now < lowest:
             best, lowest = x, now
-        if lowest <= tolerance or idle > 2:
+        if lowest <= share * tolerance or idle > (0 if lowest <= tolerance else 2):
             break
     return best, lowest

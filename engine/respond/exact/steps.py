@@ -24,6 +24,7 @@ from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
+from engine.respond.exact.assembly import give_impulses
 from engine.respond.exact.held import assemble_held, give, held_bodies, hold
 from engine.respond.exact.joint_kernels import look_at_joints
 from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
@@ -31,12 +32,9 @@ from engine.respond.exact.law import Problem
 from engine.respond.exact.passive import without_gain
 from engine.respond.exact.problem import (
     ContactFrames,
-    apply_impulse,
     assemble_problem,
-    brought_impulse,
     closing,
     contact_frames,
-    keep_impulse,
     pace_of,
     rebound,
     relative_velocity,
@@ -158,15 +156,14 @@ class ExactSteps:
 
         Args: lift: as `assemble_problem`; left [s]: as `assemble_held`; pace [m/s]: of the contacts before joints held them.
         """
-        lessened, state = 0, float_table(floats, ints, at.STATE)
+        lessened = 0
         if self._jointed:
             held = held_bodies(floats, ints, made, self._h)
             beside = assemble_held(floats, ints, made, lift, held, left)
             problem, brought, lift = beside.problem, beside.brought, beside.lift
             problem = replace(problem, speed=max(problem.speed, pace))
         else:
-            problem, movers, reach = assemble_problem(floats, ints, made, lift)
-            brought = brought_impulse(floats, ints, made)
+            problem, brought = assemble_problem(floats, ints, made, lift)
         if not np.isfinite(problem.velocity).all():
             return
         solution = self._solve(problem, brought if brought.any() else None)
@@ -176,8 +173,8 @@ class ExactSteps:
         if self._jointed:
             give(floats, ints, held, beside, solution.impulse)
         else:
-            apply_impulse(state, movers, reach.T @ solution.impulse.ravel())
-            keep_impulse(floats, ints, made, solution.impulse)
+            impulse = np.ascontiguousarray(solution.impulse)
+            give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, impulse)
         past = self.certificate
         self.certificate = replace(
             past,

@@ -24,8 +24,9 @@ def turn_of(frame: Floats, arm: Floats, i: int, end: int, c: int) -> tuple[float
 
 
 @entry
-def write_problem(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, w: Floats, out: Floats) ->
-None:
+def write_problem(
+    floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, w: Floats, out: Floats
+) -> None:
     """Write W (3k, 3k), and of each contact `out` (k, 7). Args: rows, bodies, frame, arm: as of `ContactFrames`."""
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)

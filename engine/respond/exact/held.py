@@ -82,13 +82,13 @@ def held_bodies(floats: FloatArray, ints: IntArray, made: ContactFrames, h: floa
     row, body, free = row[order], body[order], int((~stops).sum())
     rotors = (order < equalities) & (row[:, at.SOFTNESS] > 0.0)
     movers = movers_of(floats, ints, np.concatenate([made.bodies.ravel(), body[:, :2].ravel()]))
-    reach = np.zeros((count, len(movers.rows), 6))
+    by_body = np.zeros((count, len(movers.rows), 6))
     for end in range(2):
         hit = np.flatnonzero(movers.place[body[:, end]] >= 0)
         n, start = movers.place[body[hit, end]], at.JACOBIAN + 6 * end
-        reach[hit, n, :3] += row[hit, start : start + 3] * movers.root[n][:, None]
-        reach[hit, n, 3:] += np.einsum("ri,rij->rj", row[hit, start + 3 : start + 6], movers.half[n])
-    reach = reach.reshape(count, 6 * len(movers.rows))
+        by_body[hit, n, :3] += row[hit, start : start + 3] * movers.root[n][:, None]
+        by_body[hit, n, 3:] += np.einsum("ri,rij->rj", row[hit, start + 3 : start + 6], movers.half[n])
+    reach = by_body.reshape(count, 6 * len(movers.rows))
     soft = np.flatnonzero(row[:free, at.SOFTNESS] > 0.0)
     a = np.zeros((free, reach.shape[1] + len(soft)))
     a[:, : reach.shape[1]] = reach[:free]

@@ -173,7 +173,8 @@ def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
     rows = np.unique(bodies[mass[bodies] > 0.0])
     place = np.full(len(mass), -1)
     place[rows] = np.arange(len(rows))
-    return Movers(rows, place, np.sqrt(mass[rows]), np.linalg.cholesky(symmetric(turned[rows])))
+    half = np.asarray(np.linalg.cholesky(symmetric(turned[rows])), np.float64)
+    return Movers(rows, place, np.sqrt(mass[rows]), half)
 
 
 def weighted_rows(made: ContactFrames, movers: Movers) -> FloatArray:

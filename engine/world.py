@@ -217,6 +217,8 @@ class World:
             self.step(1)
         if self._swept is not None:
             self._swept.compile(self._floats, self._ints)
+        if self._exact is not None:
+            self._exact.compile(self._floats, self._ints)
         if self.touching and self._polyhedral:
             load_collide(self.moving_meshes)(self._floats, self._ints)
 

@@ -270,3 +270,29 @@ def test_the_adapter_refuses_settings_and_laws_that_the_exact_solver_would_ignor
         ADAPTER.build(scene, Settings(options={"effort": 60.0}))
     with pytest.raises(Unsupported, match="static friction above kinetic"):
         ADAPTER.build(_scene(static_friction=0.5, kinetic_friction=0.4), Settings(solver="exact"))
+
+
+def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball high above the floor touches nothing in the step that `compile` takes, which alone would call none of these."""
+    import importlib
+
+    ran = set()
+
+    def watched(module: str, name: str) -> None:
+        place = importlib.import_module(f"engine.respond.exact.{module}")
+        entry = getattr(place, name)
+
+        def watch(*args: Any) -> Any:
+            ran.add(name)
+            return entry(*args)
+
+        monkeypatch.setattr(place, name, watch)
+
+    entries = {"write_problem": "problem", "give_impulses": "steps", "largest_breach": "residual", "look_at": "trace"}
+    for name, module in entries.items():
+        watched(module, name)
+    world = world_of([ball(p_WB=(0, 0, 5.0))], surface(0.5, 0.5))
+    world.step()
+    assert not ran
+    world.compile()
+    assert ran == set(entries)

@@ -46,7 +46,8 @@ class Options:
         contacts are made at least this far ahead; contacts, gyroscopic: whether these effects are simulated; continuous:
         collision of fast bodies, 'speculative' makes contacts for the way of the whole step, 'swept' stops the world at each
         impact; solver: of contacts, 'exact' solves Coulomb's law itself once per sub-step, without iterations, relaxations and
-        springs, down to the relative residual `tolerance`; 'sequential_impulses' sweeps `iterations` times over velocities and
+        springs, down to the relative residual `tolerance`, or to the best answer that is found for `effort` [ms], counted in
+        matrices of known cost and not by a clock; 'sequential_impulses' sweeps `iterations` times over velocities and
         once more over positions, without relaxations and springs; sleeping: whether an island of which all bodies have been
         slower than sleep_speed [m/s] for sleep_time [s] stands still until something outside of it changes, where
         sqrt(2 E / m) of the kinetic energy E is a body's speed; it errs by up to sleep_speed in velocity, and keeps down what
@@ -77,6 +78,7 @@ class Options:
     continuous: str = "off"
     solver: str = "tgs_soft"
     tolerance: float = 1e-11
+    effort: float = 50.0
     sleeping: bool = False
     sleep_speed: float = 1e-3
     sleep_time: float = 0.5
@@ -111,6 +113,7 @@ class Options:
         if self.coordinates is not None and self.coordinates not in COORDINATES:
             raise ValueError(f"options: coordinates {self.coordinates!r}, expected one of {', '.join(COORDINATES)}")
         positive("options", "tolerance", self.tolerance, "")
+        positive("options", "effort", self.effort, "ms")
         if self.contact_hertz is not None:
             positive("options", "contact_hertz", self.contact_hertz, "Hz")
         not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")

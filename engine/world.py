@@ -109,7 +109,7 @@ class World:
         if self.touching and self.options.solver == "exact":
             from engine.respond.exact.steps import ExactSteps
 
-            self._exact = ExactSteps(self.options, (surfaces or {}).values(), self.jointed)
+            self._exact = ExactSteps(self.options, (surfaces or {}).values(), joints)
         self.in_joint_coordinates = forest is not None
         unsmooth = unsmooth_of(joints)
         if forest is not None:
@@ -217,6 +217,8 @@ class World:
             self.step(1)
         if self._swept is not None:
             self._swept.compile(self._floats, self._ints)
+        if self._exact is not None:
+            self._exact.compile(self._floats, self._ints)
         if self.touching and self._polyhedral:
             load_collide(self.moving_meshes)(self._floats, self._ints)
 

@@ -30,8 +30,10 @@ def ball(name: str = "ball", mass: float = 1.0, radius: float = 0.1, **state: An
     return engine.Body(name=name, mass=mass, inertia=inertia, shapes=[engine.Placed(engine.Sphere(radius))], **state)
 
 
-def world_of(bodies: list[engine.Body], law: engine.Surface, gravity: tuple[float, float, float] = (0, 0, -G)) -> engine.World:
-    options = engine.Options(solver="exact", substeps=1)
+def world_of(
+    bodies: list[engine.Body], law: engine.Surface, gravity: tuple[float, float, float] = (0, 0, -G), **chosen: Any
+) -> engine.World:
+    options = engine.Options(solver="exact", substeps=1, **chosen)
     return engine.World([GROUND, *bodies], surfaces={DEFAULT: law}, gravity=gravity, options=options)
 
 

@@ -35,12 +35,15 @@ OPTIONS: Mapping[str, type] = {
     "sleep_speed": float,
     "sleep_time": float,
     "coordinates": str,
+    "effort": float,
 }
 
 CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
 SOFT_OPTIONS = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
 """Options of the soft solver alone."""
+EXACT_OPTIONS = ("effort",)
+"""Options of the exact solver alone."""
 UNSET: Mapping[str, Mapping[str, Any]] = {SOFT: {}, EXACT: {"substeps": 1}, SEQUENTIAL: {"substeps": 1, "iterations": 10}}
 """What a solver takes where the settings leave it open; ten sweeps are Bullet's default as well."""
 
@@ -69,6 +72,8 @@ def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
             raise SettingsError(f"settings: option '{name}' is unknown, expected one of {', '.join(OPTIONS)}")
         if solver != SOFT and name in SOFT_OPTIONS:
             raise SettingsError(f"settings: option '{name}' belongs to the solver '{SOFT}', '{solver}' has no use for it")
+        if not exact and name in EXACT_OPTIONS:
+            raise SettingsError(f"settings: option '{name}' belongs to the solver '{EXACT}', '{solver}' has no use for it")
         if isinstance(value, bool) != (kind is bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
@@ -90,7 +95,8 @@ def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
 def resolved_settings(settings: Settings, used: "engine.Options", world: "engine.World") -> Settings:
     """What the engine uses, defaults filled in."""
     soft, exact = used.solver == SOFT, used.solver == EXACT
-    filled = {name: getattr(used, name) for name in OPTIONS if soft or name not in SOFT_OPTIONS}
+    others = (() if soft else SOFT_OPTIONS) + (() if exact else EXACT_OPTIONS)
+    filled = {name: getattr(used, name) for name in OPTIONS if name not in others}
     filled["broad_phase"] = world.broad_phase
     if soft:
         stiffest = replace(used, substeps=world.substeps).stiffest_hertz

@@ -31,11 +31,11 @@ class ReferenceSimulation:
 
     @property
     def resolved(self) -> Settings:
-        """What the engine uses; with hard contacts, the largest residual so far."""
+        """What the engine uses; with hard contacts, the largest residual so far, and how many solves missed the tolerance."""
         certificate = self._world.certificate
         if certificate is None or certificate.solves == 0:
             return self._resolved
-        worst = {"residual": certificate.residual}
+        worst = {"residual": certificate.residual, "missed": certificate.missed}
         return replace(self._resolved, options={**self._resolved.options, **worst})
 
     @property
@@ -135,9 +135,17 @@ class ReferenceSimulation:
         )
         precision = f"exact: relative residual at most {certificate.residual:.1g} over {certificate.solves} solves"
         missed = (
-            f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}" if certificate.missed else ""
+            f", {certificate.missed} of them above the tolerance {self._resolved.tolerance:g}, answered by the best that "
+            f"{self._world.options.effort:g} ms found"
+            if certificate.missed
+            else ""
         )
-        return (Notice(precision + missed + crowded),)
+        lessened = (
+            f"; {certificate.lessened} blows had less than their restitution, which would have given energy"
+            if certificate.lessened
+            else ""
+        )
+        return (Notice(precision + missed + crowded + lessened),)
 
     def save(self) -> object:
         """Both arrays of the world."""

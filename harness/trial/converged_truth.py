@@ -24,6 +24,8 @@ __all__ = ["converged", "ladder"]
 
 CERTIFIED = 1e-10
 """Largest relative residual of a step that a truth may rest on."""
+PATIENCE = 1e6
+"""Effort [ms] that a solve of the reference may take: all methods to their ends."""
 
 
 def ladder(fewest: int) -> tuple[int, int, int, int]:
@@ -67,7 +69,7 @@ def _size(trajectory: Trajectory, name: str) -> float:
 
 def _run(scene: Scene, time: Floats, adapter: Adapter, spacing: float, every: int) -> Trajectory:
     """One run with `every` steps from sample to sample."""
-    simulation = adapter.build(scene, Settings(dt=spacing / every, solver="exact"))
+    simulation = adapter.build(scene, Settings(dt=spacing / every, solver="exact", options={"effort": PATIENCE}))
     try:
         trajectory = Trajectory.of(time, len(scene.bodies))
         for k in range(len(time)):

@@ -11,6 +11,9 @@ from engine.respond.exact.law import Problem
 from engine.respond.exact.solver import Solution, solve
 from tests.exact_worlds import DEFAULT, DT, EXACT, G, ball, cube, residual, surface, world_of
 
+PATIENT = 1e6
+"""An effort [ms] that all methods together do not reach."""
+
 
 @pytest.mark.parametrize("top", [1.0, 1000.0])
 def test_a_stack_of_ten_boxes_rests_exactly_on_the_sum_of_its_weights(top: float) -> None:
@@ -36,7 +39,7 @@ def test_a_stack_with_a_top_a_thousand_times_heavier_does_not_sag(seconds: float
     assert residual(world) <= EXACT
 
 
-def _pile(seed: int, boxes: int) -> engine.World:
+def _pile(seed: int, boxes: int, **chosen: Any) -> engine.World:
     """Boxes of all proportions with masses from 1 to 1e4 kg fall turned at random between four walls."""
     rng = np.random.default_rng(seed)
     bodies = []
@@ -51,7 +54,7 @@ def _pile(seed: int, boxes: int) -> engine.World:
         shape, place = engine.Placed(engine.Box(tuple(half))), (*rng.uniform(-0.12, 0.12, 2), 0.25 + 0.22 * i)
         state: dict[str, Any] = {"p_WB": place, "q_WB": tuple(turn / np.linalg.norm(turn)), "v_WB": (0, 0, -1.0)}
         bodies.append(engine.Body(name=f"b{i}", mass=mass, inertia=inertia, shapes=[shape], **state))
-    return world_of(bodies, surface(rng.uniform(0.2, 0.8)))
+    return world_of(bodies, surface(rng.uniform(0.2, 0.8)), **chosen)
 
 
 def _watched(world: engine.World, steps: int, patch: pytest.MonkeyPatch) -> list[tuple[Problem, Solution]]:
@@ -95,7 +98,7 @@ def test_piles_with_mass_ratios_of_1e4_are_solved_and_certified_contact_by_conta
     None of these solves missed; one in fifty may, since another order of sums leads to another pile.
     """
     for seed in (1, 2):
-        seen = _watched(_pile(seed, 4), 120, monkeypatch)
+        seen = _watched(_pile(seed, 4, effort=PATIENT), 120, monkeypatch)
         assert max(problem.size for problem, _ in seen) > 8
         for problem, solution in seen:
             assert solution.residual == pytest.approx(_breach(problem, solution.impulse), rel=1e-6, abs=EXACT)
@@ -107,7 +110,7 @@ def test_piles_with_mass_ratios_of_1e4_are_solved_and_certified_contact_by_conta
 @pytest.mark.parametrize("seed", range(20))
 def test_all_of_twenty_piles_are_solved_without_a_miss(seed: int) -> None:
     """Twenty of twenty: 3000 solves, each of which depends on those before it in its pile."""
-    seen = _pile(seed, 4)
+    seen = _pile(seed, 4, effort=PATIENT)
     seen.step(150)
     assert residual(seen) <= EXACT
 
@@ -115,9 +118,27 @@ def test_all_of_twenty_piles_are_solved_without_a_miss(seed: int) -> None:
 @pytest.mark.parametrize("seed", [7, 10, 33])
 def test_the_first_touches_of_piles_that_are_held_from_two_sides_are_solved(seed: int) -> None:
     """Bodies between others and a wall: gaps of some 1e-9 m that no rigid motion closes together ask who slips at 1e-8 m/s."""
-    seen = _pile(seed, 4)
+    seen = _pile(seed, 4, effort=PATIENT)
     seen.step(30)
     assert residual(seen) <= EXACT
+
+
+def test_a_miss_is_answered_within_its_effort_counted_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No residual is at most 1e-30 where anything moves, so that every solve misses: in 5 ms, 41 matrices at .12 ms or more.
+
+    The bits are those of the same world again: matrices are counted, and no clock is looked at.
+    """
+    worlds = [_pile(1, 3, effort=5.0, tolerance=1e-30) for _ in range(2)]
+    seen = _watched(worlds[0], 60, monkeypatch)
+    assert len(seen) > 10
+    assert 0 < max(solution.matrices for _, solution in seen) <= 41
+    certificate = worlds[0].certificate
+    assert certificate is not None
+    assert certificate.missed == sum(solution.residual > 1e-30 for _, solution in seen) > 0
+    assert certificate.residual == max(solution.residual for _, solution in seen)
+    for _ in range(60):
+        worlds[1].step()
+    assert np.array_equal(worlds[0].state(), worlds[1].state())
 
 
 def test_a_pushed_stack_slides_as_one_on_the_ground() -> None:
@@ -221,6 +242,21 @@ def test_the_adapter_names_the_largest_residual_in_warnings_and_resolved() -> No
     assert 0 <= simulation.resolved.options["residual"] <= EXACT
 
 
+def test_the_adapter_says_how_many_solves_missed_and_what_they_were_given() -> None:
+    """A box that turns as it slides leaves round-off above 1e-30 in every step."""
+    from adapters.reference import ADAPTER
+    from harness.adapter import Settings
+
+    scene = _scene(static_friction=0.5, kinetic_friction=0.5)
+    settings = Settings(dt=DT, solver="exact", tolerance=1e-30, options={"effort": 5.0})
+    simulation = ADAPTER.build(scene, settings)
+    simulation.step(6)
+    (notice,) = simulation.warnings()
+    missed = simulation.resolved.options["missed"]
+    assert 0 < missed <= 6
+    assert f"{missed} of them above the tolerance 1e-30, answered by the best that 5 ms found" in notice.text
+
+
 def test_the_adapter_refuses_settings_and_laws_that_the_exact_solver_would_ignore() -> None:
     from adapters.reference import ADAPTER
     from harness.adapter import Settings, SettingsError, Unsupported
@@ -230,5 +266,33 @@ def test_the_adapter_refuses_settings_and_laws_that_the_exact_solver_would_ignor
         ADAPTER.build(scene, Settings(solver="exact", iterations=2))
     with pytest.raises(SettingsError, match="'contact_hertz' belongs to the solver 'tgs_soft'"):
         ADAPTER.build(scene, Settings(solver="exact", options={"contact_hertz": 60.0}))
+    with pytest.raises(SettingsError, match="'effort' belongs to the solver 'exact'"):
+        ADAPTER.build(scene, Settings(options={"effort": 60.0}))
     with pytest.raises(Unsupported, match="static friction above kinetic"):
         ADAPTER.build(_scene(static_friction=0.5, kinetic_friction=0.4), Settings(solver="exact"))
+
+
+def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball high above the floor touches nothing in the step that `compile` takes, which alone would call none of these."""
+    import importlib
+
+    ran = set()
+
+    def watched(module: str, name: str) -> None:
+        place = importlib.import_module(f"engine.respond.exact.{module}")
+        entry = getattr(place, name)
+
+        def watch(*args: Any) -> Any:
+            ran.add(name)
+            return entry(*args)
+
+        monkeypatch.setattr(place, name, watch)
+
+    entries = {"write_problem": "problem", "give_impulses": "steps", "largest_breach": "residual", "look_at": "trace"}
+    for name, module in entries.items():
+        watched(module, name)
+    world = world_of([ball(p_WB=(0, 0, 5.0))], surface(0.5, 0.5))
+    world.step()
+    assert not ran
+    world.compile()
+    assert ran == set(entries)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.respond.exact.blocks import FINE, Blocks
+from engine.respond.exact.effort import Effort
 from engine.respond.exact.interior import central_point
 from engine.respond.exact.newton import minimise
 from engine.respond.exact.scaled import Scaled
@@ -28,8 +29,9 @@ FloatArray = NDArray[np.float64]
 
 DEPTH = 10
 """Earlier iterates that the acceleration looks at."""
-CENTRED, NARROWEST = 1e-7, 1e-13
-"""Widths, in units of the largest free velocity, at which the interior-point method hands over to Newton, and Newton ends."""
+CENTRED, NARROWEST, MOST_CENTRED = 1e-7, 1e-13, 60
+"""Widths, in units of the largest free velocity, at which the interior-point method hands over to Newton, and Newton ends;
+and the rounds of the former."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,28 +39,32 @@ class Round:
     """The solution of one convex problem.
 
     Terms:
-        x, y (k, 3): scaled impulses, and velocities with s on the normal; steps: matrices factorised.
+        x, y (k, 3): scaled impulses, and velocities with s on the normal.
     """
 
     x: FloatArray
     y: FloatArray
-    steps: int
 
 
-def rounds(scaled: Scaled, s: FloatArray) -> Iterator[Round]:
-    """The convex problems one after the other; ends when they are not finite. Args: s (k,): what |u_T| is at first."""
+def rounds(scaled: Scaled, s: FloatArray, effort: Effort) -> Iterator[Round]:
+    """The convex problems one after the other; ends when they are not finite or the effort is over.
+
+    Args: s (k,): what |u_T| is at first.
+    """
     blocks = Blocks(scaled.fine)
     tried: list[FloatArray] = []
     missed: list[FloatArray] = []
     while True:
         q = scaled.q.astype(FINE)
         q[:, 0] += s
-        middle, width, steps = central_point(blocks, q, CENTRED, 60)
-        x, _, more = minimise(blocks, q, scaled.kept, middle, width, NARROWEST, 80)
+        middle, width = central_point(blocks, q, CENTRED, MOST_CENTRED, effort)
+        x = minimise(blocks, q, scaled.kept, middle, width, NARROWEST, effort)
         if not np.isfinite(x).all():
             return
         y = q + blocks.times(x)
-        yield Round(x.astype(np.float64), y.astype(np.float64), steps + more)
+        yield Round(x.astype(np.float64), y.astype(np.float64))
+        if effort.over:
+            return
         tried, missed = [*tried, s][-DEPTH - 1 :], [*missed, sliding(scaled.rubs, y) - s][-DEPTH - 1 :]
         s = np.maximum(accelerate(tried, missed), 0.0)
 

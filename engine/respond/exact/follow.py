@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from engine.respond.exact.cone import inverse_slope, smooth_project
+from engine.respond.exact.effort import FOLLOWED, Effort
 
 __all__ = ["follow_path"]
 
@@ -31,15 +32,15 @@ STEPS, SHRINK = 20, 0.4
 
 
 def follow_path(
-    w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, width: float, narrowest: float
-) -> tuple[FloatArray, int]:
+    w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, width: float, narrowest: float, effort: Effort
+) -> FloatArray:
     """Impulses at the end of the path.
 
     Args: w (3k, 3k) and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; x (k, 3):
-        where to start; width, narrowest: the first and the last width.
-    Returns: impulses (k, 3), Newton steps done.
+        where to start; width, narrowest: the first and the last width; effort: what is left.
+    Returns: impulses (k, 3).
     """
-    k, steps, slow = len(x), 0, 0
+    k, slow = len(x), 0
     one = np.eye(3 * k)
     regular = w + PROXIMAL * one
 
@@ -58,15 +59,16 @@ def follow_path(
             error = float(np.abs(miss).max())
             if error <= 0.1 * width:
                 break
+            if not effort.take(FOLLOWED):
+                return x
             values, frame = inverse_slope(z, width)
             slope = (frame / values[:, None, :]) @ np.swapaxes(frame, 1, 2)
             rows = regular.reshape(k, 3, 3 * k).copy()
             rows[:, 0] += direction[:, 0, None] * rows[:, 1] + direction[:, 1, None] * rows[:, 2]
             matrix = one - (slope @ (one.reshape(k, 3, 3 * k) - rows)).reshape(3 * k, 3 * k)
             _, _, step, status = gesv(matrix, miss.ravel())
-            steps += 1
             if status != 0 or not np.isfinite(step).all():
-                return x, steps
+                return x
             way, size, start = np.asarray(step).reshape(-1, 3), 1.0, float((miss * miss).sum())
             way[~rubs, 1:] = 0.0
             for _ in range(8):
@@ -77,8 +79,6 @@ def follow_path(
             x = x + size * way
         else:
             slow += 1
-        if slow > PATIENCE:
-            return x, steps
-        if width <= narrowest:
-            return x, steps
+        if slow > PATIENCE or width <= narrowest:
+            return x
         width = max(SHRINK * width, narrowest)

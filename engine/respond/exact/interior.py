@@ -15,6 +15,7 @@ import numpy as np
 
 from engine.respond.exact.blocks import FINE, Blocks, FineArray
 from engine.respond.exact.cone import frame_of
+from engine.respond.exact.effort import FINE_MATRIX, Effort
 
 __all__ = ["central_point"]
 
@@ -53,27 +54,28 @@ def longest(x: FineArray, dx: FineArray) -> float:
     return min(1.0 / CLOSE, float((c[hits] / under[hits]).min(initial=np.inf)))
 
 
-def central_point(blocks: Blocks, q: FineArray, goal: float, most: int) -> tuple[FineArray, float, int]:
+def central_point(blocks: Blocks, q: FineArray, goal: float, most: int, effort: Effort) -> tuple[FineArray, float]:
     """Impulses x (k, 3) near the central path.
 
-    Args: blocks: W (3k, 3k) scaled to order one; q (k, 3); goal: mean of sqrt(x . y) to reach; most: rounds allowed.
-    Returns: x, the mean reached, rounds done.
+    Args: blocks: W (3k, 3k) scaled to order one; q (k, 3); goal: mean of sqrt(x . y) to reach; most: rounds allowed;
+        effort: what is left.
+    Returns: x, the mean reached.
     """
     k = len(q)
     start = max(1.0, float(np.abs(q).max()))
     x, y = np.zeros((k, 3), FINE), np.zeros((k, 3), FINE)
     x[:, 0] = y[:, 0] = start
     mean = start * start
-    for count in range(most):
+    for _ in range(most):
         mean = float((x * y).sum()) / k
         miss = blocks.times(x) + q - y
         if mean <= goal * goal and float(np.abs(miss).max()) <= goal:
-            return x, goal, count
+            return x, goal
         frame, stretch = scaling(x, y)
         turned = np.swapaxes(frame, 1, 2)
         scaled = turn(frame, stretch * turn(turned, y))
-        if not blocks.factor(frame, 1.0 / stretch**2):
-            return x, float(np.sqrt(mean)), count
+        if not (effort.take(FINE_MATRIX) and blocks.factor(frame, 1.0 / stretch**2)):
+            return x, float(np.sqrt(mean))
         square = product(scaled, scaled)
         rest, share = -square, 0.0
         for stage in range(2):
@@ -89,9 +91,9 @@ def central_point(blocks: Blocks, q: FineArray, goal: float, most: int) -> tuple
                 rest = -square - product(dx_scaled, dy_scaled)
                 rest[:, 0] += share * mean
         if not (np.isfinite(dx).all() and np.isfinite(dy).all()):
-            return x, float(np.sqrt(mean)), count
+            return x, float(np.sqrt(mean))
         x, y = x + way * dx, y + way * dy
-    return x, float(np.sqrt(mean)), most
+    return x, float(np.sqrt(mean))
 
 
 def turn(frame: FineArray, v: FineArray) -> FineArray:

@@ -5,10 +5,10 @@ from engine.contact.find_contacts import find_contacts
 from engine.integrate import all_bodies
 from engine.integrate.finite_state import is_finite
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BODIES, COUNT, MANIFOLDS, SETTING, STEPS
+from engine.memory.arena import BODIES, CHILD, COUNT, JOINTS, MANIFOLDS, PARENT, SETTING, STEPS, TOUCHED
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of, shapes_of
+from engine.memory.tables import bodies_of, contacts_of, joints_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.softness import slow_approach
 from engine.respond.substep import approach, sum_impulses
@@ -18,10 +18,14 @@ __all__ = ["begin_step", "drift_touched", "kick_touched"]
 
 @entry
 def begin_step(floats: Floats, ints: Ints) -> int:
-    """Find the contacts of a step and advance the bodies that nothing touches. Returns: as `find_contacts`."""
+    """Find the contacts of a step and advance the bodies that neither they nor joints touch. Returns: as `find_contacts`."""
     status = find_contacts(floats, ints)
     if status == DONE:
-        all_bodies.advance_untouched(bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT))
+        bodies, joints, count = bodies_of(floats, ints), joints_of(floats, ints), ints_of(ints, COUNT)
+        for j in range(count[0, JOINTS]):
+            bodies.kind[joints.kind[j, PARENT], TOUCHED] = 1
+            bodies.kind[joints.kind[j, CHILD], TOUCHED] = 1
+        all_bodies.advance_untouched(bodies, floats_of(floats, ints, SETTING), count)
     return status
 
 

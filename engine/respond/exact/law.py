@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Problem", "lifted"]
+__all__ = ["Problem"]
 
 FloatArray = NDArray[np.float64]
 
@@ -41,14 +41,3 @@ class Problem:
     def after(self, impulse: FloatArray) -> FloatArray:
         """Relative velocities u (k, 3) m/s after impulses (k, 3) N s."""
         return self.velocity + (self.inverse_mass @ impulse.ravel()).reshape(-1, 3)
-
-    def masses(self) -> FloatArray:
-        """An effective mass (k,) kg of each contact: 3 over the trace of its own block."""
-        return np.asarray(3.0 / np.diagonal(self.inverse_mass).reshape(-1, 3).sum(axis=1))
-
-
-def lifted(velocity: FloatArray, friction: FloatArray) -> FloatArray:
-    """De Saxce's velocities (k, 3) m/s: u + (mu |u_T|, 0, 0)."""
-    raised = velocity.copy()
-    raised[:, 0] += friction * np.hypot(velocity[:, 1], velocity[:, 2])
-    return raised

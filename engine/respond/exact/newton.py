@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 
 from engine.respond.exact.blocks import FINE, Blocks, FineArray
 from engine.respond.exact.cone import inverse_slope, smooth_project
+from engine.respond.exact.effort import FINE_MATRIX, Effort
 
 __all__ = ["minimise"]
 
 NARROWER = 0.3
 """From one width to the next."""
+MOST_STEPS = 80
+"""Newton steps allowed."""
 PATIENCE = 6
 """Steps without halving the residual at one width: then round-off is reached."""
 STEEPEST = 0.1 / float(np.finfo(FINE).eps)
@@ -27,35 +30,35 @@ STEEPEST = 0.1 / float(np.finfo(FINE).eps)
 
 
 def minimise(
-    blocks: Blocks, q: FineArray, kept: NDArray[np.bool_], x: FineArray, width: float, goal: float, most: int
-) -> tuple[FineArray, float, int]:
+    blocks: Blocks, q: FineArray, kept: NDArray[np.bool_], x: FineArray, width: float, goal: float, effort: Effort
+) -> FineArray:
     """Impulses x (k, 3) of the convex problem.
 
     Args: blocks: W (3k, 3k), with q (k, 3) scaled to order one; kept (k, 3): False for components held at zero, where W
         has zero rows and columns; x: where to start; width: of
-        the smoothing at the start; goal: residual to reach; most: Newton steps allowed.
-    Returns: impulses, the residual reached, Newton steps done.
+        the smoothing at the start; goal: residual to reach; effort: what is left.
+    Returns: impulses.
     """
     y = q + blocks.times(x)
-    idle, lowest, error = 0, np.inf, np.inf
-    for count in range(most):
+    idle, lowest = 0, np.inf
+    for _ in range(MOST_STEPS):
         z = np.where(kept, x - y, 0.0)
         miss = smooth_project(z, width) - x
         error = float(np.abs(miss).max())
         if error <= max(0.1 * width, goal):
             if width <= goal:
-                return x, error, count
+                return x
             width, idle, lowest = max(NARROWER * width, goal), 0, np.inf
             miss = smooth_project(z, width) - x
         elif error > 0.5 * lowest:
             idle += 1
             if idle > PATIENCE:
-                return x, error, count
+                return x
         lowest = min(error, lowest)
         values, frame = inverse_slope(z, width)
         values = np.minimum(values, STEEPEST)
-        if not blocks.factor(frame, np.asarray(values - 1.0, FINE)):
-            return x, error, count
+        if not (effort.take(FINE_MATRIX) and blocks.factor(frame, np.asarray(values - 1.0, FINE))):
+            return x
         step = blocks.solve((frame @ (values[:, :, None] * (np.swapaxes(frame, 1, 2) @ miss[:, :, None])))[:, :, 0])
         step[~kept] = 0.0
         change = blocks.times(step)
@@ -67,6 +70,6 @@ def minimise(
                 break
             size *= 0.5
         else:
-            return x, error, count + 1
+            return x
         x, y = nx, q + blocks.times(nx)
-    return x, error, most
+    return x

@@ -21,10 +21,13 @@ from numpy.typing import NDArray
 
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
+from engine.respond.exact.assembly import BROUGHT, FRICTION, VELOCITY, write_problem
 from engine.respond.exact.law import Problem
 
 __all__ = [
-    "ContactFrames", "apply_impulse", "assemble_problem", "closing", "contact_frames", "rebound", "time_to_blow",
+    "ContactFrames", "TOUCHING", "Movers", "apply_impulse", "assemble_problem", "brought_impulse", "closing", "contact_frames",
+    "cross_product", "friction_of", "keep_impulse", "movers_of", "pace_of", "rebound", "relative_velocity", "time_to_blow",
+    "weighted_rows",
 ]  # fmt: skip
 
 FloatArray = NDArray[np.float64]
@@ -47,6 +50,20 @@ class ContactFrames:
     def of(self, which: NDArray[np.bool_]) -> "ContactFrames":
         """These (k,) contacts alone."""
         return ContactFrames(self.rows[which], self.bodies[which], self.frame[which], self.arm[which])
+
+
+@dataclass(frozen=True, slots=True)
+class Movers:
+    """Dynamic bodies with M^-1 = S S^T.
+
+    Terms: rows (n,) of the arena's bodies; place: of each of these among the movers, -1 for others; root (n,): of the inverse
+        mass [kg^-1/2]; half (n, 3, 3): Cholesky factor of the inverse inertia in W.
+    """
+
+    rows: IntArray
+    place: IntArray
+    root: FloatArray
+    half: FloatArray
 
 
 def frames_of(normal: FloatArray) -> FloatArray:
@@ -83,9 +100,8 @@ def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
     rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
     point, manifold = float_table(floats, ints, at.POINT)[rows], float_table(floats, ints, at.MANIFOLD)[rows // 4]
     arm = np.stack([point[:, at.ARM_A : at.ARM_A + 3], point[:, at.ARM_B : at.ARM_B + 3]], axis=1)
-    return ContactFrames(
-        rows, key[rows // 4][:, [at.BODY_A, at.BODY_B]], frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm
-    )
+    bodies = np.ascontiguousarray(key[rows // 4][:, [at.BODY_A, at.BODY_B]])
+    return ContactFrames(rows, bodies, frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm)
 
 
 def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
@@ -119,17 +135,30 @@ def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, li
 
     Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
     """
-    point = float_table(floats, ints, at.POINT)[made.rows]
-    friction = float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1]
-    q = relative_velocity(float_table(floats, ints, at.STATE), made)
-    pace = float(np.sqrt((q * q).sum(axis=1)).max(initial=0.0))
+    k = len(made.rows)
+    w, out = np.empty((3 * k, 3 * k)), np.empty((k, 7))
+    write_problem(floats, ints, made.rows, made.bodies, made.frame, made.arm, w, out)
+    q = out[:, VELOCITY : VELOCITY + 3].copy()
+    speed = max(pace_of(q), float((-lift).max(initial=0.0)))
     q[:, 0] += lift
-    speed = max(pace, float((-lift).max(initial=0.0)))
+    return Problem(w, q, out[:, FRICTION].copy(), speed), out[:, BROUGHT : BROUGHT + 3]
 
-    reach = weighted_rows(floats, ints, made)
-    problem = Problem(inverse_mass=reach @ reach.T, velocity=q, friction=friction.copy(), speed=speed)
+
+def pace_of(u: FloatArray) -> float:
+    """The largest of velocities (k, 3) [m/s]."""
+    return float(np.sqrt((u * u).sum(axis=1)).max(initial=0.0))
+
+
+def friction_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """Coulomb's coefficients (k,) of the contacts."""
+    return np.array(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1])
+
+
+def brought_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+    """The impulses (k, 3) N s that the contacts bring from the last solve, in their frames."""
+    point = float_table(floats, ints, at.POINT)[made.rows]
     impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * made.frame[:, :, 0]
-    return problem, np.einsum("kji,kj->ki", made.frame, impulse)
+    return np.asarray(np.einsum("kji,kj->ki", made.frame, impulse))
 
 
 def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
@@ -138,36 +167,40 @@ def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
     return np.asarray(np.einsum("kji,kj->ki", made.frame, end[:, 1] - end[:, 0]), np.float64)
 
 
-def weighted_rows(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
-    """J S (3k, 6n) with M^-1 = S S^T, over the dynamic bodies in contact."""
+def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
+    """The dynamic ones of some bodies."""
     mass, turned = float_table(floats, ints, at.BODY)[:, at.INV_MASS], float_table(floats, ints, at.TURNED)
-    moved = np.unique(made.bodies[mass[made.bodies] > 0.0])
+    rows = np.unique(bodies[mass[bodies] > 0.0])
     place = np.full(len(mass), -1)
-    place[moved] = np.arange(len(moved))
-    half = np.linalg.cholesky(symmetric(turned[moved]))
+    place[rows] = np.arange(len(rows))
+    half = np.asarray(np.linalg.cholesky(symmetric(turned[rows])), np.float64)
+    return Movers(rows, place, np.sqrt(mass[rows]), half)
+
+
+def weighted_rows(made: ContactFrames, movers: Movers) -> FloatArray:
+    """J S (3k, 6n) of the contacts."""
     k = len(made.rows)
-    reach = np.zeros((k, 3, len(moved), 6))
+    reach = np.zeros((k, 3, len(movers.rows), 6))
     for end, sign in ((0, -1.0), (1, 1.0)):
-        hit = np.flatnonzero(place[made.bodies[:, end]] >= 0)
-        n = place[made.bodies[hit, end]]
+        hit = np.flatnonzero(movers.place[made.bodies[:, end]] >= 0)
+        n = movers.place[made.bodies[hit, end]]
         rows = sign * np.swapaxes(made.frame[hit], 1, 2)
         turn = cross_product(made.arm[hit, end, None, :], rows)
-        reach[hit, :, n, :3] = rows * np.sqrt(mass[moved][n])[:, None, None]
-        reach[hit, :, n, 3:] = turn @ half[n]
-    return reach.reshape(3 * k, 6 * len(moved))
+        reach[hit, :, n, :3] = rows * movers.root[n][:, None, None]
+        reach[hit, :, n, 3:] = turn @ movers.half[n]
+    return reach.reshape(3 * k, 6 * len(movers.rows))
 
 
-def apply_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
-    """Change the velocities by impulses (k, 3) N s, and keep them with the contact points."""
-    state, mass = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)[:, at.INV_MASS]
-    inverse = symmetric(float_table(floats, ints, at.TURNED))
+def apply_impulse(state: FloatArray, movers: Movers, motion: FloatArray) -> None:
+    """v += S s for the motion s (6n,) of the movers, as impulses r give it: s = (J S)^T r."""
+    change = motion.reshape(-1, 6)
+    state[movers.rows, at.V : at.V + 3] += movers.root[:, None] * change[:, :3]
+    state[movers.rows, at.W : at.W + 3] += (movers.half @ change[:, 3:, None])[:, :, 0]
+
+
+def keep_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
+    """Keep impulses (k, 3) N s with the contact points."""
     in_world = np.einsum("kij,kj->ki", made.frame, impulse)
-    force, moment = np.zeros((len(mass), 3)), np.zeros((len(mass), 3))
-    for end, sign in ((0, -1.0), (1, 1.0)):
-        np.add.at(force, made.bodies[:, end], sign * in_world)
-        np.add.at(moment, made.bodies[:, end], sign * cross_product(made.arm[:, end], in_world))
-    state[:, at.V : at.V + 3] += mass[:, None] * force
-    state[:, at.W : at.W + 3] += np.einsum("nij,nj->ni", inverse, moment)
     point = float_table(floats, ints, at.POINT)
     point[:, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
     point[made.rows, at.NORMAL_IMPULSE] = impulse[:, 0]

@@ -17,9 +17,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.respond.exact.law import Problem, lifted
+from engine.respond.exact.certificate import largest_breach
+from engine.respond.exact.law import Problem
 
-__all__ = ["natural_map", "project_coulomb", "relative_residual"]
+__all__ = ["project_coulomb", "relative_residual"]
 
 FloatArray = NDArray[np.float64]
 
@@ -37,13 +38,6 @@ def project_coulomb(impulse: FloatArray, friction: FloatArray) -> FloatArray:
     return projected
 
 
-def natural_map(problem: Problem, impulse: FloatArray) -> FloatArray:
-    """F / m (k, 3) m/s of impulses (k, 3) N s."""
-    masses = problem.masses()[:, None]
-    tried = impulse - masses * lifted(problem.after(impulse), problem.friction)
-    return np.asarray((impulse - project_coulomb(tried, problem.friction)) / masses)
-
-
 def relative_residual(problem: Problem, impulse: FloatArray) -> float:
     """The largest |F| / m of a contact over the speed that the step starts from [1]; NaN impulses give inf.
 
@@ -51,7 +45,7 @@ def relative_residual(problem: Problem, impulse: FloatArray) -> float:
     """
     if problem.size == 0:
         return 0.0
-    worst = float(np.sqrt((natural_map(problem, impulse) ** 2).sum(axis=1)).max())
+    worst = float(largest_breach(problem.inverse_mass, problem.velocity, problem.friction, np.ascontiguousarray(impulse)))
     if not math.isfinite(worst):
         return math.inf
     if worst == 0.0:

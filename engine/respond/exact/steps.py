@@ -1,14 +1,17 @@
 """Steps of worlds with contact under the exact solver: find contacts, then in each sub-step kick, solve, certify, drift.
 
+Joints act on the kick, and on every impulse of a contact (`held`).
+
 Where surfaces have restitution a sub-step goes on from blow to blow: the gaps of bodies that fall one behind the other may
 all close in it, and who strikes first decides how fast the next are struck. Up to the instant of a blow the velocities are
 those that end the sub-step, as in semi-implicit Euler; the blow itself is solved with what the forces have given until then,
-over the contacts that touch, and what they give in the rest is added again.
+over the contacts that touch, and what they give in the rest is added again. No blow gives energy (`passive`).
 
 Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (from impact to impact).
 """
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,21 +19,28 @@ from numpy.typing import NDArray
 
 from engine.describe.bodies import Surface
 from engine.describe.errors import NotSupported
+from engine.describe.joints import Joint
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
+from engine.respond.exact.assembly import give_impulses
+from engine.respond.exact.held import assemble_held, give, held_bodies, hold
+from engine.respond.exact.joint_kernels import look_at_joints
 from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
+from engine.respond.exact.law import Problem
+from engine.respond.exact.passive import without_gain
 from engine.respond.exact.problem import (
     ContactFrames,
-    apply_impulse,
     assemble_problem,
     closing,
     contact_frames,
+    pace_of,
     rebound,
+    relative_velocity,
     time_to_blow,
 )
-from engine.respond.exact.solver import solve
+from engine.respond.exact.solver import Solution, solve
 
 __all__ = ["Certificate", "ExactSteps"]
 
@@ -49,38 +59,51 @@ class Certificate:
 
     Terms:
         residual: the largest relative residual of a solve [1]; solves: how many there were; missed: how many ended above the
-        tolerance; crowded: sub-steps with more blows than were told apart.
+        tolerance, with the best that their effort had found; crowded: sub-steps with more blows than were told apart; lessened:
+        groups of points that rebounded by less than their restitution, which would have given energy.
     """
 
     residual: float = 0.0
     solves: int = 0
     missed: int = 0
     crowded: int = 0
+    lessened: int = 0
 
 
 class ExactSteps:
     """The step of one world, with the record of its residuals.
 
-    Args: options: time step, sub-steps and tolerance; surfaces: all laws of the world; jointed: whether it has joints.
-    Raises: NotSupported for joints, for static friction above kinetic, for rolling and for torsional friction.
+    Args: options: time step, sub-steps and tolerance; surfaces: all laws of the world; joints: all of its joints.
+    Raises: NotSupported for dry friction, limits of speed and limited drives in joints, for static friction above kinetic, for
+    rolling and for torsional friction.
     """
 
-    def __init__(self, options: Options, surfaces: Iterable[Surface], jointed: bool) -> None:
-        if jointed:
-            raise NotSupported("joints beside contacts", "the exact solver knows contacts only")
+    def __init__(self, options: Options, surfaces: Iterable[Surface], joints: Sequence[Joint]) -> None:
+        for joint in joints:
+            refuse_bounded(joint)
         surfaces = tuple(surfaces)
         for law in surfaces:
             if law.static_friction > law.kinetic_friction:
                 raise NotSupported("static friction above kinetic", "the exact solver has Coulomb's law with one coefficient")
             if law.rolling_friction > 0.0 or law.torsional_friction > 0.0:
                 raise NotSupported("rolling or torsional friction", "the exact solver has forces at points only")
+        self._jointed = bool(joints)
         self._bounces = any(law.restitution > 0.0 for law in surfaces)
-        self._h, self._substeps, self._tolerance = options.dt / options.substeps, options.substeps, options.tolerance
+        self._h, self._substeps = options.dt / options.substeps, options.substeps
+        self._tolerance, self._effort = options.tolerance, options.effort
         self.certificate = Certificate()
 
     def retime(self, dt: float) -> None:
         """The length [s] of the steps to come."""
         self._h = dt / self._substeps
+
+    def compile(self, floats: FloatArray, ints: IntArray) -> None:
+        """Compile what a step with contacts runs beyond one without, on none and on one: for a world to be thrown away."""
+        made = contact_frames(floats, ints)
+        made = made.of(np.zeros(len(made.rows), np.bool_))
+        assemble_problem(floats, ints, made, np.zeros(0))
+        give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, np.zeros((0, 3)))
+        solve(Problem(np.eye(3), np.array([[-1.0, 0.0, 0.0]]), np.ones(1), 1.0))
 
     def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
@@ -88,17 +111,25 @@ class ExactSteps:
             status = int(begin_step(floats, ints))
             if status != DONE:
                 return step, status
+            float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
             for substep in range(self._substeps):
                 if self._advance(floats, ints, int(substep == self._substeps - 1)):
                     return step + 1, DIVERGED
+        if self._jointed:
+            return steps, int(look_at_joints(floats, ints))
         return steps, DONE
 
     def _advance(self, floats: FloatArray, ints: IntArray, last: int) -> bool:
         """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""
         h, motion = self._h, float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
         before = motion.copy()
-        slow = kick_touched(floats, ints, h)
-        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0:
+        slow, held, pace = kick_touched(floats, ints, h), None, 0.0
+        if self._jointed:
+            made = contact_frames(floats, ints)
+            pace = pace_of(relative_velocity(float_table(floats, ints, at.STATE), made))
+            held = held_bodies(floats, ints, made, h)
+            hold(floats, ints, held)
+        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
             return bool(drift_touched(floats, ints, h, last))
         kick, passed = motion - before, 0.0
         for _ in range(MOST_BLOWS if self._bounces else 0):
@@ -110,13 +141,12 @@ class ExactSteps:
             if struck.any():
                 motion -= (1.0 - passed / h) * kick
                 touching = made.of(struck | (closing(floats, ints, made, 1.0) == 0.0))
-                self._respond(
-                    floats, ints, touching, rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
-                )
+                bounce = rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
+                self._respond(floats, ints, touching, bounce, 0.0, pace)
                 drift_touched(floats, ints, 0.0, 0)
                 motion += (1.0 - passed / h) * kick
             else:
-                self._respond(floats, ints, made, closing(floats, ints, made, first))
+                self._respond(floats, ints, made, closing(floats, ints, made, first), first, pace)
                 drift_touched(floats, ints, first, 0)
                 passed += first
         made, left = contact_frames(floats, ints), max(h - passed, INSTANT * h)
@@ -124,20 +154,59 @@ class ExactSteps:
         if self._bounces and (struck := np.isfinite(time_to_blow(floats, ints, made, left, slow))).any():
             lift = np.where(struck, rebound(floats, ints, made, struck), lift)
             self.certificate = replace(self.certificate, crowded=self.certificate.crowded + 1)
-        self._respond(floats, ints, made, lift)
+        self._respond(floats, ints, made, lift, left, pace)
         return bool(drift_touched(floats, ints, h - passed, last))
 
-    def _respond(self, floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> None:
-        """Solve these contacts, apply the impulses, and record how exact they are. Args: lift: as `assemble_problem`."""
-        problem, brought = assemble_problem(floats, ints, made, lift)
+    def _respond(
+        self, floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray, left: float, pace: float
+    ) -> None:
+        """Solve these contacts, apply the impulses, and record how exact they are.
+
+        Args: lift: as `assemble_problem`; left [s]: as `assemble_held`; pace [m/s]: of the contacts before joints held them.
+        """
+        lessened = 0
+        if self._jointed:
+            held = held_bodies(floats, ints, made, self._h)
+            beside = assemble_held(floats, ints, made, lift, held, left)
+            problem, brought, lift = beside.problem, beside.brought, beside.lift
+            problem = replace(problem, speed=max(problem.speed, pace))
+        else:
+            problem, brought = assemble_problem(floats, ints, made, lift)
         if not np.isfinite(problem.velocity).all():
             return
-        solution = solve(problem, self._tolerance, guess=brought if brought.any() else None)
-        apply_impulse(floats, ints, made, solution.impulse)
+        solution = self._solve(problem, brought if brought.any() else None)
+        if (lift < 0.0).any():
+            blow = without_gain(problem, lift, solution, self._solve)
+            solution, lessened = blow.solution, blow.lessened
+        if self._jointed:
+            give(floats, ints, held, beside, solution.impulse)
+        else:
+            impulse = np.ascontiguousarray(solution.impulse)
+            give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, impulse)
         past = self.certificate
         self.certificate = replace(
             past,
             residual=max(past.residual, solution.residual),
             solves=past.solves + 1,
             missed=past.missed + int(solution.residual > self._tolerance),
+            lessened=past.lessened + lessened,
         )
+
+    def _solve(self, problem: Problem, guess: FloatArray | None = None) -> Solution:
+        """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""
+        return solve(problem, self._tolerance, guess=guess, effort=self._effort)
+
+
+def refuse_bounded(joint: Joint) -> None:
+    """Keep from the exact solver what acts along a coordinate within bounds. Raises: NotSupported."""
+    drive = getattr(joint, "drive", None)
+    for held, what in (
+        (getattr(joint, "friction_loss", 0.0) > 0.0, "dry friction"),
+        (getattr(joint, "speed_limit", math.inf) < math.inf, "a limit of speed"),
+        (drive is not None and drive.limit < math.inf, "a limited drive"),
+    ):
+        if held:
+            raise NotSupported(
+                f"{what} in joint '{joint.name}' beside exact contacts",
+                "the exact solver knows joints, springs, drives and stops",
+            )

@@ -26,6 +26,8 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from engine.respond.exact.cone import compose, frame_of, root, spectral
+from engine.respond.exact.effort import EXTENDED, TRACED, Effort
+from engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
 
 __all__ = ["PathPoint", "trace_path"]
 
@@ -40,6 +42,8 @@ CENTRED = 0.1
 """How far, relative to its distance from the boundary of the cone, a contact may be off the path."""
 SHORTEST, LONGEST = 1e-7, 3.0
 """Arc length of a step below which the path is given up, and the largest change of log w in one step."""
+MOST = 800
+"""Matrices of a path."""
 TRIES = 8
 """Newton steps allowed to come back to the path, and how the arc length changes after each number of them."""
 PACE = (2.0, 2.0, 2.0, 1.3, 1.3, 1.0, 0.7, 0.7, 0.7)
@@ -50,14 +54,12 @@ class PathPoint:
     """A point of the path.
 
     Terms:
-        x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w; steps: matrices factorised
-        since the point before.
+        x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w.
     """
 
     x: FloatArray
     drift: FloatArray
     width: float
-    steps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +76,18 @@ class Local:
 def look(
     w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
 ) -> Local:
-    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with more digits."""
+    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with as many digits."""
+    if fine.dtype == np.float64:
+        slope, out = np.empty(w.shape), np.empty((len(x), COLUMNS))
+        off = look_at(w, q, rubs.astype(np.int64), np.ascontiguousarray(x), (width, power), slope, out)
+        return Local(out[:, MISS : MISS + 3], slope, out[:, RATE : RATE + 3], off, out[:, SIZE])
+    return look_widely(w, fine, q, rubs, x, width, power)
+
+
+def look_widely(
+    w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
+) -> Local:
+    """As `look`, in any precision."""
     k, soft, dim = len(x), width * width, width**power
     y = q + (fine @ x.ravel()).reshape(-1, 3) + soft * x
     y[~rubs, 1:] = 0.0
@@ -112,14 +125,16 @@ def look(
     return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
 
 
-def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, most: int) -> Iterator[PathPoint]:
+def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
     Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;
-        rubs (k,): contacts with friction; power: of w in the width of sliding; most: matrices allowed.
+        rubs (k,): contacts with friction; power: of w in the width of sliding; effort: what is left.
     """
     n, w = len(fine), fine.astype(np.float64)
-    x, used = start(w, fine, q, rubs, power)
+    before, cost = effort.matrices, TRACED if fine.dtype == np.float64 else EXTENDED
+    x = start(w, fine, q, rubs, power, effort)
+    used = effort.matrices - before
     here = look(w, fine, q, rubs, x, WIDEST, power)
     unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)
     log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
@@ -130,10 +145,12 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
         matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
         matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
         right[:n], right[n] = miss, along
+        if not effort.take(cost):
+            return None
         _, _, made, status = gesv(matrix, right)
         return made if status == 0 and np.isfinite(made).all() else None
 
-    while used < most:
+    while used < MOST:
         made = newton(here, 0.0, 1.0)
         used += 1
         if made is None:
@@ -141,7 +158,7 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
         turn = made / math.sqrt(made[:n] @ made[:n] / n + made[n] ** 2)
         drift = (unit * made[:n]).reshape(-1, 3) / (made[n] or 1e-300)
         if used > count + 1 and log_width < math.log(WIDEST):
-            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width), used - count)
+            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width))
             count = used
         while arc > SHORTEST:
             step = min(arc, LONGEST / max(abs(turn[n]), 1e-9))
@@ -174,14 +191,14 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
             return
 
 
-def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float) -> tuple[FineArray, int]:
-    """The point of the path (k, 3) at the widest width by Newton with a line search, and the matrices factorised."""
+def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, effort: Effort) -> FineArray:
+    """The point of the path (k, 3) at the widest width by Newton with a line search."""
     x = np.zeros(q.shape, fine.dtype)
     x[:, 0] = WIDEST
     here = look(w, fine, q, rubs, x, WIDEST, power)
-    for count in range(60):
-        if here.off < 1e-2:
-            return x, count
+    for _ in range(60):
+        if here.off < 1e-2 or not effort.take(TRACED if fine.dtype == np.float64 else EXTENDED):
+            break
         _, _, way, _ = gesv(here.slope, here.miss.ravel())
         way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())
         way[~rubs, 1:] = 0.0
@@ -191,4 +208,4 @@ def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_]
                 break
             size *= 0.5
         x = x + size * way
-    return x, 60
+    return x

@@ -1,0 +1,97 @@
+"""The compiled assembly of a contact problem without joints, and what its impulses do: W = J M^-1 J^T block by block.
+
+Contacts that share no dynamic body share no block. Blocks above the diagonal are those below it, turned: W is symmetric to the
+last bit.
+"""
+
+import numpy as np
+
+from engine.compile.jit import entry, kernel
+from engine.maths.vec import Floats, Ints, axpy, cross, dot, load3, load6, scale, store3, sub, sym_vec
+from engine.memory.arena import BODY, INV_MASS, LAW, MANIFOLD, NORMAL_IMPULSE, POINT, STATE, TANGENT_IMPULSE, TURNED, V, W
+from engine.memory.carve import floats_of
+
+__all__ = ["BROUGHT", "FRICTION", "VELOCITY", "give_impulses", "write_problem"]
+
+VELOCITY, BROUGHT, FRICTION = 0, 3, 6
+"""Columns of what is written of a contact: J v (3) m/s, the impulse (3) N s that it brings, and Coulomb's coefficient."""
+
+
+@kernel
+def turn_of(frame: Floats, arm: Floats, i: int, end: int, c: int) -> tuple[float, float, float]:
+    """The arm of an end of contact i across axis c of its frame."""
+    return cross((arm[i, end, 0], arm[i, end, 1], arm[i, end, 2]), (frame[i, 0, c], frame[i, 1, c], frame[i, 2, c]))
+
+
+@entry
+def write_problem(
+    floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, w: Floats, out: Floats
+) -> None:
+    """Write W (3k, 3k), and of each contact `out` (k, 7). Args: rows, bodies, frame, arm: as of `ContactFrames`."""
+    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
+    k = len(rows)
+    angular, reach = np.empty((k, 2, 3, 3)), np.empty((k, 2, 3, 3))
+    for i in range(k):
+        for end in range(2):
+            inverse = load6(turned, bodies[i, end], 0)
+            for c in range(3):
+                turn = turn_of(frame, arm, i, end, c)
+                moved = sym_vec(inverse, turn)
+                for x in range(3):
+                    angular[i, end, c, x], reach[i, end, c, x] = turn[x], moved[x]
+        a, b, p = bodies[i, 0], bodies[i, 1], rows[i]
+        arm_a, arm_b = (arm[i, 0, 0], arm[i, 0, 1], arm[i, 0, 2]), (arm[i, 1, 0], arm[i, 1, 1], arm[i, 1, 2])
+        at_a = axpy(1.0, load3(state, a, V), cross(load3(state, a, W), arm_a))
+        at_b = axpy(1.0, load3(state, b, V), cross(load3(state, b, W), arm_b))
+        u = sub(at_b, at_a)
+        normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
+        impulse = axpy(point[p, NORMAL_IMPULSE], normal, load3(point, p, TANGENT_IMPULSE))
+        for c in range(3):
+            axis = (frame[i, 0, c], frame[i, 1, c], frame[i, 2, c])
+            out[i, VELOCITY + c], out[i, BROUGHT + c] = dot(axis, u), dot(axis, impulse)
+        out[i, FRICTION] = manifold[p // 4, LAW + 1]
+    w[:] = 0.0
+    for i in range(k):
+        for j in range(i + 1):
+            for end in range(2):
+                b = bodies[i, end]
+                inverse_mass = body[b, INV_MASS]
+                if inverse_mass == 0.0:
+                    continue
+                for other in range(2):
+                    if bodies[j, other] != b:
+                        continue
+                    sign = 1.0 if end == other else -1.0
+                    for c in range(3):
+                        for d in range(c + 1 if i == j else 3):
+                            linear, turns = 0.0, 0.0
+                            for x in range(3):
+                                linear += frame[i, x, c] * frame[j, x, d]
+                                turns += angular[i, end, c, x] * reach[j, other, d, x]
+                            w[3 * i + c, 3 * j + d] += sign * (inverse_mass * linear + turns)
+            for c in range(3):
+                for d in range(c + 1 if i == j else 3):
+                    w[3 * j + d, 3 * i + c] = w[3 * i + c, 3 * j + d]
+
+
+@entry
+def give_impulses(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, impulse: Floats) -> None:
+    """Change the velocities by impulses (k, 3) N s, and keep them with the contact points. Args: as of `write_problem`."""
+    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
+    point = floats_of(floats, ints, POINT)
+    point[:, NORMAL_IMPULSE : TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
+    for i in range(len(rows)):
+        normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
+        one, two = (frame[i, 0, 1], frame[i, 1, 1], frame[i, 2, 1]), (frame[i, 0, 2], frame[i, 1, 2], frame[i, 2, 2])
+        along = axpy(impulse[i, 1], one, scale(impulse[i, 2], two))
+        whole = axpy(impulse[i, 0], normal, along)
+        point[rows[i], NORMAL_IMPULSE] = impulse[i, 0]
+        store3(point, rows[i], TANGENT_IMPULSE, along)
+        for end in range(2):
+            b, sign = bodies[i, end], 2.0 * end - 1.0
+            if body[b, INV_MASS] == 0.0:
+                continue
+            moment = cross((arm[i, end, 0], arm[i, end, 1], arm[i, end, 2]), whole)
+            store3(state, b, V, axpy(sign * body[b, INV_MASS], whole, load3(state, b, V)))
+            store3(state, b, W, axpy(sign, sym_vec(load6(turned, b, 0), moment), load3(state, b, W)))

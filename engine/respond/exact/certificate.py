@@ -1,0 +1,44 @@
+"""The compiled certificate: the largest breach of Signorini's and Coulomb's law, contact by contact, as `residual` writes
+it."""
+
+import math
+
+from engine.compile.jit import entry
+from engine.maths.vec import Floats
+
+__all__ = ["largest_breach"]
+
+
+@entry
+def largest_breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
+    """The largest |F| / m [m/s] of a contact; NaN where anything is none.
+
+    Args: w (3k, 3k) 1/kg, q (k, 3) m/s, friction (k,): of the problem; r (k, 3) N s.
+    """
+    worst = 0.0
+    for i in range(len(q)):
+        u0, u1, u2 = 0.0, 0.0, 0.0
+        for j in range(len(q)):
+            for c in range(3):
+                a = r[j, c]
+                if a != 0.0:
+                    # W is symmetric: its rows lie side by side.
+                    u0 += w[3 * j + c, 3 * i] * a
+                    u1 += w[3 * j + c, 3 * i + 1] * a
+                    u2 += w[3 * j + c, 3 * i + 2] * a
+        u0, u1, u2 = q[i, 0] + u0, q[i, 1] + u1, q[i, 2] + u2
+        mu = friction[i]
+        m = 3.0 / (w[3 * i, 3 * i] + w[3 * i + 1, 3 * i + 1] + w[3 * i + 2, 3 * i + 2])
+        t0, t1, t2 = r[i, 0] - m * (u0 + mu * math.hypot(u1, u2)), r[i, 1] - m * u1, r[i, 2] - m * u2
+        size = math.hypot(t1, t2)
+        # The point of the cone nearest to t; without friction 0 <= 0 would hold for a pull as well.
+        if not (size <= mu * t0 and t0 >= 0.0):
+            normal = max((t0 + mu * size) / (1.0 + mu * mu), 0.0)
+            share = mu * normal / max(size, 1e-300)
+            t0, t1, t2 = normal, share * t1, share * t2
+        d0, d1, d2 = r[i, 0] - t0, r[i, 1] - t1, r[i, 2] - t2
+        breach = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2) / m
+        if not math.isfinite(breach):
+            return math.nan
+        worst = max(worst, breach)
+    return worst

@@ -1,6 +1,7 @@
 """Small studies of limits, effects and determinism, run through the command line, on engines that come compiled.
 
-That of limits has its trials in the test's own process; the others, and a trial of limits again, have processes of their own.
+That of limits has its trials in the test's own process; those of the others, and a trial of limits again, have processes of
+their own.
 """
 
 import json
@@ -108,10 +109,8 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
 
 
 @pytest.mark.parametrize("engines", [("mujoco", "bullet"), pytest.param(("reference", "dart"), marks=SLOW)])
-def test_each_effect_has_a_price_and_a_verdict(
-    engines: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
-) -> None:
-    folder = carried_out(study_texts.effects(engines), tmp_path, plumbline)
+def test_each_effect_has_a_price_and_a_verdict(engines: tuple[str, ...], printed: Command, tmp_path: Path) -> None:
+    folder = carried_out(study_texts.effects(engines), tmp_path, printed)
     rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}
     assert {row["engine"] for row in rows} == set(engines)
@@ -128,9 +127,9 @@ def test_each_effect_has_a_price_and_a_verdict(
     (("mujoco", "bullet"), ("bit-identical", "unsupported")), pytest.param(("dart",), (), marks=SLOW)
 ])  # fmt: skip
 def test_repetitions_are_compared_bit_by_bit(
-    engines: tuple[str, ...], restored: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
+    engines: tuple[str, ...], restored: tuple[str, ...], printed: Command, tmp_path: Path
 ) -> None:
-    folder = carried_out(study_texts.determinism(engines), tmp_path, plumbline)
+    folder = carried_out(study_texts.determinism(engines), tmp_path, printed)
     rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", printed)}
     for engine in engines:
         assert rows[engine, "again"]["verdict"] == "bit-identical"

@@ -21,7 +21,7 @@ from harness.trial.ensemble import endure
 from tests import study_texts
 from tests.charts import checked
 from tests.conftest import Command
-from tests.in_process import in_this_process
+from tests.in_process import barely_clocked, in_this_process
 
 SLOW = pytest.mark.slow
 """What the same is asked of a second time, on other engines."""
@@ -46,9 +46,10 @@ def limits(printed: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
         return carried_out(study_texts.limits(), tmp_path_factory.mktemp("limits"), printed)
 
 
-def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> None:
+def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """Up to eight speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
+    barely_clocked(monkeypatch)
     sought = [row for row in table(limits, "limits", printed) if row["experiment"] == "walls"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
     for row in sought:

@@ -132,7 +132,9 @@ def pytest_configure() -> None:
     """Tests write to memory where there is room: they wait for a disk ten thousand times otherwise.
 
     And a process keeps the memory that it frees: each of a thousand worlds of Bullet would ask the system for 29 MB anew.
+    Threads for products of small matrices do little but wait for the next one, and take a core from the process beside this.
     """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy is loaded later
     with suppress(AttributeError):  # another C library
         for what, size in ((M_TRIM_THRESHOLD, 256 * 2**20), (M_MMAP_THRESHOLD, 32 * 2**20)):
             ctypes.CDLL(None).mallopt(what, size)

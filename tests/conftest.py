@@ -1,5 +1,6 @@
 """What all tests share: the command line as a person calls it, faulty engines, a run of known prices and a first night."""
 
+import ctypes
 import gc
 import json
 import os
@@ -9,6 +10,7 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -122,8 +124,20 @@ MEMORY, ENOUGH = Path("/dev/shm"), 12 * 2**30
 """A file system that is no disk, and the bytes that it needs free: twice what `make test-all` writes, 5 GB."""
 
 
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
+"""From malloc.h of glibc."""
+
+
 def pytest_configure() -> None:
-    """Tests write to memory where there is room: they wait for a disk ten thousand times otherwise."""
+    """Tests write to memory where there is room: they wait for a disk ten thousand times otherwise.
+
+    And a process keeps the memory that it frees: each of a thousand worlds of Bullet would ask the system for 29 MB anew.
+    Threads for products of small matrices do little but wait for the next one, and take a core from the process beside this.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy is loaded later
+    with suppress(AttributeError):  # another C library
+        for what, size in ((M_TRIM_THRESHOLD, 256 * 2**20), (M_MMAP_THRESHOLD, 32 * 2**20)):
+            ctypes.CDLL(None).mallopt(what, size)
     if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free >= ENOUGH:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
 

@@ -13,10 +13,12 @@ from harness.run.timing_blocks import summarise
 from harness.store.record import Record, Sample, Timing
 from harness.study import plugins
 from harness.study.trial import Trial
+from harness.trial import ensemble
 from harness.trial.accuracy import run_trial
+from harness.trial.bench import Bench
 from harness.trial.ensemble import endure
 
-__all__ = ["clocked_by", "in_this_process"]
+__all__ = ["barely_clocked", "clocked_by", "in_this_process"]
 
 STEPS, CANARY = 100, 1e-3
 """Of a block, and the seconds of the canary in it."""
@@ -52,3 +54,18 @@ def clocked_by(patch: pytest.MonkeyPatch, blocks: Callable[[Trial], Sequence[flo
             yield replace(summarise(trial, samples), unstable_timing=False)
 
     patch.setattr(campaign, "clock_group", clocks)
+
+
+def barely_clocked(patch: pytest.MonkeyPatch) -> None:
+    """Let the rough cost of an ensemble be that of a step, until the patch is undone: for what breaks it, not what it costs.
+
+    The clock still has to bear the scene.
+    """
+
+    def one_step(side: Bench) -> float:
+        try:
+            return side.clock(1)[0] / (side.units * side.dt)
+        finally:
+            side.stop()
+
+    patch.setattr(ensemble, "rough_cost", one_step)

@@ -1,17 +1,19 @@
 """The order in which files go to the processes that run the tests: the dearest first, so that none is left idle at the end.
 
 pytest-xdist hands out the files with most tests first, and those that take minutes have few: the last of them would run alone.
+It sends five messages a test, which take longer than most tests: here those are sent that say something.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from _pytest.runner import runtestprotocol
 
 if TYPE_CHECKING:
     from xdist.scheduler import LoadFileScheduling
 
-__all__ = ["CLOCK", "DEAREST", "SHARED", "file_of", "order", "unit_of"]
+__all__ = ["CLOCK", "DEAREST", "SHARED", "file_of", "order", "telling", "unit_of"]
 
 DEAREST = (
     "tests/browser/test_report.py",
@@ -107,6 +109,22 @@ def order(units: Mapping[str, Mapping[str, bool]]) -> list[str]:
     """The units, the dearest first. Args: units: to the tests of each."""
     rank = {file: number for number, file in enumerate(DEAREST)}
     return sorted(units, key=lambda unit: (rank.get(unit, len(rank)), -len(units[unit])))
+
+
+def telling(reports: Sequence[pytest.TestReport]) -> list[pytest.TestReport]:
+    """The reports of a test but for those of a setup and a teardown that went well, whose time the first one left has too."""
+    told = [report for report in reports if report.when == "call" or not report.passed or report.user_properties]
+    told[0].duration += sum(report.duration for report in reports if report not in told)
+    return told
+
+
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
+    """Run a test as pytest does, in a process of pytest-xdist: what it has to say follows when it is over."""
+    if not hasattr(item.config, "workerinput"):
+        return None
+    for report in telling(runtestprotocol(item, log=False, nextitem=nextitem)):
+        item.ihook.pytest_runtest_logreport(report=report)
+    return True
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> "LoadFileScheduling | None":

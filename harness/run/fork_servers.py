@@ -31,7 +31,7 @@ __all__ = ["WORTH_A_SERVER", "Server", "context", "expect", "start_apart", "star
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PRELOAD = ("harness.cli.main", "harness.run.timing_blocks", "harness.run.isolated", "numpy")
-_LAST = "harness.run.settled"
+_FIRST, _LAST = "harness.run.loading", "harness.run.settled"
 _TRIES = 2
 """Servers that a process is asked of, one after the other, where they die."""
 _UNTOLD = 255
@@ -63,7 +63,7 @@ _expected: list[str] = []
 
 def _preload(modules: Sequence[str]) -> list[str]:
     """All that a server loads, these of its own among it."""
-    return [*_PRELOAD, *_expected, *modules, _LAST]
+    return [_FIRST, *_PRELOAD, *_expected, *modules, _LAST]
 
 
 @dataclass(frozen=True, slots=True)

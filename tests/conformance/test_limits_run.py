@@ -1,6 +1,7 @@
 """Small studies of limits, effects and determinism, run through the command line, on engines that come compiled.
 
-That of limits has its trials in the test's own process; the others, and a trial of limits again, have processes of their own.
+That of limits has its trials in the test's own process; those of the others, and a trial of limits again, have processes of
+their own.
 """
 
 import json
@@ -20,7 +21,7 @@ from harness.trial.ensemble import endure
 from tests import study_texts
 from tests.charts import checked
 from tests.conftest import Command
-from tests.in_process import in_this_process
+from tests.in_process import barely_clocked, in_this_process
 
 SLOW = pytest.mark.slow
 """What the same is asked of a second time, on other engines."""
@@ -45,9 +46,10 @@ def limits(printed: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
         return carried_out(study_texts.limits(), tmp_path_factory.mktemp("limits"), printed)
 
 
-def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command) -> None:
+def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """Up to eight speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
+    barely_clocked(monkeypatch)
     sought = [row for row in table(limits, "limits", printed) if row["experiment"] == "walls"]
     assert {row["engine"] for row in sought} == {"mujoco", "bullet"}
     for row in sought:
@@ -108,10 +110,8 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
 
 
 @pytest.mark.parametrize("engines", [("mujoco", "bullet"), pytest.param(("reference", "dart"), marks=SLOW)])
-def test_each_effect_has_a_price_and_a_verdict(
-    engines: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
-) -> None:
-    folder = carried_out(study_texts.effects(engines), tmp_path, plumbline)
+def test_each_effect_has_a_price_and_a_verdict(engines: tuple[str, ...], printed: Command, tmp_path: Path) -> None:
+    folder = carried_out(study_texts.effects(engines), tmp_path, printed)
     rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}
     assert {row["engine"] for row in rows} == set(engines)
@@ -128,9 +128,9 @@ def test_each_effect_has_a_price_and_a_verdict(
     (("mujoco", "bullet"), ("bit-identical", "unsupported")), pytest.param(("dart",), (), marks=SLOW)
 ])  # fmt: skip
 def test_repetitions_are_compared_bit_by_bit(
-    engines: tuple[str, ...], restored: tuple[str, ...], plumbline: Command, printed: Command, tmp_path: Path
+    engines: tuple[str, ...], restored: tuple[str, ...], printed: Command, tmp_path: Path
 ) -> None:
-    folder = carried_out(study_texts.determinism(engines), tmp_path, plumbline)
+    folder = carried_out(study_texts.determinism(engines), tmp_path, printed)
     rows = {(row["engine"], row["way"]): row for row in table(folder, "determinism", printed)}
     for engine in engines:
         assert rows[engine, "again"]["verdict"] == "bit-identical"

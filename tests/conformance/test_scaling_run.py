@@ -62,13 +62,13 @@ deadline = {deadline}
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, plumbline: Command) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, printed: Command) -> Path:
     version, reason = plugins.version_of(plugins.adapter("mujoco"))
     if reason is not None:
         pytest.skip(f"MuJoCo {version}: {reason}")
     out = tmp_path_factory.mktemp("scaling")
     (out / "small.toml").write_text(STUDY.format(deadline=200.0))
-    done = plumbline("run", out / "small.toml", "--engine", "mujoco", "--out", out / "run")
+    done = printed("run", out / "small.toml", "--engine", "mujoco", "--out", out / "run")
     assert done.returncode == 0, done.stderr
     return out / "run"
 

@@ -111,11 +111,11 @@ def test_a_trial_run_again_is_bit_identical(folder: Path, plumbline: Command) ->
     assert done.stdout.splitlines()[-1] == "bit-identical"
 
 
-def test_the_report_is_rebuilt_from_the_store_alone(folder: Path, plumbline: Command) -> None:
+def test_the_report_is_rebuilt_from_the_store_alone(folder: Path, printed: Command) -> None:
     index = folder / "report" / "index.html"
     before = index.read_text()
     index.unlink()
-    done = plumbline("report", folder)  # the plug-ins are not installed here: the store has to be enough
+    done = printed("report", folder)  # the plug-ins are not installed here: the store has to be enough
     assert done.returncode == 0, done.stderr
     assert index.read_text() == before
 

@@ -198,12 +198,12 @@ def test_drafts_that_a_kill_left_are_named_and_cleared_by_a_resume(run: Path) ->
     assert not any(path.exists() for path in drafts)
 
 
-def test_verify_ends_well_or_with_a_machine_that_failed(run: Path, plumbline: Command, printed: Command) -> None:
+def test_verify_ends_well_or_with_a_machine_that_failed(run: Path, printed: Command) -> None:
     whole = printed("verify", run)
     assert (whole.returncode, whole.stdout, whole.stderr) == (0, "", "every file is as it was written\n")
     (run / "machine.json").unlink()
     (run / "trials.parquet").write_bytes(b"x")
-    broken = plumbline("verify", run)
+    broken = printed("verify", run)
     assert broken.returncode == 3
     assert broken.stdout.splitlines() == [
         f"{run / 'machine.json'}: missing; --resume makes it anew",

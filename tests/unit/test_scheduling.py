@@ -1,10 +1,15 @@
-"""The order of test files: what is said to be dear is there and goes first; what shares a fixture or a clock goes together."""
+"""The order of test files: what is said to be dear is there and goes first; what shares a fixture or a clock goes together.
 
+And what is said of a test: all that went wrong with it, and how long it took.
+"""
+
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
-from tests.scheduling import CLOCK, DEAREST, SHARED, order, unit_of
+from tests.scheduling import CLOCK, DEAREST, SHARED, order, telling, unit_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -31,3 +36,41 @@ def test_files_with_a_clock_on_are_one_unit_and_marked(request: pytest.FixtureRe
     assert not {*SHARED, *SHARED.values()} & {*CLOCK}
     for item in request.session.items:
         assert (item.get_closest_marker("clock") is not None) == (unit_of(item.nodeid) == CLOCK[0]), item.nodeid
+
+
+Outcome = Literal["passed", "failed", "skipped"]
+PROPERTY = [("what", "said")]
+
+
+def of_a_test(*outcomes: Outcome, said: Sequence[tuple[str, object]] = ()) -> list[pytest.TestReport]:
+    """Of setup, call and teardown, each a second; without a call where the setup did not pass. Terms: said: by the last."""
+    whens: tuple[Literal["setup", "call", "teardown"], ...] = ("setup", "call", "teardown")
+    told = whens if len(outcomes) == len(whens) else (whens[0], whens[-1])
+    return [
+        pytest.TestReport(
+            "f::t", ("f", 1, "t"), {}, outcome, None, when, (), 1.0, user_properties=said if when == told[-1] else ()
+        )
+        for outcome, when in zip(outcomes, told, strict=True)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("reports", "left"),
+    [
+        (of_a_test("passed", "passed", "passed"), ["call"]),
+        (of_a_test("passed", "failed", "passed"), ["call"]),
+        (of_a_test("passed", "skipped", "passed"), ["call"]),
+        (of_a_test("passed", "passed", "failed"), ["call", "teardown"]),
+        (of_a_test("passed", "passed", "passed", said=PROPERTY), ["call", "teardown"]),
+        (of_a_test("failed", "passed"), ["setup"]),
+        (of_a_test("skipped", "passed"), ["setup"]),
+        (of_a_test("failed", "failed"), ["setup", "teardown"]),
+    ],
+)
+def test_of_a_test_is_told_what_its_call_and_whatever_went_wrong_says_and_all_its_time(
+    reports: list[pytest.TestReport], left: list[str]
+) -> None:
+    took = sum(report.duration for report in reports)
+    told = telling(reports)
+    assert [report.when for report in told] == left
+    assert sum(report.duration for report in told) == took

@@ -30,8 +30,6 @@ Deviations:
       does bodies with coordinates of their own. The option 'coordinates' as 'joint' takes them beside contacts and loops too,
       under the soft solver and semi-implicit Euler alone, which 'automatic' leaves in the bodies' own. A joint that closes a
       loop has no law there: limits, springs, drives, rotors and friction of its own are `Unsupported`.
-    * A triangle mesh that forces move may fall through a box or hull that it meets off the middle of that: a triangle answers a
-      convex shape by where the shape's centre lies. On planes and on meshes it lies still.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart

@@ -26,6 +26,11 @@ ALIGNED = 0.9999
 """Cosine between a normal and a face above which a capsule lies on the face."""
 SAME = 1.0 - 1e-10
 """Cosine above which two faces are parallel."""
+BACK = 1e-3
+"""Cosine between the way into a triangle and its own normal above which its back is met."""
+BESIDE = 0.5
+"""Cosine between the way out and a triangle's own normal below which what leans over an inner edge is left to the triangle
+behind that: along the normal of one that stands so steeply, whatever reaches far under it would be deep."""
 
 
 @kernel
@@ -55,6 +60,9 @@ def convex_contact(
     """Convex shape A against convex shape B, or against the outer side of a triangle B.
 
     Args: slack [m]: what a face may lose against the best normal and still be taken.
+
+    Which side of a triangle is met is told by the way out of the contact. Where the shape's centre lies does not tell it: a slab
+    reaches under triangles that are turned away from its middle.
     """
     pa, pb = load3(t.pose, a, 0), load3(t.pose, b, 0)
     d = sub(pb, pa)
@@ -62,13 +70,15 @@ def convex_contact(
     size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
     one_sided = t.shape_kind[b, TYPE] == TRIANGLE
     outward = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
-    if one_sided and dot(d, outward) > 0.0:
+    if one_sided and dot(d, outward) > t.shape[a, BALL_RADIUS]:
         return 0, outward
     gap, n, qa, qb = part_cores(t, a, b, d, size, margin + ra + rb, simplex)
-    if gap - ra - rb > margin:
+    if gap - ra - rb > margin or (one_sided and dot(n, outward) > BACK):
         return 0, n
     forced = False
     if one_sided and leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, INNER]):
+        if dot(n, outward) > -BESIDE:
+            return 0, n
         n, forced = neg(outward), True
     fa, na, ca = facing(t, a, n)
     fb, nb, cb = facing(t, b, neg(n))

@@ -31,6 +31,8 @@ __all__ = [
 Row = dict[str, Any]
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 TRACKS = ("default", "tuned")
+OPEN, HALF = 0.0001, 0.35
+"""Opacities of the filling of marks; 1 is filled."""
 LANE = 15
 """Height of one row of outcomes above a chart [px]."""
 NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
@@ -81,9 +83,13 @@ class Marks:
             for key, title in HOVER.items()
         ]
 
+    def _filling(self, track: str) -> float:
+        """Open for the defaults, half filled for what is neither of the two tracks where 'tuned' is drawn too."""
+        return OPEN if track == "default" else HALF if track != "tuned" and "tuned" in self.tracks else 1
+
     def channels(self) -> Row:
         """All channels of a point."""
-        filled = [0.0001 if track == "default" else 1 for track in self.tracks]
+        filled = [self._filling(track) for track in self.tracks]
         return {
             "color": self.colour(),
             "stroke": self.colour(),

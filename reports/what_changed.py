@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.findings.changes import Change, Changes
-from harness.findings.changes.words import command, folded, headline, sentence
+from harness.findings.changes.words import command, folded, headline, sentence, titled
 from harness.store.disk import make_folder, write_atomically
 from reports.policy import guarded
 from reports.template import environment
@@ -42,10 +42,13 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
         .render(
             headline=headline(changes),
             changes=changes,
-            gated=sorted(gated),
+            gated=[changes.titles.get(name, name) for name in sorted(gated)],
             barred=len(changes.regressions(gated)),
             sections=[section for section in sections if section["all"]],
-            rows=[(row, _STYLE[row.sense], sentence(row)) for row in changes.rows[:_MOST_ROWS]],
+            rows=[
+                (row, _STYLE[row.sense], sentence(row))
+                for row in (titled(change, changes.titles) for change in changes.rows[:_MOST_ROWS])
+            ],
         )
     )
     return guarded(page)
@@ -53,7 +56,7 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
 
 def _section(name: str, title: str, changes: Changes, senses: Collection[str]) -> dict[str, Any]:
     rows: list[Change] = [row for row in changes.rows if row.sense in senses]
-    groups = folded(rows)
+    groups = folded(rows, changes.titles)
     shown = [(text, command(group[0], changes)) for text, group in groups[:_MOST_SENTENCES]]
     return {
         "name": name,

@@ -203,8 +203,8 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Engine by engine, how many repetitions gave the same bits, way by way."""
+def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | None = None) -> list[str]:
+    """Engine by engine, how many repetitions gave the same bits, way by way. Args: titles: what engines are called, by name."""
     lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
         mine = [row for row in rows if row["engine"] == engine and row["way"] != "nudged"]
@@ -215,5 +215,5 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
                 words.append(f"{way} {sum(row['verdict'] == 'bit-identical' for row in judged)} of {len(judged)}")
             else:
                 words.append(f"{way}: no answer")
-        lines.append(f"{engine}: bit-identical {', '.join(words)}.")
+        lines.append(f"{(titles or {}).get(engine, engine)}: bit-identical {', '.join(words)}.")
     return lines

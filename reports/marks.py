@@ -63,7 +63,8 @@ class Marks:
         self.engines = [label for label, _ in shown]
         self.colours = [look.colour for _, look in shown]
         self.paths = [look.path for _, look in shown]
-        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (track != "default", track))
+        order = {track: place for place, track in enumerate(TRACKS)}
+        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (order.get(track, len(order)), track))
 
     def colour(self) -> Channel:
         """Colour of the engine, of what is filled and of lines."""
@@ -94,7 +95,7 @@ class Marks:
             "color": self.colour(),
             "stroke": self.colour(),
             "shape": channel("engine:N", title=None, scale={"domain": self.engines, "range": self.paths}),
-            "fillOpacity": channel("track:O", title=None, scale={"domain": self.tracks, "range": filled}),
+            "fillOpacity": channel("track:O", title=None, scale={"type": "ordinal", "domain": self.tracks, "range": filled}),
             "tooltip": self.tooltip(),
         }
 

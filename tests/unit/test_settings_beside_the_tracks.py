@@ -105,8 +105,8 @@ def legend(store: Store) -> dict[str, float]:
 def test_what_is_neither_track_is_half_filled(several: Store) -> None:
     assert legend(several) == {
         "default": OPEN,
-        "default with solver cg, tolerance 10⁻⁵": HALF,
         "tuned": 1,
+        "default with solver cg, tolerance 10⁻⁵": HALF,
         "tuned with solver pgs": HALF,
         "tuned with solver pgs, split impulse on": HALF,
     }

@@ -1,5 +1,6 @@
 """What changed, in sentences: made last, for people, and never read back; and the command that shows a change again."""
 
+import re
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -19,6 +20,8 @@ _ORIGINS = {
 }
 _TELLING = 1000.0
 """A ratio beyond this says only that an error was none before, or is none now."""
+_MEASURED = re.compile(r"\b[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?= = )")
+"""The name of a metric in a reason, 'top_offset = 0.2 m'."""
 _BESIDE = {"canary": "over the canary", "other engines": "over other engines of the same run"}
 
 
@@ -75,6 +78,8 @@ def _ratio(row: Change) -> str:
 
 
 def _reading(row: Change) -> str:
+    if _value(row.before, row.unit) == _value(row.after, row.unit):
+        return f"{row.metric} {_value(row.after, row.unit)}, to three digits as before"
     ratio = f" ({_ratio(row)})" if row.ratio is not None else ""
     return f"{row.metric} {' -> '.join(_both(row))}{ratio}"
 
@@ -90,6 +95,7 @@ def titled(row: Change, titles: Mapping[str, str]) -> Change:
         case=titles.get(row.case, row.case),
         engine=titles.get(row.engine, row.engine),
         metric=metric_title(row.metric) if measured else row.metric.replace("_", " "),
+        detail=_MEASURED.sub(lambda found: metric_title(found[0]), row.detail) if row.kind == "verdict" else row.detail,
     )
 
 
@@ -98,7 +104,9 @@ def sentence(row: Change) -> str:
     subject = _subject(row)
     if row.kind == "verdict":
         by = (
-            f"; {row.metric} {_ratio(row)} what it was" if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING else ""
+            f"; {row.metric} {_ratio(row)} what it was"
+            if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING and f"{row.ratio:.3g}" != "1"
+            else ""
         )
         return f"{subject}: {row.before}, now {row.after}: {row.detail}{by}."
     if row.kind == "error":

@@ -34,13 +34,13 @@ def with_legend(spec: dict[str, Any], width: int) -> dict[str, Any]:
 
 
 def _by_filling(tracks: Sequence[str], fillings: Sequence[float]) -> dict[str, str]:
-    """What the legend calls tracks that are drawn alike, to the colour of their sign; 'other settings' are several."""
+    """What the legend calls tracks that are drawn alike, to the colour of their sign; 'others' are several."""
     names: dict[float, list[str]] = {}
     for track, filling in zip(tracks, fillings, strict=True):
         names.setdefault(filling, []).append(track)
     red, green, blue = (int(INK[k : k + 2], 16) for k in (1, 3, 5))
     return {
-        listed[0] if len(listed) == 1 else "other settings": f"rgba({red},{green},{blue},{filling:g})"
+        listed[0] if len(listed) == 1 else "others": f"rgba({red},{green},{blue},{filling:g})"
         for filling, listed in names.items()
     }
 

@@ -132,7 +132,7 @@
     // Tracks that are drawn alike are one switch: many settings beside the two have no look of their own.
     const looks = new Map();
     (fillings?.domain ?? []).forEach((name, k) => looks.set(fillings.range[k], [...(looks.get(fillings.range[k]) ?? []), name]));
-    const tracks = [...looks].map(([filling, names]) => ({ field: "track", name: names.length > 1 ? "other settings" : names[0], names, filling }));
+    const tracks = [...looks].map(([filling, names]) => ({ field: "track", name: names.length > 1 ? "others" : names[0], names, filling }));
     return [...engines, ...(tracks.length > 1 ? tracks : [])];
   };
   const swatch = (side) => {
@@ -146,14 +146,17 @@
     return picture;
   };
 
-  // Where the line is short, of a name of several words that ends in (ours) the first is left out.
+  // Where the line is short, of a name of several words that ends in (ours) the first is left out, and settings are cut.
+  const part = (name, text) => {
+    const span = document.createElement("span");
+    span.className = name;
+    span.textContent = text;
+    return span;
+  };
   const named = (side) => {
     const [, first, rest] = /^(\S+ )(.+ \(ours\))$/.exec(side.name) ?? [];
-    if (!first) return [side.name];
-    const more = document.createElement("span");
-    more.className = "more";
-    more.textContent = first;
-    return [more, rest];
+    if (side.field === "track" && side.name.length > 8) return [part("long", side.name)];
+    return first ? [part("more", first), rest] : [side.name];
   };
   // One line of buttons above the chart; each leaves out what it names. The last engine and the last track stay.
   const legends = new WeakMap();
@@ -172,15 +175,16 @@
       const button = document.createElement("button");
       button.type = "button";
       button.setAttribute("aria-label", side.name);
+      button.title = side.names.slice(0, 12).join(";\n");
       button.classList.toggle("of-ours", yardsticks.has(side.name));
       button.setAttribute("aria-pressed", "true");
       button.append(swatch(side), ...named(side));
       button.addEventListener("click", () => {
-        const keys = (one) => one.names.map((name) => `${one.field} ${name}`), away = (one) => keys(one).every((key) => left.has(key));
-        const shown = listed.filter((one) => one.field === side.field && !away(one));
-        if (away(side)) for (const key of keys(side)) left.delete(key);
+        const keys = (one) => one.names.map((name) => `${one.field} ${name}`), out = (one) => keys(one).every((key) => left.has(key));
+        const shown = listed.filter((one) => one.field === side.field && !out(one));
+        if (out(side)) for (const key of keys(side)) left.delete(key);
         else if (shown.length > 1) for (const key of keys(side)) left.add(key);
-        button.setAttribute("aria-pressed", String(!away(side)));
+        button.setAttribute("aria-pressed", String(!out(side)));
         draw(figure);
       });
       strip.append(button);

@@ -1,9 +1,7 @@
 """Settings that a study names beside the two tracks: in words, in the legend, in the matrix, and in no ranking."""
 
-import json
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from harness.store.store import Store
@@ -14,35 +12,11 @@ from reports.html import rendered
 from reports.marks import HALF, OPEN
 from reports.summary import sentences
 from tests.run_folder import write_run_folder
-
-STUDY = """
-name = "settings"
-[variants.mujoco]
-cg-loose = { on = "default", solver = "cg", tolerance = 1e-5, source = "the vendor's guide" }
-pgs = { solver = "pgs", options = { split_impulse = true } }
-[variants.dart]
-pgs = { solver = "pgs" }
-"""
+from tests.settings_folder import ONE, SEVERAL, write_settings_folder
 
 
 def written(folder: Path, *settings: tuple[str, str]) -> Store:
-    """A run folder in which engines have settings beside the tracks: the tuned trials once more, under these names."""
-    write_run_folder(folder, only=("joint_pendulum", "stack_tower"))
-    folder.joinpath("study.toml").write_text(STUDY, encoding="utf-8")
-    trials, measurements = (pd.read_parquet(folder / f"{name}.parquet") for name in ("trials", "measurements"))
-    for engine, name in settings:
-        mine = trials[(trials["engine"] == engine) & (trials["track"] == "tuned")]
-        renamed = {trial: f"{name[:3]}{engine[:2]}{trial[5:]}" for trial in mine["trial"]}
-        other = json.dumps({"dt": 1 / 240, "solver": name, "source": "the vendor's guide"})
-        trials = pd.concat([trials, mine.assign(track=name, trial=mine["trial"].map(renamed), settings=other)])
-        theirs = measurements[measurements["trial"].isin(renamed)]
-        measurements = pd.concat([measurements, theirs.assign(trial=theirs["trial"].map(renamed))])
-    trials.to_parquet(folder / "trials.parquet", index=False)
-    measurements.to_parquet(folder / "measurements.parquet", index=False)
-    return Store(folder)
-
-
-ONE, SEVERAL = (("mujoco", "cg-loose"),), (("mujoco", "cg-loose"), ("mujoco", "pgs"), ("dart", "pgs"))
+    return Store(write_settings_folder(folder, *settings))
 
 
 @pytest.fixture
@@ -112,7 +86,7 @@ def test_what_is_neither_track_is_half_filled(several: Store) -> None:
     }
 
 
-@pytest.mark.parametrize(("settings", "third"), [(ONE, "default with solver cg, tolerance 10⁻⁵"), (SEVERAL, "other settings")])
+@pytest.mark.parametrize(("settings", "third"), [(ONE, "default with solver cg, tolerance 10⁻⁵"), (SEVERAL, "others")])
 def test_a_still_chart_names_a_third_track_and_several_together(
     tmp_path: Path, settings: tuple[tuple[str, str], ...], third: str
 ) -> None:

@@ -32,6 +32,8 @@ __all__ = ["PAGE"]
 SHOWN = 6
 """Causes and limits that stand open; the next causes fold, up to `LISTED`, and the pages of the engines have all."""
 LISTED = 24
+MANY = 40
+"""Cases from which on the matrix scrolls in a frame of its own."""
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale. "
@@ -78,6 +80,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             for key, cell in cells.items()
             if key[0] in by_case(store) and cell.own.rank >= VERDICTS["converges elsewhere"].rank
         ],
+        many=MANY,
         shown=SHOWN,
         listed=LISTED,
         news=history_news(store),

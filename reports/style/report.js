@@ -233,6 +233,12 @@
     for (const { encoding } of spec.layer ?? [spec]) {
       for (const [axis, room] of Object.entries(rooms)) if (typeof encoding?.[axis]?.title === "string") encoding[axis].title = broken(encoding[axis].title, room);
     }
+    // On a phone names of cases leave room for the marks, and for the outcomes beside them.
+    const outcomes = Object.values(spec.datasets ?? {}).flat().reduce((most, row) => Math.max(most, (row.column ?? -1) + 1), 0);
+    const names = Math.max(90, figure.clientWidth - 150 - 13 * outcomes);
+    for (const { encoding } of spec.layer ?? [spec]) {
+      if (encoding?.y?.axis?.labelLimit > names) encoding.y.axis.labelLimit = names;
+    }
     // The switches are the legend.
     for (const layer of sides(spec).length ? spec.layer ?? [spec] : []) {
       for (const channel of ["color", "stroke", "shape", "fillOpacity", "strokeDash"]) if (layer.encoding?.[channel]) layer.encoding[channel].legend = null;

@@ -94,7 +94,7 @@ def _margin(row: Mapping[str, object], measured: Sequence[Mapping[str, object]])
         pair = sorted((abs(value), abs(bound)))
         times = pair[1] / pair[0] if pair[0] > 0 else math.inf
         if times > worst:
-            worst, says = times, f"{metric_title(str(m['metric']))} {times:.2g} times beyond its bound"
+            worst, says = times, f"{metric_title(str(m['metric']))} {float(f'{times:.2g}'):g} times beyond its bound"
     return (worst if worst > 1.0 else math.inf), says
 
 

@@ -17,6 +17,7 @@ __all__ = [
     "HOVER",
     "LANE",
     "POINT",
+    "SHARES",
     "TRACKS",
     "at_values",
     "Marks",
@@ -35,6 +36,8 @@ OPEN, HALF = 0.0001, 0.35
 """Opacities of the filling of marks; 1 is filled."""
 LANE = 15
 """Height of one row of outcomes above a chart [px]."""
+SHARES: Row = {"labelExpr": "round(100 * datum.value) + ' %'"}
+"""The axis of a share, in per cent."""
 NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
 HOVER = {
     "engine": "engine",

@@ -156,7 +156,10 @@
   const named = (side) => {
     const [, first, rest] = /^(\S+ )(.+ \(ours\))$/.exec(side.name) ?? [];
     if (side.field === "track" && side.name.length > 8) return [part("long", side.name)];
-    return first ? [part("more", first), rest] : [side.name];
+    if (!first) return [side.name];
+    const whole = part("name", "");
+    whole.append(part("more", first), rest);
+    return [whole];
   };
   // One line of buttons above the chart; each leaves out what it names. The last engine and the last track stay.
   const legends = new WeakMap();

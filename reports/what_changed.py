@@ -23,7 +23,7 @@ _SECTIONS = (
 _NOTES = {
     "worse": "Verdicts, determinism, limits, errors and prices beyond what chance and the truths allow; each with the command "
     "that shows it again.",
-    "better": "The same, the other way.",
+    "better": "Verdicts, determinism, limits, errors and prices that are better by more than chance and the truths allow.",
     "alike": "The answer is another to the last bit; its error moved by less than a hundredth of its bound, than the truth may "
     "be off, or than a last bit moves it.",
     "facts": "Versions, settings, sources, the machine, warnings, and which trials there are.",

@@ -17,7 +17,7 @@ from reports.text import settings_text
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["answers", "at_own_step"]
+__all__ = ["answers", "at_own_step", "stepless"]
 
 
 def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
@@ -72,7 +72,7 @@ def _answers(store: "Store", trials: pd.DataFrame) -> pd.DataFrame:
 
 @lru_cache(maxsize=4096)
 def stepless(settings: str) -> str:
-    """Settings without the time step, in one spelling."""
+    """Settings without the time step and their source, in one spelling."""
     try:
         fields = json.loads(settings)
     except ValueError:

@@ -106,8 +106,11 @@ def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
     """The bound of the check: a line over the time steps, or a short stroke where there is one step only."""
     steps = chart([{"dt": dt, "error": bound} for dt, bound in bounds])
     several = len({dt for dt, _ in bounds}) > 1
-    grey: Row = {"color": "#8a93a0", "strokeWidth": 1.5}
-    return (steps.marked("line", **grey) if several else steps.marked("tick", **grey, width=60)).encode(x=x, y=y)
+    grey: Row = {"color": "#8a93a0"}
+    stroke: Row = {"orient": "horizontal", "size": 60, "thickness": 1.5}
+    return (steps.marked("line", **grey, strokeWidth=1.5) if several else steps.marked("tick", **grey, **stroke)).encode(
+        x=x, y=y
+    )
 
 
 def outcome_lanes(drawn: Sequence[Row], x: Any, style: "Marks") -> list[Any]:

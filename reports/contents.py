@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from reports.text import slug
+from harness.study.engine_versions import engine_of
+from reports.text import knobs, powers, settings_text, slug
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -13,12 +14,14 @@ if TYPE_CHECKING:
 __all__ = [
     "FAMILIES",
     "cases",
+    "compared_tracks",
     "engine_file",
     "engines",
     "families",
     "more_is_better",
     "named_tracks",
     "ours",
+    "setting_words",
     "titles",
     "tracks",
 ]
@@ -144,3 +147,36 @@ def named_tracks(store: "Store") -> list[str]:
     """The tracks that the study names, in the same order; not the settings that a search went on to."""
     trials = store.trials
     return sorted(trials["track"][trials["round"] == 0].unique(), key=lambda track: (TRACK_ORDER.get(track, 2), track))
+
+
+def compared_tracks(store: "Store") -> list[str]:
+    """Of these the two that every engine has: a setting that a study names beside them is one engine's own."""
+    return [track for track in named_tracks(store) if track in TRACK_ORDER]
+
+
+@lru_cache(maxsize=2)
+def _variants(store: "Store") -> Mapping[tuple[str, str], Mapping[str, Any]]:
+    """What the study says of its settings beside the two tracks, by engine and name."""
+    listed = store.study.get("variants", {})
+    groups = listed.items() if isinstance(listed, dict) else ()
+    return {
+        (engine, name): variant
+        for engine, group in groups
+        if isinstance(group, dict)
+        for name, variant in group.items()
+        if isinstance(variant, dict)
+    }
+
+
+@lru_cache(maxsize=1024)
+def setting_words(store: "Store", engine: str, track: str) -> str:
+    """A track or a group of settings as a sentence names it: 'tuned', 'tuned, split impulse on'.
+
+    Of a setting that the study names, the track it is laid over and what it changes there: 'default with solver cg'.
+    """
+    variant = _variants(store).get((engine_of(engine), track))
+    if track in TRACK_ORDER or variant is None:
+        return knobs(track)
+    changed = {name: value for name, value in variant.items() if name not in ("on", "beside", "changes", "source")}
+    words = settings_text(changed).replace("_", " ")
+    return powers(f"{variant.get('on', 'tuned')}{f' with {words}' if words else ''}")

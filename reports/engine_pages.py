@@ -12,7 +12,7 @@ from reports.verdict import Verdict, verdicts
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["CaseOf", "by_reason", "cases_of", "laws_of", "versions_of"]
+__all__ = ["CaseOf", "by_reason", "cases_of", "laws_of", "tracks_of", "versions_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +34,12 @@ def cases_of(store: "Store", engine: str) -> list[CaseOf]:
         and (mine := {track: cells[name, engine, track] for track in named_tracks(store) if (name, engine, track) in cells})
     ]
     return sorted(listed, key=lambda listed_case: max(_weight(cell) for cell in listed_case.cells.values()), reverse=True)
+
+
+def tracks_of(store: "Store", engine: str) -> list[str]:
+    """The tracks and settings that the study names on which an engine has a verdict."""
+    judged = {track for _, name, track in verdicts(store) if name == engine}
+    return [track for track in named_tracks(store) if track in judged]
 
 
 def _weight(cell: Verdict) -> tuple[int, float]:

@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from harness.findings.causes import FAILED, Answer, Cause, causes
-from reports.contents import cases, engines, named_tracks
+from reports.contents import cases, engines, named_tracks, setting_words
 from reports.known_findings import by_engine
 from reports.own_scenes import by_case
 from reports.text import join_words, plural
@@ -30,9 +30,13 @@ class Failing:
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """One cause with what it makes fail. Terms: what: the cause in words; verdict: 'fails 4 cases', with what cures them."""
+    """One cause with what it makes fail.
+
+    Terms: setting: the track, or the setting, in words; what: the cause; verdict: 'fails 4 cases', with what cures them.
+    """
 
     cause: Cause
+    setting: str
     what: str
     verdict: str
     cases: Sequence[Failing]
@@ -71,7 +75,8 @@ def _worded(store: "Store", cause: Cause, cells: dict[tuple[str, str, str], Verd
             else f"of which {len(cause.cured)} {'passes' if len(cause.cured) == 1 else 'pass'}"
         )
         verdict += f", {'which passes' if count == 1 else several} {tracks[0]}"
-    return Failure(cause, _what(cause), verdict, sorted(listed, key=_weight, reverse=True))
+    setting = setting_words(store, cause.engine, cause.track)
+    return Failure(cause, setting, _what(cause), verdict, sorted(listed, key=_weight, reverse=True))
 
 
 def _what(cause: Cause) -> str:

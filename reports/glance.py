@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from reports.answers import answers, at_own_step
-from reports.contents import cases, engines, more_is_better, named_tracks, ours
+from reports.contents import cases, compared_tracks, engines, more_is_better, ours
 from reports.verdict import totals
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def ratios(frame: pd.DataFrame, yardsticks: Collection[str] = ()) -> dict[Side, 
 @lru_cache(maxsize=1)
 def glances(store: "Store") -> list[Glance]:
     """All engines on all tracks that were run, on one scale. One with fewer than half of the cases has no ratios."""
-    yardsticks, counts, named = ours(store), totals(store), named_tracks(store)
+    yardsticks, counts, named = ours(store), totals(store), compared_tracks(store)
     fewer = [name for name, case in cases(store).items() if not more_is_better(case)]
     own = at_own_step(store, answers(store))
     own = own[own["track"].isin(named)]

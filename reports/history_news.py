@@ -1,10 +1,13 @@
 """What a night of a history says of what changed since each answer was last seen, from the files beside its report."""
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from harness.findings.changes import Change
+from harness.findings.changes.words import sentence, titled
+from reports.contents import titles
 from reports.trial_rows import is_file
 from reports.what_changed import PAGE
 
@@ -26,6 +29,14 @@ class HistoryNews:
     page: str
 
 
+def _sentence(row: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    """With titles; as the file has it where its row is of another version."""
+    try:
+        return sentence(titled(Change(**{field.name: row[field.name] for field in fields(Change)}), names))
+    except (KeyError, TypeError, ValueError):
+        return str(row.get("sentence", ""))
+
+
 def history_news(store: "Store") -> HistoryNews | None:
     """None where the run is no night of a history, or its first: there is nothing to compare it with."""
     folder = store.folder / "changes"
@@ -36,5 +47,6 @@ def history_news(store: "Store") -> HistoryNews | None:
     except (OSError, ValueError):
         return None
     worse, better = ([row for row in rows if row.get("sense") == sense] for sense in ("worse", "better"))
-    sentences = [str(row.get("sentence", "")) for row in (*worse, *better)][:SHOWN]
+    names = titles(store)
+    sentences = [_sentence(row, names) for row in (*worse, *better)[:SHOWN]]
     return HistoryNews(len(worse), len(better), sentences, f"../changes/{PAGE}")

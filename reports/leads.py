@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from reports.answers import answers, at_own_step
-from reports.contents import cases, engines, more_is_better, named_tracks, ours
+from reports.contents import cases, compared_tracks, engines, more_is_better, ours
 from reports.glance import EXACT
 from reports.own_scenes import by_case
 
@@ -49,7 +49,7 @@ def leads(store: "Store") -> dict[tuple[str, str], Lead]:
     rows = at_own_step(store, answers(store))[["case", "track", "engine", "error"]]
     leading = {}
     for (case, track), group in rows.groupby(["case", "track"], sort=False):
-        if case not in by_case(store) and track in named_tracks(store) and group["engine"].nunique() > 1:
+        if case not in by_case(store) and track in compared_tracks(store) and group["engine"].nunique() > 1:
             medians = group.groupby("engine", sort=False)["error"].median().dropna()
             for name in ours(store):
                 lead = _lead(cases(store)[case], str(track), name, medians, engines(store)[name]["advantages"])

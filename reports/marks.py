@@ -17,6 +17,7 @@ __all__ = [
     "HOVER",
     "LANE",
     "POINT",
+    "SHARES",
     "TRACKS",
     "at_values",
     "Marks",
@@ -31,8 +32,12 @@ __all__ = [
 Row = dict[str, Any]
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 TRACKS = ("default", "tuned")
+OPEN, HALF = 0.0001, 0.35
+"""Opacities of the filling of marks; 1 is filled."""
 LANE = 15
 """Height of one row of outcomes above a chart [px]."""
+SHARES: Row = {"labelExpr": "round(100 * datum.value) + ' %'"}
+"""The axis of a share, in per cent."""
 NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
 HOVER = {
     "engine": "engine",
@@ -61,7 +66,8 @@ class Marks:
         self.engines = [label for label, _ in shown]
         self.colours = [look.colour for _, look in shown]
         self.paths = [look.path for _, look in shown]
-        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (track != "default", track))
+        order = {track: place for place, track in enumerate(TRACKS)}
+        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (order.get(track, len(order)), track))
 
     def colour(self) -> Channel:
         """Colour of the engine, of what is filled and of lines."""
@@ -81,14 +87,18 @@ class Marks:
             for key, title in HOVER.items()
         ]
 
+    def _filling(self, track: str) -> float:
+        """Open for the defaults, half filled for what is neither of the two tracks where 'tuned' is drawn too."""
+        return OPEN if track == "default" else HALF if track != "tuned" and "tuned" in self.tracks else 1
+
     def channels(self) -> Row:
         """All channels of a point."""
-        filled = [0.0001 if track == "default" else 1 for track in self.tracks]
+        filled = [self._filling(track) for track in self.tracks]
         return {
             "color": self.colour(),
             "stroke": self.colour(),
             "shape": channel("engine:N", title=None, scale={"domain": self.engines, "range": self.paths}),
-            "fillOpacity": channel("track:O", title=None, scale={"domain": self.tracks, "range": filled}),
+            "fillOpacity": channel("track:O", title=None, scale={"type": "ordinal", "domain": self.tracks, "range": filled}),
             "tooltip": self.tooltip(),
         }
 

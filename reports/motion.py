@@ -153,7 +153,7 @@ def _quantity(stage: Stage, headline: str) -> tuple[str, str, Callable[[Mapping[
     kind = next((kind for words, kind in WORDS if any(word in headline for word in words)), "place")
     first = stage.truth if set(told_places(stage)) == {int(k) for k in stage.moving} else stage.runs[0].arrays
     places = np.array([int(k) for k in stage.moving])
-    names = [str(stage.bodies[k]["name"]) for k in places]
+    names = [str(stage.bodies[k]["name"]).replace("_", " ") for k in places]
     p, q = first["p_WB"][:, places], first["q_WB"][:, places]
     if kind == "depth" and all("contacts_gap" in run.arrays for run in stage.runs):
         return "Deepest penetration", "m", _depth

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from harness.store.rows import records
-from reports.contents import engines
+from reports.contents import engines, setting_words
 from reports.status import outcome
 from reports.text import visible
 
@@ -55,7 +55,7 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
         drawn.append(
             {
                 "engine": names[row["engine"]],
-                "track": visible(str(row["track"]))[:30],
+                "track": visible(setting_words(store, row["engine"], str(row["track"])))[:60],
                 "series": row["series"],
                 "trial": row["trial"],
                 "case": row["case"],

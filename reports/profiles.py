@@ -7,7 +7,7 @@ from harness.findings.tables.profile import FACTOR, TIME, Share
 from reports.costs import titled
 from reports.figure import Figure
 from reports.grammar import channel, chart
-from reports.marks import POINT, Marks, decades, finished, logarithmic
+from reports.marks import POINT, SHARES, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount
 
@@ -43,7 +43,7 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
     style = Marks(store, rows)
     x = logarithmic("within", AXES[limit], decades(row["within"] for row in rows))
     scale = {"domain": [0, 1], "nice": False, "padding": 6}
-    y = channel("share:Q", title="share of the cases", scale=scale, axis={"format": ".0%"})
+    y = channel("share:Q", title="share of the cases", scale=scale, axis=SHARES)
     low = channel("low:Q", title="share of the cases", scale=scale)
     shape = channel("engine:N", title=None, scale={"domain": style.engines, "range": style.paths})
     tooltips = [
@@ -74,10 +74,10 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
         [
             row["engine"],
             amount(row["within"]),
-            f"{row['share']:.1%}",
-            f"{row['low']:.1%}",
+            f"{amount(100 * row['share'])} %",
+            f"{amount(100 * row['low'])} %",
             row["without_low"],
-            f"{row['high']:.1%}",
+            f"{amount(100 * row['high'])} %",
             row["without_high"],
         ]
         for row in rows

@@ -12,7 +12,8 @@ from markupsafe import Markup
 from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
 from harness.findings.selection.evidence import BOUND, Datum
 from harness.findings.selection.words import headline
-from reports.contents import FAMILIES, cases
+from reports.answers import stepless
+from reports.contents import FAMILIES, cases, setting_words
 from reports.own_scenes import by_case
 from reports.paces import Pace, pace_of
 from reports.text import settings_text, slug
@@ -64,7 +65,7 @@ def live(store: "Store") -> Markup:
             {
                 "name": name,
                 "title": str(about.get(name, {}).get("title") or name),
-                "track": evidence.tracks[name],
+                "track": setting_words(store, name, evidence.tracks[name]),
                 "features": list(about.get(name, {}).get("features", ())),
             }
             for name in engines
@@ -92,11 +93,13 @@ def live(store: "Store") -> Markup:
 
 @dataclass(frozen=True)
 class Choice:
-    """An engine that stands first, alone or level. Terms: settings: those of its track, in words. slowest, fastest: over the
+    """An engine that stands first, alone or level. Terms: setting: its track, or what a search went on to, in
+    words; settings: what that means. slowest, fastest: over the
     cases of the purpose, None where none of its trials there is clocked and errs by a per cent or less. paced: in how many."""
 
     engine: str
     track: str
+    setting: str
     settings: str
     slowest: Pace | None
     fastest: Pace | None
@@ -155,10 +158,27 @@ def _own_need(store: "Store", case: str, titled: Callable[[str], str]) -> Need |
 
 def _choice(store: "Store", answer: Answer, engine: str) -> Choice:
     track = answer.evidence.tracks[engine]
-    settings = settings_text(store.catalogue.get("engines", {}).get(engine, {}).get("tracks", {}).get(track, {}))
+    settings = _settings(store, engine, track)
     known = [pace for case in answer.evidence.cases if (pace := pace_of(store, case, engine, track)) is not None]
     paces = sorted(known, key=lambda pace: pace.times)
-    return Choice(engine, track, settings, paces[0] if paces else None, paces[-1] if paces else None, len(paces))
+    return Choice(
+        engine,
+        track,
+        setting_words(store, engine, track),
+        settings,
+        paces[0] if paces else None,
+        paces[-1] if paces else None,
+        len(paces),
+    )
+
+
+def _settings(store: "Store", engine: str, track: str) -> str:
+    """Those of a track by the catalogue; of any other settings by one of its trials, whose step says nothing of the others."""
+    tracks = store.catalogue.get("engines", {}).get(engine, {}).get("tracks", {})
+    if track in tracks:
+        return settings_text(tracks[track])
+    texts = store.trials["settings"][(store.trials["engine"] == engine) & (store.trials["track"] == track)]
+    return settings_text(stepless(str(texts.iloc[0]))) if len(texts) else ""
 
 
 def _short(value: float) -> float:

@@ -9,7 +9,7 @@ from reports.contents import engines
 from reports.costs import titled
 from reports.figure import Figure
 from reports.grammar import channel, chart
-from reports.marks import POINT, TRACKS, Marks, decades, finished, logarithmic
+from reports.marks import POINT, SHARES, TRACKS, Marks, decades, finished, logarithmic
 from reports.points import labels
 from reports.text import amount
 
@@ -81,7 +81,7 @@ def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
     style = Marks(store, rows)
     x = logarithmic("dt", "time step [ms]", decades(row["dt"] for row in rows))
     scale = {"domain": [0, 1], "nice": False, "padding": 6}
-    y = channel("share:Q", title="share of the scenes within 1 %", scale=scale, axis={"format": ".0%"})
+    y = channel("share:Q", title="share of the scenes within 1 %", scale=scale, axis=SHARES)
     tooltips = [channel("engine:N"), channel("track:N"), channel("dt:Q", title="time step [ms]", format=".3~g")]
     tooltips += [channel("share:Q", format=".1%"), channel("run:Q", title="scenes left")]
     channels = style.channels() | {"tooltip": tooltips}
@@ -99,5 +99,5 @@ def steps_chart(store: "Store", steps: Sequence[Step]) -> Figure | None:
     )
     spec = finished(layers, height=320)
     columns = ("engine", "track", "time step [ms]", "share", "scenes left")
-    cells = [[r["engine"], r["track"], amount(r["dt"]), f"{r['share']:.1%}", r["run"]] for r in rows]
+    cells = [[r["engine"], r["track"], amount(r["dt"]), f"{amount(100 * r['share'])} %", r["run"]] for r in rows]
     return Figure("largest-steps", "Share of scenes within 1 % against time step", caption, spec, columns, cells, how)

@@ -1,6 +1,6 @@
 """The legend of a still chart, as a live one has it: engines by shape and colour, then tracks, in as few lines as fit."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 __all__ = ["NAMED", "with_legend"]
@@ -21,10 +21,11 @@ def with_legend(spec: dict[str, Any], width: int) -> dict[str, Any]:
         for channel in ("color", "stroke", "shape"):
             if "scale" in encoding.get(channel, {}):
                 encoding[channel]["legend"] = _laid(encoding[channel]["scale"]["domain"], room, above)
-    tracks: Sequence[str] = next(
-        (encoding["fillOpacity"]["scale"]["domain"] for encoding in encodings if "fillOpacity" in encoding), []
+    fillings: dict[str, Any] = next(
+        (encoding["fillOpacity"]["scale"] for encoding in encodings if "fillOpacity" in encoding), {}
     )
-    if "layer" in spec and len(tracks) == 2:
+    tracks = _by_filling(fillings.get("domain", ()), fillings.get("range", ()))
+    if "layer" in spec and len(tracks) > 1:
         for encoding in encodings:
             if "strokeDash" in encoding:
                 encoding["strokeDash"]["legend"] = None
@@ -32,15 +33,27 @@ def with_legend(spec: dict[str, Any], width: int) -> dict[str, Any]:
     return spec
 
 
-def _tracks(tracks: Sequence[str], room: float, above: float) -> dict[str, Any]:
+def _by_filling(tracks: Sequence[str], fillings: Sequence[float]) -> dict[str, str]:
+    """What the legend calls tracks that are drawn alike, to the colour of their sign; 'others' are several."""
+    names: dict[float, list[str]] = {}
+    for track, filling in zip(tracks, fillings, strict=True):
+        names.setdefault(filling, []).append(track)
+    red, green, blue = (int(INK[k : k + 2], 16) for k in (1, 3, 5))
+    return {
+        listed[0] if len(listed) == 1 else "others": f"rgba({red},{green},{blue},{filling:g})"
+        for filling, listed in names.items()
+    }
+
+
+def _tracks(tracks: Mapping[str, str], room: float, above: float) -> dict[str, Any]:
     """A layer that draws nothing and has the legend of tracks: a legend knows no filling, one of dashes draws lines."""
-    legend = _laid(tracks, room, above) | {"symbolType": "circle", "symbolStrokeColor": INK, "values": list(tracks)}
+    legend = _laid(list(tracks), room, above) | {"symbolType": "circle", "symbolStrokeColor": INK, "values": list(tracks)}
     fill = {
         "field": "filling",
         "type": "nominal",
         "title": None,
         # The other way round than the dashes' domain: legends of one domain are made one, and theirs is put away.
-        "scale": {"domain": list(tracks)[::-1], "range": [INK, "transparent"]},
+        "scale": {"domain": list(tracks)[::-1], "range": list(tracks.values())[::-1]},
         "legend": legend,
     }
     return {

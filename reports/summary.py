@@ -9,7 +9,7 @@ from harness.findings.leads import axis_leads, reaches
 from harness.findings.limits_found import searches_if_described
 from harness.findings.tables import determinism, effects
 from harness.findings.tables.orders import convergences
-from reports.contents import cases, engines, named_tracks, titles
+from reports.contents import cases, compared_tracks, engines, setting_words, titles
 from reports.contents import ours as yardsticks
 from reports.disputes import disputed
 from reports.glance import Glance, glances
@@ -41,6 +41,7 @@ def sentences(store: "Store") -> list[str]:
         *agreed,
         *leaders(store, seen),
         *price(store, seen),
+        *beside(store),
         *tuning(store, cells),
         *extremes(store, cells),
         *promises(store),
@@ -56,7 +57,7 @@ def studied(store: "Store") -> list[str]:
     if rows := [asdict(verdict) for verdict in effects.verdicts_if_described(store)]:
         written += effects.sentences(rows, accusing=False, titles=titles(store))
     if rows := determinism.rows(store):
-        written += determinism.sentences(rows)
+        written += determinism.sentences(rows, titles(store))
     return written
 
 
@@ -112,7 +113,7 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
     """Who passes most cases of the engines that people can deploy, on each track; our own stands beside them, unranked."""
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
-    for track in reversed(named_tracks(store)):
+    for track in reversed(compared_tracks(store)):
         answered = [
             glance
             for glance in seen
@@ -141,7 +142,7 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
 
 def price(store: "Store", seen: list[Glance]) -> list[str]:
     """Who is cheapest where all answered, and in the same breath whose errors are the smallest; ours on the others' scale."""
-    track = named_tracks(store)[-1]
+    track = next(reversed(compared_tracks(store)), "")
     priced = [glance for glance in seen if glance.track == track and glance.relative_cost is not None]
     if len(priced) < 2:
         return []
@@ -158,6 +159,19 @@ def price(store: "Store", seen: list[Glance]) -> list[str]:
     return [f"What accuracy costs, {track}, over the {shared} that all of them share: in CPU time {cost}; in error {error}."]
 
 
+def beside(store: "Store") -> list[str]:
+    """Why settings that the study names beside the two tracks are in no ranking."""
+    named = store.trials[["engine", "track"]][store.trials["round"] == 0].drop_duplicates()
+    count = int((~named["track"].isin(compared_tracks(store))).sum())
+    if not count:
+        return []
+    verb = "is one engine's own and is" if count == 1 else "are each one engine's own and are"
+    return [
+        f"{plural(count, 'setting')} beside the two tracks {verb} not ranked here; the verdicts and the pages of cases show "
+        f"{'it' if count == 1 else 'them'}."
+    ]
+
+
 def ranked(store: "Store", ratios: dict[str, float]) -> str:
     """'A 1x, B 2.3x (the yardstick C 0.5x)': from the best, relative to the best of each case, ours in brackets."""
     titles, beside = engines(store), [name for name in ratios if name in yardsticks(store)]
@@ -169,7 +183,7 @@ def ranked(store: "Store", ratios: dict[str, float]) -> str:
 
 def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
     """What tuning changes, in whole cases."""
-    if not {"default", "tuned"} <= set(named_tracks(store)):
+    if len(compared_tracks(store)) < 2:
         return []
     changed = []
     for name, engine in engines(store).items():
@@ -221,7 +235,7 @@ def promises(store: "Store") -> list[str]:
             f"The order of convergence that an integrator promises is kept on all {plural(len(ladders), 'ladder')} that tell."
         ]
     parts = [
-        f"{engines(store)[engine]['title']} ({track}) in {join_words(titles[:4])}{more(titles)}"
+        f"{engines(store)[engine]['title']} ({setting_words(store, engine, track)}) in {join_words(titles[:4])}{more(titles)}"
         for (engine, track), titles in broken.items()
     ]
     count = sum(map(len, broken.values()))

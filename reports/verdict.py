@@ -13,7 +13,7 @@ from reports.contents import engines, families
 from reports.own_scenes import by_case, chips
 from reports.reasons import reasons
 from reports.status import STATUSES, Outcome, outcome, worst
-from reports.text import TIMES, amount
+from reports.text import TIMES, amount, unit_text
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -65,11 +65,13 @@ class Verdict:
 
 
 def margin_words(margin: Margin) -> str:
-    """'34× over' of what is missed, '0.3 of the bound' of what is kept."""
+    """'34× over' of what is missed, '2 m, bound 0' where nothing is allowed, '0.3 of the bound' of what is kept."""
     if margin.held:
         return f"{amount(margin.times, 2)} of the bound"
     if not math.isfinite(margin.times):
-        return "no number"
+        unit = "" if margin.unit in ("", "1") else f" {unit_text(margin.unit)}"
+        told = f"{amount(margin.value, 2)}{unit}, bound {amount(margin.at_most, 2)}"
+        return told if math.isfinite(margin.value) else "no number"
     # A margin under a per cent would read as none.
     digits = 4 if margin.times < 1.01 else 3 if margin.times < 1.1 else 2
     return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES} over"

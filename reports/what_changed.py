@@ -1,12 +1,12 @@
 """The page What changed: two run folders side by side, in sentences by weight, and as one table."""
 
 import shutil
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from harness.findings.changes import Change, Changes
-from harness.findings.changes.words import command, folded, headline, sentence
+from harness.findings.changes.words import command, folded, headline, sentence, titled
 from harness.store.disk import make_folder, write_atomically
 from reports.policy import guarded
 from reports.template import environment
@@ -23,14 +23,14 @@ _SECTIONS = (
 _NOTES = {
     "worse": "Verdicts, determinism, limits, errors and prices beyond what chance and the truths allow; each with the command "
     "that shows it again.",
-    "better": "The same, the other way.",
+    "better": "Verdicts, determinism, limits, errors and prices that are better by more than chance and the truths allow.",
     "alike": "The answer is another to the last bit; its error moved by less than a hundredth of its bound, than the truth may "
     "be off, or than a last bit moves it.",
     "facts": "Versions, settings, sources, the machine, warnings, and which trials there are.",
 }
 _STYLE = {"worse": "failed", "better": "passed", "within tolerance": "interrupted", "neither": "unavailable"}
-_MOST_SENTENCES, _MOST_ROWS = 200, 2000
-"""On a page that a phone can hold; changes.json beside it has all."""
+_MOST_SENTENCES, _MOST_ROWS, _OPEN = 200, 2000, 24
+"""On a page that a phone can hold; changes.json beside it has all. So many sentences stand open, the next fold."""
 
 
 def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
@@ -42,10 +42,14 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
         .render(
             headline=headline(changes),
             changes=changes,
-            gated=sorted(gated),
+            gated=[changes.titles.get(name, name) for name in sorted(gated)],
             barred=len(changes.regressions(gated)),
+            open=_OPEN,
             sections=[section for section in sections if section["all"]],
-            rows=[(row, _STYLE[row.sense], sentence(row)) for row in changes.rows[:_MOST_ROWS]],
+            rows=[
+                (row, _STYLE[row.sense], sentence(row))
+                for row in (titled(change, changes.titles) for change in changes.rows[:_MOST_ROWS])
+            ],
         )
     )
     return guarded(page)
@@ -53,7 +57,7 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
 
 def _section(name: str, title: str, changes: Changes, senses: Collection[str]) -> dict[str, Any]:
     rows: list[Change] = [row for row in changes.rows if row.sense in senses]
-    groups = folded(rows)
+    groups = _one_a_side(folded(rows, changes.titles))
     shown = [(text, command(group[0], changes)) for text, group in groups[:_MOST_SENTENCES]]
     return {
         "name": name,
@@ -63,6 +67,21 @@ def _section(name: str, title: str, changes: Changes, senses: Collection[str]) -
         "shown": shown,
         "more": len(groups) - len(shown),
     }
+
+
+def _one_a_side(groups: Iterable[tuple[str, Sequence[Change]]]) -> list[tuple[str, Sequence[Change]]]:
+    """Of what changed alike in one case on one side of an engine the heaviest, with how many more there are."""
+    alike: dict[tuple[str, ...], list[tuple[str, Sequence[Change]]]] = {}
+    for number, (text, rows) in enumerate(groups):
+        first = rows[0]
+        about = (first.kind, first.sense, first.case, first.engine, first.track)
+        alike.setdefault(about if len(rows) == 1 and first.case else (str(number),), []).append((text, rows))
+    told = []
+    for each in alike.values():
+        text, rows = each[0]
+        more = f" So {len(each) - 1} more of this case, at other steps or parameters." if len(each) > 1 else ""
+        told.append((text + more, [row for _, group in each for row in group]))
+    return told
 
 
 def write_what_changed(changes: Changes, folder: Path, gated: Collection[str] = ()) -> Path:

@@ -142,11 +142,12 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
         layers.append(faint.encode(x=x, y=y, **{k: channels[k] for k in ("color", "shape", "tooltip")}))
     tooltips = [channel("engine:N"), channel("reason:N")]
     layers += [*lane_texts(lanes, "text", fixed("width"), style, tooltips, align="right"), *lane_names(lanes)]
+    half = {"tuned", "other settings"} <= set(style.tracks)
     caption = f"The {'upper' if paced else 'lower'} left corner is best: accurate and {'fast' if paced else 'cheap'}."
     how = (
-        "Each point is one trial, open for the vendor's defaults; lines join "
-        "what no other setting of the same engine beats, grey rings what no setting of any engine beats. Upright bars are 95 % "
-        "intervals of the cost, level ones how far the truth itself may be off; errors below 10⁻⁹ stand there."
+        f"Each point is one trial, open for the vendor's defaults{', half filled for other settings' if half else ''}; lines "
+        "join what no other setting of the same engine beats, grey rings what no setting of any engine beats. Upright bars are "
+        "95 % intervals of the cost, level ones how far the truth itself may be off; errors below 10⁻⁹ stand there."
         + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
         + (" Trials without an error or a cost are counted above the frame." if lanes else "")
     )

@@ -5,7 +5,7 @@
 # [tool.finding]
 # engine = "bullet"
 # kind = "trap"
-# title = "loadMJCF gives every geom 1000 kg/m3, whatever its mass or density"
+# title = "loadMJCF gives every geom 1000 kg/m³, whatever its mass or density"
 # seen = ["3.2.7"]
 # documented = "MJCF: geom/mass and geom/density set a geom's mass; 1000 kg/m3 is the default density. The loader calls itself a basic import of MJCF files."
 # sources = ["MuJoCo, XML Reference: geom, mass and density", "PyBullet Quickstart Guide, loadMJCF"]

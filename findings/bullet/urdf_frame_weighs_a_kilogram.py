@@ -5,7 +5,7 @@
 # [tool.finding]
 # engine = "bullet"
 # kind = "trap"
-# title = "A URDF link without <inertial> gets 1 kg and 1 kg m2"
+# title = "A URDF link without <inertial> gets 1 kg and 1 kg m²"
 # seen = ["3.2.7"]
 # documented = "The format says that such a link has zero mass and zero inertia. The loader prints 'No inertial data for link, using mass=1' on the console."
 # sources = ["URDF, link element: inertial (optional: defaults to a zero mass and zero inertia if not specified)"]

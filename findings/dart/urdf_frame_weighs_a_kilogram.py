@@ -5,7 +5,7 @@
 # [tool.finding]
 # engine = "dart"
 # kind = "trap"
-# title = "A URDF link without <inertial> gets 1 kg and 1 kg m2"
+# title = "A URDF link without <inertial> gets 1 kg and 1 kg m²"
 # seen = ["6.20.0"]
 # documented = "A link without one is given DartLoaderOptions.mDefaultInertia, 1 kg and 1 kg m2 unless it is set. The format says that such a link has zero mass and zero inertia."
 # sources = ["URDF, link element: inertial (optional: defaults to a zero mass and zero inertia if not specified)"]

@@ -5,6 +5,7 @@ Scenes of one's own, whose truth engines have to agree on, have a page of their 
 
 import shlex
 from collections.abc import Collection, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from harness.findings.emulations import whose
@@ -12,7 +13,7 @@ from harness.findings.tables.orders import Convergence, convergences
 from harness.store.rows import records
 from reports.answers import answers
 from reports.charts import error_by_step
-from reports.contents import FAMILIES, cases, engines, tracks
+from reports.contents import FAMILIES, cases, engines, setting_words, tracks
 from reports.departures import departures
 from reports.disputes import disputed, told
 from reports.figure import Figure
@@ -89,6 +90,7 @@ def render(store: "Store") -> Iterator[tuple[str, Rendered]]:
             metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
             trials=[trial(store, row, values.get(row["trial"], {})) for row in records(mine)],
             departures=departures(mine),
+            setting_of=partial(setting_words, store),
             shown=outcome,
             csv=f"trials/{plain}.csv",
             recording=f"../recordings/{file_name(name)}" if is_file(recording) else None,

@@ -1,10 +1,11 @@
 """A page for each engine: what it is, its settings, what is its own and what its adapter makes, what it fails and passes."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
-from reports.contents import cases, engine_file, engines, named_tracks
-from reports.engine_pages import by_reason, cases_of, laws_of, versions_of
+from reports.contents import cases, engine_file, engines, setting_words
+from reports.engine_pages import by_reason, cases_of, laws_of, tracks_of, versions_of
 from reports.failures import failing
 from reports.known_findings import by_engine
 from reports.page import Page
@@ -27,7 +28,8 @@ def render(store: "Store") -> Mapping[str, str]:
             name=name,
             engine=engine,
             versions=versions_of(store, name),
-            tracks=named_tracks(store),
+            tracks=tracks_of(store, name),
+            setting_of=partial(setting_words, store, name),
             failures=[failure for failure in failing(store) if failure.cause.engine == name],
             listed=cases_of(store, name),
             laws=laws_of(store, name) if engine["features"] else [],

@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
 from reports.answers import answers, at_own_step
 from reports.breaks import limits_met
 from reports.charts import across_cases
-from reports.contents import cases, named_tracks
+from reports.contents import cases, compared_tracks, engines, named_tracks, setting_words
+from reports.engine_pages import tracks_of
 from reports.failures import failing
 from reports.glance import Glance, glances
 from reports.history_news import history_news
@@ -30,12 +32,15 @@ __all__ = ["PAGE"]
 SHOWN = 6
 """Causes and limits that stand open; the next causes fold, up to `LISTED`, and the pages of the engines have all."""
 LISTED = 24
+MANY = 40
+"""Cases from which on the matrix scrolls in a frame of its own."""
 
 ERRORS = (
     "Each mark is the median headline error of an engine on a case, at the case's own time step, divided by the case's scale. "
-    "Filled is tuned, open the vendor's defaults. "
+    "Filled is tuned, open the vendor's defaults{beside}. "
     "Exact answers stand on the left edge, trials without a number at the right as outcomes."
 )
+BESIDE = ", half filled a setting that the study names beside the two"
 COSTS = "Right is faster; 1 is real time on one core."
 PACED = "At 1 a simulated second takes a second of CPU time. A speed says little without its error: read both charts together."
 
@@ -48,7 +53,8 @@ def render(store: "Store") -> Mapping[str, Rendered]:
     scales = {name: case["scale"] or 1.0 for name, case in cases(store).items()}
     scaled = rows.assign(error=[error / scales[name] for error, name in zip(rows["error"], rows["case"], strict=True)])
     title = "Error as a share of the case's scale"
-    errors = across_cases(store, scaled, "error", "overview-error", title, "Left is more accurate.", ERRORS)
+    how = ERRORS.format(beside=BESIDE if len(named_tracks(store)) > len(compared_tracks(store)) > 0 else "")
+    errors = across_cases(store, scaled, "error", "overview-error", title, "Left is more accurate.", how)
     paces = across_cases(store, scaled, "pace", "overview-cost", "Speed in times real time", COSTS, PACED)
     figures = [errors] if errors is not None else []
     figures += [replace(paces, after=errors)] if paces is not None else []
@@ -74,6 +80,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             for key, cell in cells.items()
             if key[0] in by_case(store) and cell.own.rank >= VERDICTS["converges elsewhere"].rank
         ],
+        many=MANY,
         shown=SHOWN,
         listed=LISTED,
         news=history_news(store),
@@ -83,7 +90,9 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         cells=cells,
         meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
-        tracks=named_tracks(store),
+        tracks=compared_tracks(store),
+        columns={name: tracks for name in engines(store) if (tracks := tracks_of(store, name))},
+        setting_of=partial(setting_words, store),
         figures=figures,
         machine=store.machine,
         trials=len(store.trials),

@@ -1,11 +1,12 @@
 """The page that answers which engine, with weights and requirements that a reader sets."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 from harness.findings.selection import CRITERIA, listing
 from harness.findings.selection.words import headline, turn_sentences
-from reports.contents import FAMILIES, cases
+from reports.contents import FAMILIES, cases, setting_words
 from reports.page import Page
 from reports.selection import answer, evidence_rows, live
 from reports.sheet import sheet
@@ -45,6 +46,7 @@ def render(store: "Store") -> Mapping[str, str]:
         rows=[row for row in rows if row.datum.value < 1],
         full=sum(row.datum.value >= 1 for row in rows),
         live=live(store),
+        setting_of=partial(setting_words, store),
     )
     return {"select.html": page, "evidence.csv": sheet(listing.COLUMNS, listing.rows(found))}
 

@@ -128,20 +128,39 @@
     const scale = (channel) => encodings.map((encoding) => encoding[channel]?.scale).find((one) => one?.domain?.length);
     const colours = scale("color"), shapes = scale("shape"), fillings = scale("fillOpacity");
     if (!colours) return [];
-    const engines = colours.domain.map((name, k) => ({ field: "engine", name, colour: colours.range[k], path: shapes?.range[k], filled: true }));
-    const tracks = (fillings?.domain ?? []).map((name, k) => ({ field: "track", name, filled: fillings.range[k] >= 0.5 }));
-    return [...engines, ...(tracks.length === 2 ? tracks : [])];
+    const engines = colours.domain.map((name, k) => ({ field: "engine", name, names: [name], colour: colours.range[k], path: shapes?.range[k], filling: 1 }));
+    // Tracks that are drawn alike are one switch: many settings beside the two have no look of their own.
+    const looks = new Map();
+    (fillings?.domain ?? []).forEach((name, k) => looks.set(fillings.range[k], [...(looks.get(fillings.range[k]) ?? []), name]));
+    const tracks = [...looks].map(([filling, names]) => ({ field: "track", name: names.length > 1 ? "others" : names[0], names, filling }));
+    return [...engines, ...(tracks.length > 1 ? tracks : [])];
   };
   const swatch = (side) => {
     const holder = document.createElement("template");
     holder.innerHTML = '<svg viewBox="-1.6 -1.6 3.2 3.2" aria-hidden="true"><path stroke-width=".32"/></svg>';
     const picture = holder.content.firstChild, path = picture.firstChild;
     path.setAttribute("d", side.path ?? "M1,0A1,1,0,1,1,-1,0A1,1,0,1,1,1,0Z");
-    path.setAttribute("fill", side.filled ? side.colour ?? "currentColor" : "none");
+    path.setAttribute("fill", side.colour ?? "currentColor");
+    path.setAttribute("fill-opacity", side.filling);
     path.setAttribute("stroke", side.colour ?? "currentColor");
     return picture;
   };
 
+  // Where the line is short, of a name of several words that ends in (ours) the first is left out, and settings are cut.
+  const part = (name, text) => {
+    const span = document.createElement("span");
+    span.className = name;
+    span.textContent = text;
+    return span;
+  };
+  const named = (side) => {
+    const [, first, rest] = /^(\S+ )(.+ \(ours\))$/.exec(side.name) ?? [];
+    if (side.field === "track" && side.name.length > 8) return [part("long", side.name)];
+    if (!first) return [side.name];
+    const whole = part("name", "");
+    whole.append(part("more", first), rest);
+    return [whole];
+  };
   // One line of buttons above the chart; each leaves out what it names. The last engine and the last track stay.
   const legends = new WeakMap();
   const legend = (figure, spec) => {
@@ -152,20 +171,23 @@
       if (listed.filter((one) => one.field === side.field).length === 1) {
         const only = document.createElement("span");
         only.classList.toggle("of-ours", yardsticks.has(side.name));
-        only.append(swatch(side), side.name);
+        only.append(swatch(side), ...named(side));
         strip.append(only);
         continue;
       }
       const button = document.createElement("button");
       button.type = "button";
+      button.setAttribute("aria-label", side.name);
+      button.title = side.names.slice(0, 12).join(";\n");
       button.classList.toggle("of-ours", yardsticks.has(side.name));
       button.setAttribute("aria-pressed", "true");
-      button.append(swatch(side), side.name);
+      button.append(swatch(side), ...named(side));
       button.addEventListener("click", () => {
-        const key = `${side.field} ${side.name}`, shown = listed.filter((one) => one.field === side.field && !left.has(`${one.field} ${one.name}`));
-        if (left.has(key)) left.delete(key);
-        else if (shown.length > 1) left.add(key);
-        button.setAttribute("aria-pressed", String(!left.has(key)));
+        const keys = (one) => one.names.map((name) => `${one.field} ${name}`), out = (one) => keys(one).every((key) => left.has(key));
+        const shown = listed.filter((one) => one.field === side.field && !out(one));
+        if (out(side)) for (const key of keys(side)) left.delete(key);
+        else if (shown.length > 1) for (const key of keys(side)) left.add(key);
+        button.setAttribute("aria-pressed", String(!out(side)));
         draw(figure);
       });
       strip.append(button);
@@ -213,6 +235,12 @@
     const rooms = { x: (figure.clientWidth - 120) / 7, y: (spec.height ?? 300) / 7 };
     for (const { encoding } of spec.layer ?? [spec]) {
       for (const [axis, room] of Object.entries(rooms)) if (typeof encoding?.[axis]?.title === "string") encoding[axis].title = broken(encoding[axis].title, room);
+    }
+    // On a phone names of cases leave room for the marks, and for the outcomes beside them.
+    const outcomes = Object.values(spec.datasets ?? {}).flat().reduce((most, row) => Math.max(most, (row.column ?? -1) + 1), 0);
+    const names = Math.max(90, figure.clientWidth - 150 - 13 * outcomes);
+    for (const { encoding } of spec.layer ?? [spec]) {
+      if (encoding?.y?.axis?.labelLimit > names) encoding.y.axis.labelLimit = names;
     }
     // The switches are the legend.
     for (const layer of sides(spec).length ? spec.layer ?? [spec] : []) {

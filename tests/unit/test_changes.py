@@ -45,6 +45,8 @@ def test_two_runs_of_the_same_say_nothing_though_the_machine_was_a_third_slower(
     assert changes.rows == ()
     assert changes.matched == changes.a.trials == changes.b.trials
     assert changes.clocked > 100
+    assert changes.titles["dart"] == "DART"
+    assert changes.titles["stack_tower"] == "Tower of ten boxes"
 
 
 def test_an_engine_that_takes_a_fifth_longer_is_told_by_trial_and_as_a_whole_over_the_other_engines(tmp_path: Path) -> None:

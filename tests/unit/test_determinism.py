@@ -1,9 +1,11 @@
 """Repetitions compared bit by bit: the first step that differs, and how fast a difference grows."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
-from harness.findings.tables.determinism import Agreement, broken, doubling, parting
+from harness.findings.tables.determinism import Agreement, broken, doubling, parting, sentences
 
 
 def run(p: np.ndarray, start: int = 0) -> dict[str, np.ndarray]:
@@ -59,3 +61,18 @@ def test_a_repetition_that_must_agree_and_does_not_fails_the_gate() -> None:
         agreement("bullet", "again", True, "differs"),
     ]
     assert broken(found, ["reference"]) == ["c on reference/tuned, again: differs from step 4 on (trial t)"]
+
+
+def test_how_often_repetitions_agree_is_said_with_titles_and_in_words() -> None:
+    found = [
+        agreement("bullet", "2 threads", False, "differs"),
+        agreement("bullet", "reordered", False, "differs"),
+        agreement("bullet", "again", True, "bit-identical"),
+        agreement("bullet", "again", True, "differs"),
+        agreement("bullet", "restored", True, "unsupported"),
+        agreement("bullet", "nudged", False, "parts"),
+    ]
+    rows = [asdict(one) for one in found]
+    said = "gives the same bits run again in 1 of 2, from a saved state: no answer, with bodies in another order in 0 of 1, "
+    assert sentences(rows) == [f"bullet {said}on 2 threads in 0 of 1."]
+    assert sentences(rows, {"bullet": "Bullet"}) == [f"Bullet {said}on 2 threads in 0 of 1."]

@@ -56,7 +56,7 @@ def test_a_bound_above_a_price_loses_nothing_by_it(tmp_path: Path, times: float)
     assert places(found) == {"mujoco": 1, "dart": 1}
     datum = prices(found)["mujoco"]
     assert datum.bounded
-    assert datum.says.startswith("at most ")
+    assert datum.says.startswith("at least ")
     assert (datum.low, datum.high) == pytest.approx((max(0.0, 1 - math.log10(times) / 2), 1.0), abs=0.01)
 
 

@@ -1,7 +1,7 @@
 """What differs between two run folders, as typed rows: sentences are made of them in `harness.findings.changes.words`."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 __all__ = ["ANSWERS", "Beside", "Change", "Changes", "Kind", "Sense", "Side", "Value"]
@@ -95,7 +95,7 @@ class Changes:
     """All that differs, heaviest first.
 
     Terms: same: trials of the same bits on both sides; matched: trials on both sides; clocked: prices on both sides. unread:
-    what could not be compared, and why.
+    what could not be compared, and why. titles: of cases and engines, by name.
     """
 
     a: Side
@@ -105,6 +105,7 @@ class Changes:
     same: int
     clocked: int
     unread: tuple[str, ...] = ()
+    titles: Mapping[str, str] = field(default_factory=dict)
 
     def regressions(self, engines: Iterable[str]) -> tuple[Change, ...]:
         """What of these engines is worse than before."""

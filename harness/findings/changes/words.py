@@ -1,13 +1,16 @@
 """What changed, in sentences: made last, for people, and never read back; and the command that shows a change again."""
 
+import re
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from harness.case.own_titles import OWN
 from harness.findings.changes.values import Change, Changes, Value
+from harness.metric.titles import metric_title
 from harness.study.engine_versions import asked
 
-__all__ = ["command", "command_in", "first_line", "folded", "headline", "sentence"]
+__all__ = ["command", "command_in", "first_line", "folded", "headline", "sentence", "titled"]
 
 _ORIGINS = {
     "adapter": "the adapter's source",
@@ -17,6 +20,8 @@ _ORIGINS = {
 }
 _TELLING = 1000.0
 """A ratio beyond this says only that an error was none before, or is none now."""
+_MEASURED = re.compile(r"\b[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?= = )")
+"""The name of a metric in a reason, 'top_offset = 0.2 m'."""
 _BESIDE = {"canary": "over the canary", "other engines": "over other engines of the same run"}
 
 
@@ -42,16 +47,27 @@ def _many(count: int, what: str) -> str:
 
 
 def _subject(row: Change) -> str:
-    setting = f"{row.engine}/{row.track}" if row.track else row.engine
+    setting = f"{row.engine} ({row.track})" if row.engine and row.track else row.engine or row.track
     scene = " ".join(filter(None, (row.case, f"({row.where})" if row.where else "")))
-    step = f", dt {row.dt:.4g}" if row.dt else ""
+    step = f", dt {_step(row.dt)}" if row.dt else ""
     return f"{scene} on {setting}{step}" if scene and setting else (scene or setting) + step
 
 
-def _value(value: Value, unit: str) -> str:
+def _step(dt: float) -> str:
+    parts = round(1 / dt)
+    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else f"{dt:.3g} s"
+
+
+def _value(value: Value, unit: str, beside: Value = None) -> str:
+    """To three digits, or to as many as tell it from the one beside it."""
     if not isinstance(value, float):
         return "none" if value is None else value
-    return f"{value:.4g}" + ("" if unit in ("1", "") else f" {unit}")
+    digits = next((d for d in range(3, 17) if not isinstance(beside, float) or f"{value:.{d}g}" != f"{beside:.{d}g}"), 3)
+    return f"{value:.{digits}g}" + ("" if unit in ("1", "") else f" {unit}")
+
+
+def _both(row: Change) -> tuple[str, str]:
+    return _value(row.before, row.unit, row.after), _value(row.after, row.unit, row.before)
 
 
 def _ratio(row: Change) -> str:
@@ -62,16 +78,35 @@ def _ratio(row: Change) -> str:
 
 
 def _reading(row: Change) -> str:
+    if _value(row.before, row.unit) == _value(row.after, row.unit):
+        return f"{row.metric} {_value(row.after, row.unit)}, to three digits as before"
     ratio = f" ({_ratio(row)})" if row.ratio is not None else ""
-    return f"{row.metric} {_value(row.before, row.unit)} -> {_value(row.after, row.unit)}{ratio}"
+    return f"{row.metric} {' -> '.join(_both(row))}{ratio}"
+
+
+def titled(row: Change, titles: Mapping[str, str]) -> Change:
+    """The same change with titles for names of cases and engines, and words for those of metrics and axes.
+
+    Args: titles: by name; what is not among them keeps its name.
+    """
+    measured = row.kind in ("verdict", "error", "price")
+    return replace(
+        row,
+        case=titles.get(row.case, row.case),
+        engine=titles.get(row.engine, row.engine),
+        metric=metric_title(row.metric) if measured else row.metric.replace("_", " "),
+        detail=_MEASURED.sub(lambda found: metric_title(found[0]), row.detail) if row.kind == "verdict" else row.detail,
+    )
 
 
 def sentence(row: Change) -> str:
-    """One change in one sentence."""
+    """One change in one sentence; of a row of `titled` one for people who do not know the names."""
     subject = _subject(row)
     if row.kind == "verdict":
         by = (
-            f"; {row.metric} {_ratio(row)} what it was" if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING else ""
+            f"; {row.metric} {_ratio(row)} what it was"
+            if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING and f"{row.ratio:.3g}" != "1"
+            else ""
         )
         return f"{subject}: {row.before}, now {row.after}: {row.detail}{by}."
     if row.kind == "error":
@@ -89,7 +124,7 @@ def sentence(row: Change) -> str:
         way = {"worse": "breaks earlier", "better": "holds longer", "within tolerance": "may be as before"}.get(
             row.sense, "changed"
         )
-        return f"{subject}: {row.metric} held to {_value(row.before, row.unit)}, now {_value(row.after, row.unit)}: {way}."
+        return f"{subject}: {row.metric} held to {', now '.join(_both(row))}: {way}."
     if row.kind == "determinism":
         return f"{subject}: repeated {row.metric}: {row.before}, now {row.after}{' ' + row.detail if row.detail else ''}."
     if row.kind == "digest":
@@ -126,8 +161,11 @@ def command_in(row: Change, folder: str) -> str:
     return shlex.join(["plumbline", "reproduce", folder, row.trial_b]) if row.trial_b else ""
 
 
-def folded(rows: Iterable[Change]) -> list[tuple[str, Sequence[Change]]]:
-    """Sentences with the rows behind each: what is within tolerance, and facts of one kind, in one for each engine."""
+def folded(rows: Iterable[Change], titles: Mapping[str, str] | None = None) -> list[tuple[str, Sequence[Change]]]:
+    """Sentences with the rows behind each: what is within tolerance, and facts of one kind, in one for each engine.
+
+    Args: titles: as `titled` takes them; none where sentences shall have the names that commands take.
+    """
     made: dict[object, list[Change]] = {}
     for number, row in enumerate(rows):
         single = row.kind == "price" and bool(row.case)
@@ -139,7 +177,8 @@ def folded(rows: Iterable[Change]) -> list[tuple[str, Sequence[Change]]]:
         )
         folds = (row.kind, row.sense, row.engine, row.metric if row.kind == "sources" else "")
         made.setdefault(number if alone else folds, []).append(row)
-    return [(sentence(group[0]) if len(group) == 1 else _of_many(group), group) for group in made.values()]
+    told = {number: group if titles is None else [titled(row, titles) for row in group] for number, group in made.items()}
+    return [(sentence(rows[0]) if len(rows) == 1 else _of_many(rows), made[number]) for number, rows in told.items()]
 
 
 def _of_many(group: Sequence[Change]) -> str:

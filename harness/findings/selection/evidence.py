@@ -94,7 +94,7 @@ def _margin(row: Mapping[str, object], measured: Sequence[Mapping[str, object]])
         pair = sorted((abs(value), abs(bound)))
         times = pair[1] / pair[0] if pair[0] > 0 else math.inf
         if times > worst:
-            worst, says = times, f"{metric_title(str(m['metric']))} {times:.2g} times beyond its bound"
+            worst, says = times, f"{metric_title(str(m['metric']))} {float(f'{times:.2g}'):g} times beyond its bound"
     return (worst if worst > 1.0 else math.inf), says
 
 
@@ -317,10 +317,10 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
                 data["price", case, engine] = Datum(value=0, low=0, high=0, says=f"{price.verdict}{best}", **about)
                 continue
             low, high = (price.low or price.cost), (price.high or price.cost)
-            says = f"{price.cost:.3g} CPU s a simulated second"
+            says = f"{float(f'{1 / price.cost:.3g}'):g} times real time"
             if price.verdict == BOUND:
                 least = _useful(price.cost / unit)
-                says = f"at most {says}: no coarser step was run"
+                says = f"at least {says}: no coarser step was run"
                 middle = (least + 1) / 2
                 data["price", case, engine] = Datum(value=middle, low=least, high=1.0, says=says, bounded=least < 1, **about)
                 continue

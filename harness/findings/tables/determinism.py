@@ -203,17 +203,28 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Engine by engine, how many repetitions gave the same bits, way by way."""
+_WAYS = {
+    "again": "run again",
+    "alone": "with nothing beside it",
+    "restored": "from a saved state",
+    "reordered": "with bodies in another order",
+}
+"""What a repetition is called in a sentence; of another number of threads by that."""
+
+
+def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | None = None) -> list[str]:
+    """Engine by engine, how many repetitions gave the same bits, way by way. Args: titles: what engines are called, by name."""
     lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
         mine = [row for row in rows if row["engine"] == engine and row["way"] != "nudged"]
         words = []
-        for way in dict.fromkeys(row["way"] for row in mine):
+        tried = {row["way"]: None for row in mine}
+        for way in (*(way for way in _WAYS if way in tried), *sorted(tried.keys() - _WAYS.keys())):
             judged = [row for row in mine if row["way"] == way and row["verdict"] in ("bit-identical", "differs")]
             if judged:
-                words.append(f"{way} {sum(row['verdict'] == 'bit-identical' for row in judged)} of {len(judged)}")
+                same = sum(row["verdict"] == "bit-identical" for row in judged)
+                words.append(f"{_WAYS.get(way, f'on {way}')} in {same} of {len(judged)}")
             else:
-                words.append(f"{way}: no answer")
-        lines.append(f"{engine}: bit-identical {', '.join(words)}.")
+                words.append(f"{_WAYS.get(way, f'on {way}')}: no answer")
+        lines.append(f"{(titles or {}).get(engine, engine)} gives the same bits {', '.join(words)}.")
     return lines

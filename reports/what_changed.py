@@ -1,12 +1,12 @@
 """The page What changed: two run folders side by side, in sentences by weight, and as one table."""
 
 import shutil
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from harness.findings.changes import Change, Changes
-from harness.findings.changes.words import command, folded, headline, sentence, titled
+from harness.findings.changes.words import command, folded, headline, one_a_side, sentence, titled
 from harness.store.disk import make_folder, write_atomically
 from reports.policy import guarded
 from reports.template import environment
@@ -57,7 +57,7 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
 
 def _section(name: str, title: str, changes: Changes, senses: Collection[str]) -> dict[str, Any]:
     rows: list[Change] = [row for row in changes.rows if row.sense in senses]
-    groups = _one_a_side(folded(rows, changes.titles))
+    groups = one_a_side(folded(rows, changes.titles))
     shown = [(text, command(group[0], changes)) for text, group in groups[:_MOST_SENTENCES]]
     return {
         "name": name,
@@ -67,21 +67,6 @@ def _section(name: str, title: str, changes: Changes, senses: Collection[str]) -
         "shown": shown,
         "more": len(groups) - len(shown),
     }
-
-
-def _one_a_side(groups: Iterable[tuple[str, Sequence[Change]]]) -> list[tuple[str, Sequence[Change]]]:
-    """Of what changed alike in one case on one side of an engine the heaviest, with how many more there are."""
-    alike: dict[tuple[str, ...], list[tuple[str, Sequence[Change]]]] = {}
-    for number, (text, rows) in enumerate(groups):
-        first = rows[0]
-        about = (first.kind, first.sense, first.case, first.engine, first.track)
-        alike.setdefault(about if len(rows) == 1 and first.case else (str(number),), []).append((text, rows))
-    told = []
-    for each in alike.values():
-        text, rows = each[0]
-        more = f" So {len(each) - 1} more of this case, at other steps or parameters." if len(each) > 1 else ""
-        told.append((text + more, [row for _, group in each for row in group]))
-    return told
 
 
 def write_what_changed(changes: Changes, folder: Path, gated: Collection[str] = ()) -> Path:

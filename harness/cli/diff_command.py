@@ -55,11 +55,11 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
 
 
 def _print(changes: "Changes") -> None:
-    from harness.findings.changes.words import command, first_line, folded, headline
+    from harness.findings.changes.words import command, first_line, folded, headline, one_a_side
 
     say(first_line(changes))
     say(f"{headline(changes)}; {changes.clocked} were clocked on both")
-    groups = folded(changes.rows)
+    groups = one_a_side(folded(changes.rows))
     for text, group in groups[:_MOST]:
         say(text)
         if shown := command(group[0], changes):

@@ -65,6 +65,8 @@ def test_an_engine_that_takes_a_fifth_longer_is_told_by_trial_and_as_a_whole_ove
     assert whole.high is not None
     assert whole.low < 1.2 < whole.high
     assert len(changes.rows) > 0.9 * whole.count
+    bullets = [line for line in comment(changes).splitlines() if line.startswith("* ")]
+    assert "as a whole" in bullets[0]
 
 
 def test_what_delays_all_engines_at_a_question_alike_is_of_none_of_them_and_hides_none_that_is_slower(tmp_path: Path) -> None:

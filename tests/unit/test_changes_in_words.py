@@ -64,7 +64,7 @@ def test_what_changed_alike_in_a_case_is_one_sentence_of_the_page_and_all_its_ro
     listed = text.partition('id="worse"')[2].partition("</section>")[0]
     assert "Worse (4)" in listed
     assert listed.count("<li>") == 2
-    assert listed.count("So 2 more of this case, at other steps or parameters.") == 1
+    assert listed.count("Likewise 2 more of this case, at other steps or parameters.") == 1
     assert "stack_tower" not in listed
     assert "-&gt;" not in listed
     assert "plumbline reproduce build/a ab" in listed

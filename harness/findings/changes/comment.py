@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 from harness.findings.changes.values import Change, Changes
-from harness.findings.changes.words import command, first_line, folded, headline
+from harness.findings.changes.words import command, first_line, folded, headline, one_a_side
 from harness.intake.safe_text import LONGEST, markdown_cell, one_line
 
 __all__ = ["LONGEST_COMMENT", "comment"]
@@ -36,7 +36,7 @@ def comment(changes: Changes, gated: Collection[str] = ()) -> str:
 
 
 def _section(title: str, rows: list[Change], changes: Changes) -> list[str]:
-    groups = folded(rows)
+    groups = one_a_side(folded(rows))
     lines = ["", f"## {title} ({len(rows)})", ""]
     for text, group in groups[:_MOST]:
         command_line = command(group[0], changes)

@@ -10,7 +10,7 @@ from harness.findings.changes.values import Change, Changes, Value
 from harness.metric.titles import metric_title
 from harness.study.engine_versions import asked
 
-__all__ = ["command", "command_in", "first_line", "folded", "headline", "sentence", "titled"]
+__all__ = ["command", "command_in", "first_line", "folded", "headline", "one_a_side", "sentence", "titled"]
 
 _ORIGINS = {
     "adapter": "the adapter's source",
@@ -179,6 +179,27 @@ def folded(rows: Iterable[Change], titles: Mapping[str, str] | None = None) -> l
         made.setdefault(number if alone else folds, []).append(row)
     told = {number: group if titles is None else [titled(row, titles) for row in group] for number, group in made.items()}
     return [(sentence(rows[0]) if len(rows) == 1 else _of_many(rows), made[number]) for number, rows in told.items()]
+
+
+def one_a_side(groups: Iterable[tuple[str, Sequence[Change]]]) -> list[tuple[str, Sequence[Change]]]:
+    """The groups of `folded`, engines that are dearer as a whole first; of what changed alike in one case on one track of an
+    engine the heaviest alone, with how many more there are."""
+    alike: dict[tuple[str, ...], list[tuple[str, Sequence[Change]]]] = {}
+    for number, (text, rows) in enumerate(groups):
+        first = rows[0]
+        about = (first.kind, first.sense, first.case, first.engine, first.track)
+        alike.setdefault(about if len(rows) == 1 and first.case else (str(number),), []).append((text, rows))
+    told = []
+    for each in sorted(alike.values(), key=lambda each: not _whole(each[0][1][0])):
+        text, rows = each[0]
+        more = f" Likewise {len(each) - 1} more of this case, at other steps or parameters." if len(each) > 1 else ""
+        told.append((text + more, [row for _, group in each for row in group]))
+    return told
+
+
+def _whole(row: Change) -> bool:
+    """Is an engine dearer as a whole?"""
+    return row.kind == "price" and row.sense == "worse" and not row.case
 
 
 def _of_many(group: Sequence[Change]) -> str:

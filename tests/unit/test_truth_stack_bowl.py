@@ -179,3 +179,11 @@ def test_an_engine_that_takes_a_nut_for_its_hull_throws_it_off_the_post() -> Non
         asked = replace(settings, options={**settings.options, "level_of_detail": level})
         answer = put(short, ADAPTER, asked, parameters={"n": 0, "form": "mesh"})
         assert ("unthreaded" in answer.broken) is off
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dt", [1 / 120, 1 / 240])
+def test_bodies_of_one_mesh_each_come_to_rest_and_stay_on_the_post(dt: float) -> None:
+    answer = put(CASE, ADAPTER, ADAPTER.tracks["tuned"].with_dt(dt), parameters={"form": "mesh"})
+    assert answer.broke is None
+    assert answer.broken == {}

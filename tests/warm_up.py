@@ -66,6 +66,12 @@ def _exact() -> None:
     _world(engine.Sphere(0.1), solver="exact").compile()
 
 
+def _exact_jointed() -> None:
+    ball = engine.Body(name="ball", shapes=[engine.Placed(engine.Sphere(0.1))], p_WB=(0, 0, 0.05))
+    held = engine.Ball(name="held", parent=engine.WORLD, child="ball", anchor_W=(0, 0, 0.05))
+    engine.World([GROUND, ball], [held], options=engine.Options(solver="exact")).compile()
+
+
 def _swept() -> None:
     _world(engine.Sphere(0.1), continuous="swept").compile()
 
@@ -97,7 +103,22 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
         _step("steps.contact.step_contact"),
         _step("steps.sequential.step_sequential_impulses"),
         _step("steps.spheres.step_spheres"),
-        Job(tuple(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")), _exact),
+        Job(
+            tuple(
+                f"respond.exact.{name}"
+                for name in (
+                    "kernels.begin_step",
+                    "kernels.kick_touched",
+                    "kernels.drift_touched",
+                    "assembly.write_problem",
+                    "assembly.give_impulses",
+                    "certificate.largest_breach",
+                    "look.look_at",
+                )
+            ),
+            _exact,
+        ),
+        Job(tuple(f"respond.exact.joint_kernels.{name}" for name in ("write_joint_rows", "look_at_joints")), _exact_jointed),
         _stage("contact.collide_convex.collide_convex"),
         _stage("contact.collide_meshes.collide_meshes"),
         _typed("contact.measure_convex.measure_convex", FLOATS, INTS, types.int64, types.int64, TABLE, TABLE, TABLE),

@@ -61,8 +61,8 @@ def convex_contact(
 
     Args: slack [m]: what a face may lose against the best normal and still be taken.
 
-    Which side of a triangle is met is told by the way out of the contact. Where the shape's centre lies does not tell it: a slab
-    reaches under triangles that are turned away from its middle.
+    Which side of a triangle is met is told by the way out of the contact. Where the shape's centre lies does not tell it: a
+    slab reaches under triangles that are turned away from its middle.
     """
     pa, pb = load3(t.pose, a, 0), load3(t.pose, b, 0)
     d = sub(pb, pa)

@@ -189,7 +189,7 @@ def one_a_side(groups: Iterable[tuple[str, Sequence[Change]]]) -> list[tuple[str
         first = rows[0]
         about = (first.kind, first.sense, first.case, first.engine, first.track)
         alike.setdefault(about if len(rows) == 1 and first.case else (str(number),), []).append((text, rows))
-    told = []
+    told: list[tuple[str, Sequence[Change]]] = []
     for each in sorted(alike.values(), key=lambda each: not _whole(each[0][1][0])):
         text, rows = each[0]
         more = f" Likewise {len(each) - 1} more of this case, at other steps or parameters." if len(each) > 1 else ""

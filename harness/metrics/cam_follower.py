@@ -5,31 +5,21 @@ import math
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Box, ConvexHull, Scene, Sphere, TriangleMesh
+from harness.scene import Body, Plane, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
+from harness.trajectory.touching import reach_of
 
 __all__ = ["CAM_FOLLOWER_GAP", "METRIC"]
 
 
 def _outermost(body: Body, up_B: Floats) -> Floats:
     """The support function of a body: how far from its origin it reaches along directions (t, 3) in B, (t,) m."""
-    reaches = []
-    for placed in body.collision:
-        up_S = rotate_back(np.array(placed.q_BS), up_B)
-        match placed.shape:
-            case Sphere(radius=radius):
-                own = np.full(len(up_B), radius)
-            case Box(half_extents=half):
-                own = np.abs(up_S) @ np.array(half)
-            case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
-                own = np.max(up_S @ np.array(vertices).T, axis=1)
-            case shape:
-                raise NotMeasurable(f"body '{body.name}': the support function of a {shape.type.replace('_', ' ')}")
-        reaches.append(up_B @ np.array(placed.p_BS) + own)
-    if not reaches:
-        raise NotMeasurable(f"body '{body.name}' has no shape")
-    outermost: Floats = np.max(reaches, axis=0)
+    if not body.collision or any(isinstance(placed.shape, Plane) for placed in body.collision):
+        raise NotMeasurable(f"body '{body.name}' has no shape, or one without end")
+    outermost: Floats = np.max(
+        [up_B @ np.array(p.p_BS) + reach_of(p.shape, rotate_back(np.array(p.q_BS), up_B)) for p in body.collision], axis=0
+    )
     return outermost
 
 

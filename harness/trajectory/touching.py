@@ -17,7 +17,7 @@ from harness.scene.shape import Shape
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import product, rotate
 
-__all__ = ["Touch", "reach", "touches"]
+__all__ = ["Touch", "reach", "reach_of", "touches"]
 
 CLOSE = 1e-9
 """Of the thinner body's width: separations below are rounding of a scene that means to touch."""
@@ -48,23 +48,32 @@ class _Solid:
 
     def reach(self, way: Floats) -> float:
         """How far [m] the shape reaches along a unit vector (3,)."""
-        along = self.axes @ way
-        match self.shape:
-            case Sphere(radius=radius):
-                beyond = radius
-            case Box(half_extents=half):
-                beyond = float(np.abs(along) @ np.array(half))
-            case Capsule(radius=radius, half_length=length):
-                beyond = radius + length * abs(along[2])
-            case Cylinder(radius=radius, half_length=length):
-                beyond = radius * float(np.hypot(along[0], along[1])) + length * abs(along[2])
-            case Ellipsoid(semi_axes=semi_axes):
-                beyond = float(np.linalg.norm(along * np.array(semi_axes)))
-            case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
-                beyond = float(np.max(np.array(vertices) @ along))
-            case Plane():
-                beyond = 0.0 if way @ self.normals[0] > 1 - 1e-12 else np.inf
+        if isinstance(self.shape, Plane):
+            beyond = 0.0 if way @ self.normals[0] > 1 - 1e-12 else np.inf
+        else:
+            beyond = float(reach_of(self.shape, self.axes @ way))
         return float(self.centre @ way) + beyond
+
+
+def reach_of(shape: Shape, ways: Floats) -> Floats:
+    """The support function of a shape that ends: how far [m] it reaches from its origin, (...), along unit vectors (..., 3) of
+    its frame. Raises: ValueError for a plane."""
+    match shape:
+        case Sphere(radius=radius):
+            far = np.full(ways.shape[:-1], radius)
+        case Box(half_extents=half):
+            far = np.abs(ways) @ np.array(half)
+        case Capsule(radius=radius, half_length=length):
+            far = radius + length * np.abs(ways[..., 2])
+        case Cylinder(radius=radius, half_length=length):
+            far = radius * np.hypot(ways[..., 0], ways[..., 1]) + length * np.abs(ways[..., 2])
+        case Ellipsoid(semi_axes=semi_axes):
+            far = np.linalg.norm(ways * np.array(semi_axes), axis=-1)
+        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+            far = np.max(np.array(vertices) @ ways.T, axis=0)
+        case Plane():
+            raise ValueError("a plane reaches without end")
+    return np.asarray(far, np.float64)
 
 
 @lru_cache(maxsize=4096)

@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import Any
 
 from harness.case.own_titles import OWN
+from harness.findings.where import whole_part
 from harness.intake import safe_text
 from harness.intake.safe_text import LONGEST
 from harness.store.record import digest
@@ -169,8 +170,7 @@ def step(dt: Any) -> str:
     """A time step [s] as people write it: '1/240 s', or '3.3 ms' where it is no whole part of a second."""
     if not isinstance(dt, int | float) or isinstance(dt, bool) or not 0 < dt < math.inf:
         return plain_value(dt)
-    parts = round(1 / dt)
-    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else duration(dt)
+    return whole_part(dt) or duration(dt)
 
 
 def plain_value(value: Any) -> str:

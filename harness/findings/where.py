@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["STEP", "differing", "other_values", "in_words"]
+__all__ = ["STEP", "differing", "in_words", "other_values", "whole_part"]
 
 STEP = "dt"
 """The name that a time step [s] stands by among parameters."""
@@ -27,6 +27,12 @@ def in_words(values: Mapping[str, Any] | Sequence[tuple[str, Any]]) -> str:
     return ", ".join(
         f"{name} 1/{1 / value:.4g} s" if name == STEP else f"{_words(name)} {_words(value)}" for name, value in pairs
     )
+
+
+def whole_part(dt: float) -> str:
+    """A time step [s] as people write it, '1/240 s'; '' where it is no whole part of a second."""
+    parts = round(1 / dt)
+    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else ""
 
 
 def _words(value: Any) -> str:

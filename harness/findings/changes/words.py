@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from harness.case.own_titles import OWN
 from harness.findings.changes.values import Change, Changes, Value
+from harness.findings.where import whole_part
 from harness.metric.titles import metric_title
 from harness.study.engine_versions import asked
 
@@ -49,13 +50,8 @@ def _many(count: int, what: str) -> str:
 def _subject(row: Change) -> str:
     setting = f"{row.engine} ({row.track})" if row.engine and row.track else row.engine or row.track
     scene = " ".join(filter(None, (row.case, f"({row.where})" if row.where else "")))
-    step = f", dt {_step(row.dt)}" if row.dt else ""
+    step = f", dt {whole_part(row.dt) or f'{row.dt:.3g} s'}" if row.dt else ""
     return f"{scene} on {setting}{step}" if scene and setting else (scene or setting) + step
-
-
-def _step(dt: float) -> str:
-    parts = round(1 / dt)
-    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else f"{dt:.3g} s"
 
 
 def _value(value: Value, unit: str, beside: Value = None) -> str:

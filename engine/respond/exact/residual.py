@@ -20,22 +20,9 @@ from numpy.typing import NDArray
 from engine.respond.exact.certificate import largest_breach
 from engine.respond.exact.law import Problem
 
-__all__ = ["project_coulomb", "relative_residual"]
+__all__ = ["relative_residual"]
 
 FloatArray = NDArray[np.float64]
-
-
-def project_coulomb(impulse: FloatArray, friction: FloatArray) -> FloatArray:
-    """The points of Coulomb's cones |r_T| <= mu r_N nearest to impulses (k, 3)."""
-    normal, size = impulse[:, 0], np.hypot(impulse[:, 1], impulse[:, 2])
-    on_cone = np.maximum((normal + friction * size) / (1.0 + friction * friction), 0.0)
-    # Without friction 0 <= 0 would hold for a pull as well.
-    inside = (size <= friction * normal) & (normal >= 0.0)
-    share = np.where(inside, 1.0, friction * on_cone / np.maximum(size, 1e-300))
-    projected = np.empty_like(impulse)
-    projected[:, 0] = np.where(inside, normal, on_cone)
-    projected[:, 1:] = share[:, None] * impulse[:, 1:]
-    return projected
 
 
 def relative_residual(problem: Problem, impulse: FloatArray) -> float:

@@ -52,6 +52,7 @@ INTERNALS: dict[str, tuple[str, ...]] = {
     "numba.core.codegen.JITCodeLibrary": (
         *("codegen", "finalize", "enable_object_caching", "get_pointer_to_function", "_raise_if_finalized"),
         *("_finalize_dynamic_globals", "_get_module_for_linking", "_optimize_final_module"),
+        *("_ensure_finalized", "_get_compiled_object", "serialize_using_object_code"),
     ),
     "numba.core.caching.IndexDataCacheFile": ("_data_path", "_load_data", "_load_index", "_open_for_write"),
     "numba.core.environment": ("lookup_environment",),
@@ -216,6 +217,7 @@ def _kernel_library() -> type:
 @cache
 def _entry_library() -> type:
     """What an entry is compiled into: one program with every kernel that it reaches."""
+    from llvmlite.binding import parse_assembly
     from numba.core import environment
     from numba.core.codegen import JITCodeLibrary
 
@@ -240,6 +242,17 @@ def _entry_library() -> type:
                     # Not 'internal': the loader would find those by name, for callers that do not know what became of them.
                     one.linkage = "private"
             super()._optimize_final_module()
+
+        def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+            """As Numba keeps it, with the names that Python asks for in place of the program, which no other takes in.
+
+            To read the program was half of the first step of a robot on the ground where machine code is kept.
+            """
+            self._ensure_finalized()
+            defined = [one for one in self._final_module.functions if not one.is_declaration]
+            exported = [one.name for one in defined if one.linkage.name == "external"]
+            bodies = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in exported)
+            return self.name, "object", (self._get_compiled_object(), parse_assembly(bodies).as_bitcode())
 
     return EntryLibrary
 

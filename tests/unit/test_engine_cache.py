@@ -1,9 +1,11 @@
 """The kernel cache: an edit of any function is seen, what did not change is not compiled again; and no compiler is needed."""
 
 import os
+import pickle
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ import pytest
 import engine
 from engine.compile import compilers
 from engine.compile.jit import cache_directory
+from engine.compile.kernel_cache import read_checked
 from engine.steps import smooth
 
 pytestmark = pytest.mark.compiler
@@ -169,6 +172,31 @@ def test_a_step_whose_stored_code_is_damaged_is_compiled_anew_to_the_bits_of_tho
         path.write_bytes(content[:-100] + bytes([content[-100] ^ 1]) + content[-99:])
     assert _run(fallen, TUMBLE) == (whole, 0)
     assert _run(fallen, TUMBLE) == (whole, 1)
+
+
+def test_what_is_kept_has_the_names_that_python_asks_for_and_not_the_program() -> None:
+    """The program would be read whenever its machine code is loaded, which is half of a robot's first step."""
+    import llvmlite.binding as llvm
+
+    engine.World([engine.Body(name="b")]).step()
+    kept = list(cache_directory(Path(smooth.__file__)).glob("smooth.step_free*.nbc"))
+    assert kept
+    for path in kept:
+        code, names = next(_machine_code(pickle.loads(read_checked(path) or b"")))
+        functions = [one for one in llvm.parse_bitcode(names).functions if not one.is_declaration]
+        assert functions
+        for one in functions:
+            assert [len(list(block.instructions)) for block in one.blocks] == [1]
+            assert one.name.encode() in code
+
+
+def _machine_code(content: Any) -> Iterator[tuple[bytes, bytes]]:
+    """Of a kept overload: machine code, and the module with the names in it."""
+    if isinstance(content, tuple) and len(content) == 3 and content[1] == "object":
+        yield content[2]
+    elif isinstance(content, tuple):
+        for one in content:
+            yield from _machine_code(one)
 
 
 @pytest.mark.parametrize("files", [FEW, pytest.param(("test_engine_world.py",), marks=pytest.mark.slow)])

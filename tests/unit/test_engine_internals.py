@@ -28,6 +28,7 @@ PLAIN = {name for kind in (str, list, dict) for name in dir(kind)} | {
     *("NUMBA_NUM_THREADS", "config", "types", "unliteral", "none", "return_type", "args", "CPointer"),  # what Numba documents
     *("call", "inttoptr", "extract_value"),  # the builder of llvmlite, documented
     *("clone", "functions", "global_variables", "linkage", "link_in", "name", "preserve"),  # its modules, documented
+    *("as_bitcode", "is_declaration", "parse_assembly"),  # of the same
     *("__name__", "_asdict", "bound", "BytesIO", "getvalue", "load", "loads", "read"),  # Python's own
 }
 

@@ -121,10 +121,10 @@ def add_to_sum(touch: Floats, t: int, share: float) -> Vec:
 
 
 @kernel
-def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float, share: float) -> int:
+def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float, counted: float) -> int:
     """As `substep.approach`: note what is about to strike, and drop impulses that are no guess for a blow.
 
-    Args: h: the sub-step [s]; slow: the speed [m/s] up to which nothing strikes; share: as `push_again`.
+    Args: h: the sub-step [s]; slow: the speed [m/s] up to which nothing strikes; counted: as the share of `push_again`.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     g, strikes = load3(setting, 0, GRAVITY), 0
@@ -138,7 +138,7 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
             share = min(max(gap / (-u * h), 0.0), 1.0)
             rest[t, R_STRUCK] = 1.0
             store3(rest, t, R_APPROACH, axpy((1.0 - share) * h * (0.0 if key[t, K_MOVES] == 1 else 1.0), g, way))
-            add_to_sum(touch, t, share)
+            add_to_sum(touch, t, counted)
             touch[t, T_NORMAL] = 0.0
             store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
     return strikes

@@ -57,15 +57,19 @@ def manifold_points(floats: FloatArray, ints: IntArray, count: int, margin: floa
 def sphere_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
     """As `manifold_points`, of a world of spheres."""
     rest, key = float_table(floats, ints, at.TOUCH_REST)[:count], int_table(ints, at.TOUCH_KEY)[:count]
+    touch = float_table(floats, ints, at.TOUCH)[:count]
+    # The impulses of the last sub-step still stand, and are not in the sum yet.
+    last = touch[:, [at.T_NORMAL]] * touch[:, :3] + touch[:, at.T_TANGENT : at.T_TANGENT + 3]
+    total = touch[:, at.T_SUM : at.T_SUM + 3] + last
     near = rest[:, at.R_FIRST_GAP] <= margin
-    hit = near | (np.abs(rest[:, at.R_SUM : at.R_SUM + 3]).max(axis=1, initial=0.0) > 0.0)
+    hit = near | (np.abs(total).max(axis=1, initial=0.0) > 0.0)
     rest = rest[hit]
     return Contacts(
         bodies=key[hit][:, [at.K_BODY_A, at.K_BODY_B]],
         point=rest[:, at.R_PLACE : at.R_PLACE + 3],
         normal=rest[:, at.R_NORMAL : at.R_NORMAL + 3],
         gap=rest[:, at.R_FIRST_GAP],
-        force=rest[:, at.R_SUM : at.R_SUM + 3] / dt,
+        force=total[hit] / dt,
     )
 
 

@@ -58,7 +58,6 @@ from engine.memory.arena import (
     R_SPIKE,
     R_STATIC,
     R_STRUCK,
-    R_SUM,
     SETTING,
     SHAPE,
     SHAPE_KIND,
@@ -75,6 +74,7 @@ from engine.memory.arena import (
     T_NORMAL_MASS,
     T_RADIUS_A,
     T_RADIUS_B,
+    T_SUM,
     T_TANGENT,
     T_TANGENT_MASS,
     TOUCH,
@@ -118,8 +118,20 @@ def gather(floats: Floats, ints: Ints) -> None:
 
 
 @kernel
+def keep_old(touch: Floats, key: Ints, first: int, last: int, old: Floats, old_key: Ints) -> None:
+    """Copy what the next step takes over of a range of contacts, before others are written in their place."""
+    for m in range(first, last):
+        old_key[m, 0], old_key[m, 1] = key[m, K_PAIR], key[m, K_SLIPS]
+        for c in range(4):
+            old[m, c] = touch[m, T_NORMAL + c]
+
+
+@kernel
 def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
-    """Run the narrow phase on all pairs and take over the impulses of those that touched in the last step."""
+    """Run the narrow phase on all pairs and take over the impulses of those that touched in the last step.
+
+    Up to the first pair that did not, or that does no longer, contacts stay in their rows with all that never changes.
+    """
     tables, surface = shapes_of(floats, ints), floats_of(floats, ints, SURFACE)
     shape, pose, shape_kind = tables
     touch, rest, old = floats_of(floats, ints, TOUCH), floats_of(floats, ints, TOUCH_REST), floats_of(floats, ints, OLD_TOUCH)
@@ -132,11 +144,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     last, shapes, materials, continuous = count[0, MANIFOLDS], count[0, SHAPES], count[0, MATERIALS], count[0, CONTINUOUS]
     least, dt = setting[0, MARGIN], setting[0, DT]
     fall = dt * norm(load3(setting, 0, GRAVITY))
-    for m in range(last):
-        old_key[m, 0], old_key[m, 1] = key[m, K_PAIR], key[m, K_SLIPS]
-        for c in range(4):
-            old[m, c] = touch[m, T_NORMAL + c]
-    found, new, walk = 0, 0, 0
+    found, new, walk, as_before = 0, 0, 0, True
     for p in range(pairs):
         code = pair[p, 0] * shapes + pair[p, 1]
         a, b = pair[p, 0], pair[p, 1]
@@ -149,9 +157,10 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
             is_round, rb, d = 1, shape[b, SIZE], sub(load3(pose, b, 0), pa)
             length = norm(d)
             gap = length - ra - rb
-            way = least + dt * (norm(sub(load3(mover, j, 0), load3(mover, i, 0))) + fall)
-            if gap > (way if continuous == SPECULATIVE else min(way, max(least, 0.5 * min(ra, rb)))):
-                continue
+            if gap > least:
+                way = least + dt * (norm(sub(load3(mover, j, 0), load3(mover, i, 0))) + fall)
+                if gap > (way if continuous == SPECULATIVE else min(way, max(least, 0.5 * min(ra, rb)))):
+                    continue
             n = scale(1.0 / length, d) if length > 1e-300 else (0.0, 0.0, 1.0)
             place = axpy(ra + 0.5 * gap, n, pa)
         else:
@@ -163,23 +172,31 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
             gap, place = points.point[0, FIRST_GAP], load3(points.point, 0, PLACE)
         la, lb = ra + 0.5 * gap, rb + 0.5 * gap
         mass = mover[i, M_INV_MASS] + mover[j, M_INV_MASS]
+        if as_before and (t >= last or key[t, K_PAIR] != code):
+            as_before, walk = False, t
+            keep_old(touch, key, t, last, old, old_key)
         store3(touch, t, 0, n)
         touch[t, T_GAP] = gap
-        touch[t, T_NORMAL_MASS] = 1.0 / mass
         touch[t, T_TANGENT_MASS] = 1.0 / (mass + la * la * mover[i, M_INV_INERTIA] + lb * lb * mover[j, M_INV_INERTIA])
-        touch[t, T_RADIUS_A], touch[t, T_RADIUS_B] = ra, rb
-        touch[t, T_BASE] = gap + dot(n, load3(pose, a, 0))
-        law = shape_kind[a, MATERIAL] * materials + shape_kind[b, MATERIAL]
+        touch[t, T_BASE] = gap + dot(n, pa)
+        store3(touch, t, T_SUM, (0.0, 0.0, 0.0))
         store3(rest, t, R_PLACE, place)
-        store3(rest, t, R_SUM, (0.0, 0.0, 0.0))
-        rest[t, R_STRUCK], rest[t, R_SPIKE] = 0.0, 0.0
         store3(rest, t, R_NORMAL, n)
-        rest[t, R_FIRST_GAP], rest[t, R_STATIC] = gap, surface[law, 0]
-        rest[t, R_KINETIC], rest[t, R_RESTITUTION] = surface[law, 1], surface[law, 2]
-        key[t, K_BODY_A], key[t, K_BODY_B], key[t, K_PAIR], key[t, K_ROUND] = i, j, code, is_round
-        key[t, K_MOVES] = 1 if kind[j, MOTION] == DYNAMIC else 0
+        rest[t, R_FIRST_GAP] = gap
         kind[i, TOUCHED] = 1
         kind[j, TOUCHED] = 1
+        found += 1
+        if as_before:
+            held = load3(touch, t, T_TANGENT)
+            store3(touch, t, T_TANGENT, axpy(-dot(n, held), n, held))
+            continue
+        touch[t, T_NORMAL_MASS] = 1.0 / mass
+        touch[t, T_RADIUS_A], touch[t, T_RADIUS_B] = ra, rb
+        law = shape_kind[a, MATERIAL] * materials + shape_kind[b, MATERIAL]
+        rest[t, R_STATIC], rest[t, R_KINETIC], rest[t, R_RESTITUTION] = surface[law, 0], surface[law, 1], surface[law, 2]
+        rest[t, R_STRUCK], rest[t, R_SPIKE] = 0.0, 0.0
+        key[t, K_BODY_A], key[t, K_BODY_B], key[t, K_PAIR], key[t, K_ROUND] = i, j, code, is_round
+        key[t, K_MOVES] = 1 if kind[j, MOTION] == DYNAMIC else 0
         while walk < last and old_key[walk, 0] < code:
             walk += 1
         if walk < last and old_key[walk, 0] == code:
@@ -194,7 +211,6 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
             touch[t, T_NORMAL] = 0.0
             store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
         touch[t, T_FRICTION] = rest[t, R_STATIC] if key[t, K_SLIPS] == 0 else rest[t, R_KINETIC]
-        found += 1
     count[0, MANIFOLDS], count[0, NEW] = found, new
 
 

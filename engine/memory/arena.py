@@ -275,7 +275,7 @@ POLYGON: Final = float_columns(Per.POLYGON_CORNER, 3)  # scratch of the clipping
 POLYGON_KEY: Final = int_columns(Per.POLYGON_CORNER, 1)
 
 # Contacts of worlds of spheres.
-TOUCH: Final = float_columns(Per.TOUCH, 16)  # what the sphere solver sweeps over, the normal first
+TOUCH: Final = float_columns(Per.TOUCH, 17)  # what the sphere solver sweeps over, the normal first
 T_GAP: Final = 3
 T_NORMAL: Final = 4  # normal impulse
 T_TANGENT: Final = 5  # 3, in W
@@ -285,18 +285,18 @@ T_FRICTION: Final = 10  # the coefficient now in force
 T_RADIUS_A: Final = 11
 T_RADIUS_B: Final = 12  # 0 for a plane or a box
 T_BASE: Final = 13  # of a plane or a box: n . p_A + gap, which stays
+T_SUM: Final = 14  # 3: impulse on B over the step, but for its last sub-step's that stands yet
 
-TOUCH_REST: Final = float_columns(Per.TOUCH, 18)  # what it needs less often
+TOUCH_REST: Final = float_columns(Per.TOUCH, 15)  # what it needs less often
 R_PLACE: Final = 0  # 3, in W
 R_FIRST_GAP: Final = 3
-R_SUM: Final = 4  # 3: impulse on B over the step
-R_STATIC: Final = 7
-R_KINETIC: Final = 8
-R_RESTITUTION: Final = 9
-R_APPROACH: Final = 10  # 3, in W: velocity of B against A at impact
-R_STRUCK: Final = 13
-R_SPIKE: Final = 14
-R_NORMAL: Final = 15  # 3: at the start of the step
+R_STATIC: Final = 4
+R_KINETIC: Final = 5
+R_RESTITUTION: Final = 6
+R_APPROACH: Final = 7  # 3, in W: velocity of B against A at impact
+R_STRUCK: Final = 10
+R_SPIKE: Final = 11
+R_NORMAL: Final = 12  # 3: at the start of the step
 
 TOUCH_KEY: Final = int_columns(Per.TOUCH, 6)
 K_BODY_A: Final = 0

@@ -15,7 +15,7 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
+from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, scale, store3, sub
 from engine.memory.arena import (
     GRAVITY,
     K_BODY_A,
@@ -32,7 +32,6 @@ from engine.memory.arena import (
     R_SPIKE,
     R_STATIC,
     R_STRUCK,
-    R_SUM,
     SURFACE,
     T_BASE,
     T_FRICTION,
@@ -41,6 +40,7 @@ from engine.memory.arena import (
     T_NORMAL_MASS,
     T_RADIUS_A,
     T_RADIUS_B,
+    T_SUM,
     T_TANGENT,
     T_TANGENT_MASS,
     TOUCH,
@@ -53,8 +53,8 @@ from engine.respond.pair import Motion
 from engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
 __all__ = [
-    "Touches", "any_struck", "close_substep", "note_strikes", "press_spheres", "push_again", "relax_spheres", "touches_of",
-    "turn_normals",
+    "Touches", "any_struck", "choose_friction", "drop_blows", "note_strikes", "press_spheres", "push_again", "relax_spheres",
+    "touches_of", "turn_normals",
 ]  # fmt: skip
 
 
@@ -99,10 +99,11 @@ def touches_of(floats: Floats, ints: Ints) -> Touches:
 
 
 @inlined
-def slip_of(motion: Motion, arm_a: float, arm_b: float, n: Vec) -> Vec:
-    """The tangential velocity of B's surface against A's [m/s]."""
+def way_of(motion: Motion, arm_a: float, arm_b: float, n: Vec) -> tuple[float, Vec]:
+    """The velocity of B's surface against A's [m/s]: along the normal, and the slip at right angles to it."""
     way = sub(sub(motion.vb, motion.va), cross(axpy(arm_a, motion.wa, scale(arm_b, motion.wb)), n))
-    return axpy(-dot(n, way), n, way)
+    along = dot(n, way)
+    return along, axpy(-along, n, way)
 
 
 @inlined
@@ -111,9 +112,20 @@ def moving(mover: Floats, a: int, b: int) -> Motion:
     return Motion(load3(mover, a, 0), load3(mover, a, 3), load3(mover, b, 0), load3(mover, b, 3))
 
 
+@inlined
+def add_to_sum(touch: Floats, t: int, share: float) -> Vec:
+    """Count a share of the impulse of contact t to the step's. Returns: that impulse on B [N s]."""
+    impulse = axpy(touch[t, T_NORMAL], load3(touch, t, 0), load3(touch, t, T_TANGENT))
+    store3(touch, t, T_SUM, axpy(share, impulse, load3(touch, t, T_SUM)))
+    return impulse
+
+
 @kernel
-def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float) -> int:
-    """As `substep.approach`: note what is about to strike, and drop impulses that are no guess for a blow."""
+def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float, counted: float) -> int:
+    """As `substep.approach`: note what is about to strike, and drop impulses that are no guess for a blow.
+
+    Args: h: the sub-step [s]; slow: the speed [m/s] up to which nothing strikes; counted: as the share of `push_again`.
+    """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     g, strikes = load3(setting, 0, GRAVITY), 0
     for t in range(count):
@@ -126,19 +138,20 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
             share = min(max(gap / (-u * h), 0.0), 1.0)
             rest[t, R_STRUCK] = 1.0
             store3(rest, t, R_APPROACH, axpy((1.0 - share) * h * (0.0 if key[t, K_MOVES] == 1 else 1.0), g, way))
+            add_to_sum(touch, t, counted)
             touch[t, T_NORMAL] = 0.0
             store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
     return strikes
 
 
 @kernel
-def push_again(touches: Touches, count: int) -> None:
-    """Apply the impulses of the last sub-step."""
+def push_again(touches: Touches, count: int, share: float) -> None:
+    """Apply the impulses of the last sub-step, and count a share of them to the step's: 0 for those of the step before."""
     touch, key, mover = touches.touch, touches.key, touches.mover
     for t in range(count):
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
         tangent, half = load3(touch, t, T_TANGENT), 0.5 * touch[t, T_GAP]
-        impulse, turn = axpy(touch[t, T_NORMAL], n, tangent), cross(n, tangent)
+        impulse, turn = add_to_sum(touch, t, share), cross(n, tangent)
         store3(mover, a, 0, axpy(-mover[a, M_INV_MASS], impulse, load3(mover, a, 0)))
         store3(mover, a, 3, axpy(-mover[a, M_INV_INERTIA] * (touch[t, T_RADIUS_A] + half), turn, load3(mover, a, 3)))
         if key[t, K_MOVES] == 1:
@@ -175,87 +188,102 @@ def turn_normals(touches: Touches, count: int, state: Floats) -> None:
 
 
 @inlined
-def rub(levers: Levers, n: Vec, held: Vec, mass: float, most: float, motion: Motion) -> tuple[Vec, Motion]:
-    """Friction that stops the slip, or else is as large as it may be. Returns: its impulse, the motion after it."""
-    after = axpy(-mass, slip_of(motion, levers.arm_a, levers.arm_b, n), held)
+def rub(held: Vec, mass: float, slip: Vec, most: float) -> Vec:
+    """The impulse of friction that stops the slip, or else is as large as it may be."""
+    after = axpy(-mass, slip, held)
     size = dot(after, after)
     if size > most * most:
         after = scale(most / math.sqrt(size), after)
-    change = sub(after, held)
-    turn = cross(n, change)
-    return after, Motion(
-        axpy(-levers.mass_a, change, motion.va),
+    return after
+
+
+@inlined
+def answer(levers: Levers, n: Vec, normal: float, change: Vec, motion: Motion) -> Motion:
+    """The motion after an impulse on B along the normal and another at right angles to it [N s]."""
+    impulse, turn = axpy(normal, n, change), cross(n, change)
+    return Motion(
+        axpy(-levers.mass_a, impulse, motion.va),
         axpy(-levers.inertia_a * levers.arm_a, turn, motion.wa),
-        axpy(levers.mass_b, change, motion.vb),
+        axpy(levers.mass_b, impulse, motion.vb),
         axpy(-levers.inertia_b * levers.arm_b, turn, motion.wb),
     )
 
 
+@inlined
+def uses_up(needed: Vec, room: float) -> bool:
+    """Whether an impulse at right angles to the normal takes all that the static disc of this radius [N s] has."""
+    return dot(needed, needed) >= STUCK * STUCK * room * room and room > 0.0
+
+
+@inlined
+def levers_of(touch: Floats, mover: Floats, t: int, a: int, b: int) -> Levers:
+    """How two bodies answer to contact t."""
+    la, lb = touch[t, T_RADIUS_A] + 0.5 * touch[t, T_GAP], touch[t, T_RADIUS_B] + 0.5 * touch[t, T_GAP]
+    return Levers(mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], la, mover[b, M_INV_MASS], mover[b, M_INV_INERTIA], lb)
+
+
+@inlined
+def store_moving(mover: Floats, a: int, b: int, moves: int, motion: Motion) -> None:
+    """Put the velocities of two bodies back, of which B may be one that nothing moves."""
+    store3(mover, a, 0, motion.va)
+    store3(mover, a, 3, motion.wa)
+    if moves == 1:
+        store3(mover, b, 0, motion.vb)
+        store3(mover, b, 3, motion.wb)
+
+
 @kernel
 def press_spheres(touches: Touches, count: int, soft: Softness) -> None:
-    """One sweep that corrects positions, as `soft.sweep` does to PRESS: friction and then the normal of each contact."""
-    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    for t in range(count):
-        a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
-        s, before = touch[t, T_GAP], touch[t, T_NORMAL]
-        motion, mass_a, mass_b = moving(mover, a, b), mover[a, M_INV_MASS], mover[b, M_INV_MASS]
-        held = load3(touch, t, T_TANGENT)
-        if before > 0.0 or dot(held, held) > 0.0:
-            la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
-            levers = Levers(mass_a, mover[a, M_INV_INERTIA], la, mass_b, mover[b, M_INV_INERTIA], lb)
-            after, motion = rub(levers, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * before, motion)
-            store3(touch, t, T_TANGENT, after)
-        bias, hard, keep = s / soft.h, 1.0, 0.0
-        if s <= 0.0:
-            bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
-        impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (dot(n, sub(motion.vb, motion.va)) + bias) - keep * before, 0.0)
-        touch[t, T_NORMAL] = impulse
-        if touches.elastic == 1:
-            rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
-        store3(mover, a, 0, axpy(mass_a * (before - impulse), n, motion.va))
-        store3(mover, a, 3, motion.wa)
-        if key[t, K_MOVES] == 1:
-            store3(mover, b, 0, axpy(mass_b * (impulse - before), n, motion.vb))
-            store3(mover, b, 3, motion.wb)
+    """One sweep that corrects positions, as `soft.sweep` does to PRESS: friction and then the normal of each contact.
 
-
-@kernel
-def relax_spheres(touches: Touches, count: int, aim: int) -> None:
-    """One sweep without the position error, as `soft.sweep`: the normal and then friction.
-
-    Args: aim: RELAX, or REBOUND to give struck contacts their rebound.
+    Neither changes the velocity that the other answers, so that both are taken from one.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     for t in range(count):
-        s, before = touch[t, T_GAP], touch[t, T_NORMAL]
-        if s > 0.0 and before == 0.0:
-            continue
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
-        motion, mass_a, mass_b = moving(mover, a, b), mover[a, M_INV_MASS], mover[b, M_INV_MASS]
-        bias = 0.0
-        if aim == REBOUND and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
-            bias = rest[t, R_RESTITUTION] * min(dot(n, load3(rest, t, R_APPROACH)), 0.0)
-        impulse = max(before - touch[t, T_NORMAL_MASS] * (dot(n, sub(motion.vb, motion.va)) + bias), 0.0)
-        motion = Motion(
-            axpy(mass_a * (before - impulse), n, motion.va),
-            motion.wa,
-            axpy(mass_b * (impulse - before), n, motion.vb),
-            motion.wb,
-        )
-        held = load3(touch, t, T_TANGENT)
-        if impulse > 0.0 or dot(held, held) > 0.0:
-            la, lb = touch[t, T_RADIUS_A] + 0.5 * s, touch[t, T_RADIUS_B] + 0.5 * s
-            levers = Levers(mass_a, mover[a, M_INV_INERTIA], la, mass_b, mover[b, M_INV_INERTIA], lb)
-            after, motion = rub(levers, n, held, touch[t, T_TANGENT_MASS], touch[t, T_FRICTION] * impulse, motion)
-            store3(touch, t, T_TANGENT, after)
+        s, before, held = touch[t, T_GAP], touch[t, T_NORMAL], load3(touch, t, T_TANGENT)
+        motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
+        along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
+        bias, hard, keep = s / soft.h, 1.0, 0.0
+        if s <= 0.0:
+            bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
+        impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (along + bias) - keep * before, 0.0)
+        after = rub(held, touch[t, T_TANGENT_MASS], slip, touch[t, T_FRICTION] * before)
         touch[t, T_NORMAL] = impulse
+        store3(touch, t, T_TANGENT, after)
         if touches.elastic == 1:
             rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
-        store3(mover, a, 0, motion.va)
-        store3(mover, a, 3, motion.wa)
-        if key[t, K_MOVES] == 1:
-            store3(mover, b, 0, motion.vb)
-            store3(mover, b, 3, motion.wb)
+        store_moving(mover, a, b, key[t, K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
+
+
+@kernel
+def relax_spheres(touches: Touches, count: int, aim: int) -> bool:
+    """One sweep without the position error, as `soft.sweep`: the normal and then friction, both from one velocity.
+
+    Args: aim: RELAX, or REBOUND to give struck contacts their rebound.
+    Returns: whether a contact that bears slips or is about to, so that `choose_friction` has to be asked.
+    """
+    touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
+    slipping = False
+    for t in range(count):
+        before = touch[t, T_NORMAL]
+        if touch[t, T_GAP] > 0.0 and before == 0.0:
+            continue
+        a, b, n, held = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0), load3(touch, t, T_TANGENT)
+        motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
+        along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
+        if aim == REBOUND and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
+            along += rest[t, R_RESTITUTION] * min(dot(n, load3(rest, t, R_APPROACH)), 0.0)
+        impulse = max(before - touch[t, T_NORMAL_MASS] * along, 0.0)
+        most = touch[t, T_FRICTION] * impulse
+        after = rub(held, touch[t, T_TANGENT_MASS], slip, most)
+        slipping = slipping or (impulse > 0.0 and (key[t, K_SLIPS] == 1 or uses_up(after, most)))
+        touch[t, T_NORMAL] = impulse
+        store3(touch, t, T_TANGENT, after)
+        if touches.elastic == 1:
+            rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
+        store_moving(mover, a, b, key[t, K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
+    return slipping
 
 
 @kernel
@@ -268,28 +296,28 @@ def any_struck(touches: Touches, count: int) -> bool:
 
 
 @kernel
-def close_substep(touches: Touches, count: int) -> None:
-    """Sum up the impulses, and let contacts that use up their static disc slip, and slipping ones that it can stop stick.
-
-    The impulses of blows do not last, and are dropped.
-    """
+def choose_friction(touches: Touches, count: int) -> None:
+    """Let contacts that use up their static disc slip, and slipping ones that it can stop stick."""
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     for t in range(count):
-        n, normal, held = load3(touch, t, 0), touch[t, T_NORMAL], load3(touch, t, T_TANGENT)
-        if normal == 0.0 and dot(held, held) == 0.0:
-            continue
-        store3(rest, t, R_SUM, add(load3(rest, t, R_SUM), axpy(normal, n, held)))
-        room = rest[t, R_STATIC] * normal
+        needed, room = load3(touch, t, T_TANGENT), rest[t, R_STATIC] * touch[t, T_NORMAL]
         if room > 0.0:
-            needed = held
             if key[t, K_SLIPS] == 1:
                 a, b, half = key[t, K_BODY_A], key[t, K_BODY_B], 0.5 * touch[t, T_GAP]
                 la, lb = touch[t, T_RADIUS_A] + half, touch[t, T_RADIUS_B] + half
-                needed = axpy(-touch[t, T_NORMAL_MASS], slip_of(moving(mover, a, b), la, lb, n), held)
-            key[t, K_SLIPS] = 1 if dot(needed, needed) >= STUCK * STUCK * room * room else 0
+                slip = way_of(moving(mover, a, b), la, lb, load3(touch, t, 0))[1]
+                needed = axpy(-touch[t, T_NORMAL_MASS], slip, needed)
+            key[t, K_SLIPS] = 1 if uses_up(needed, room) else 0
             touch[t, T_FRICTION] = rest[t, R_STATIC] if key[t, K_SLIPS] == 0 else rest[t, R_KINETIC]
-        if touches.elastic == 1:
-            if rest[t, R_STRUCK] == 1.0:
-                touch[t, T_NORMAL] = 0.0
-                store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
-            rest[t, R_SPIKE] = 0.0
+
+
+@kernel
+def drop_blows(touches: Touches, count: int) -> None:
+    """Count the impulses of blows to the step's, and drop them: they do not last."""
+    touch, rest = touches.touch, touches.rest
+    for t in range(count):
+        if rest[t, R_STRUCK] == 1.0:
+            add_to_sum(touch, t, 1.0)
+            touch[t, T_NORMAL] = 0.0
+            store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
+        rest[t, R_SPIKE] = 0.0

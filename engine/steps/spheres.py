@@ -16,7 +16,8 @@ from engine.respond.softness import FRESH, REBOUND, RELAX, slow_approach, softne
 from engine.respond.sphere_motion import drift_spheres, end_spheres, kick_spheres
 from engine.respond.spheres import (
     any_struck,
-    close_substep,
+    choose_friction,
+    drop_blows,
     note_strikes,
     press_spheres,
     push_again,
@@ -48,22 +49,26 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         for substep in range(count[0, SUBSTEPS]):
             if n == 0:
                 break
-            fresh = count[0, NEW] if substep == 0 else 0
+            fresh, share = (count[0, NEW], 0.0) if substep == 0 else (0, 1.0)
             kick_spheres(bodies, mover, setting, count, soft.h)
             if touches.elastic == 1:
-                fresh = max(fresh, note_strikes(touches, n, setting, soft.h, slow))
+                fresh = max(fresh, note_strikes(touches, n, setting, soft.h, slow, share))
             times = FRESH if fresh * MANY >= n else 1
-            push_again(touches, n)
+            push_again(touches, n, share)
             for _ in range(count[0, ITERATIONS] * times):
                 press_spheres(touches, n, soft)
             drift_spheres(bodies, mover, count, soft.h)
             turn_normals(touches, n, bodies.state)
+            slipping = False
             for _ in range(count[0, RELAXATIONS] * times):
-                relax_spheres(touches, n, RELAX)
+                slipping = relax_spheres(touches, n, RELAX)
             if touches.elastic == 1 and any_struck(touches, n):
                 for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-                    relax_spheres(touches, n, REBOUND)
-            close_substep(touches, n)
+                    slipping = relax_spheres(touches, n, REBOUND)
+            if slipping:
+                choose_friction(touches, n)
+            if touches.elastic == 1:
+                drop_blows(touches, n)
         end_spheres(bodies, mover, count)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED

@@ -27,6 +27,7 @@ __all__ = [
     "lane_names",
     "lane_texts",
     "logarithmic",
+    "short",
     "ticks",
 ]
 
@@ -119,11 +120,16 @@ def lane_texts(rows: Sequence[Row], field: str, x: Any, style: Marks, tooltip: A
     return [text.encode(x=x, y=lane, text=channel(f"{field}:N"), color=style.colour(), tooltip=tooltip)]
 
 
+def short(label: str) -> str:
+    """The label of an engine where room is short: of a name that the legend marks as ours, what the narrow legend keeps."""
+    return OURS.sub(r"\1", label)
+
+
 def lane_names(rows: Sequence[Row]) -> list[Any]:
-    """The label of each lane, left of the frame; of a name that the legend marks as ours, what the narrow legend keeps."""
+    """The label of each lane, left of the frame."""
     if not rows:
         return []
-    told = [row | {"label": OURS.sub(r"\1", row["label"])} for row in rows]
+    told = [row | {"label": short(row["label"])} for row in rows]
     label = chart(told).marked("text", align="right", dx=-8, fontSize=10, color="#8a93a0", limit=140)
     return [label.encode(x=fixed(0), y=channel("lane:Q", scale=None, axis=None), text="label:N")]
 

@@ -24,7 +24,7 @@ def citation(store: "Store") -> list[tuple[str, str]]:
     engines = store.trials.groupby("engine", sort=False)["engine_version"].first() if len(store.trials) else {}
     memory = machine.get("memory_mb")
     about = [str(machine.get("processor", "")), f"{machine['cores']} cores" if machine.get("cores") else ""]
-    about += [f"{memory / 1000:.0f} GB" if memory else "", str(machine.get("system", ""))]
+    about += [f"{memory / 1024:.0f} GiB" if memory else "", str(machine.get("system", ""))]
     command = machine.get("command") or ()
     rows = [
         ("study", str(store.study.get("name", ""))),

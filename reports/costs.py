@@ -8,7 +8,7 @@ from harness.findings.tables.scaling import Scaling
 from reports.contents import cases
 from reports.figure import Figure
 from reports.grammar import channel, chart, fixed
-from reports.marks import POINT, Marks, decades, finished, logarithmic
+from reports.marks import POINT, Marks, decades, finished, logarithmic, short
 from reports.points import labels
 from reports.text import amount, visible
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from harness.store.store import Store
 
 __all__ = ["UNITS", "growths", "qualities", "standings", "titled"]
+
+TELLING = 1.0
+"""The widest 95 % interval of an exponent that a chart prints: linear and quadratic growth are told apart by less."""
 
 Row = dict[str, Any]
 UNITS = {
@@ -89,8 +92,8 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     for engine in dict.fromkeys(row.engine for row in sweep.rows):
         mine = [row for row in sweep.rows if row.engine == engine and row.best]
         fit = growth(sweep, mine) if mine else None
-        if fit is not None:
-            label = f"{labels(store)[engine]}: {sweep.parameter} to the {fit.exponent:.2f}"
+        if fit is not None and fit.high - fit.low <= TELLING:
+            label = f"{short(labels(store)[engine])}: {sweep.parameter} to the {fit.exponent:.2f}"
             slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
     channels = style.channels() | {"tooltip": hover(("size", sweep.parameter))}
     layers = [
@@ -102,10 +105,13 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
         lane = channel("lane:Q", scale=None, axis=None)
         text = chart(slopes).marked("text", align="left", baseline="middle", fontSize=11, fontWeight=600)
         layers.append(text.encode(x=fixed(12), y=lane, text="label:N", color=style.colour()))
-    caption = "Down is cheaper. In the corner the exponent of each line: 1 means that twice the size cost twice the time."
+    caption = "Down is cheaper."
+    if slopes:
+        caption += " In the corner the exponent of a line that tells one: 1 means that twice the size cost twice the time."
     how = (
         "Each point is one engine under one group of settings, open for the vendor's defaults; the line joins the fastest "
-        "setting whose checks hold. What did not finish has no point; the table says why."
+        "setting whose checks hold. What did not finish has no point; the table says why. An exponent whose 95 % interval is "
+        "wider than 1 stands in the table of exponents alone."
     )
     title = f"Price of a {unit}: {titled(store, sweep.case, sweep.where)}"
     columns = (sweep.parameter, "engine", "setting", "CPU time [µs]", "95 % from", "to", "outcome", "trial")

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -26,12 +27,14 @@ __all__ = [
     "lane_names",
     "lane_texts",
     "logarithmic",
+    "short",
     "ticks",
 ]
 
 Row = dict[str, Any]
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 TRACKS = ("default", "tuned")
+OURS = re.compile(r"^\S+ (.+) \(ours\)")
 OPEN, HALF = 0.0001, 0.35
 """Opacities of the filling of marks; 1 is filled."""
 LANE = 15
@@ -117,11 +120,17 @@ def lane_texts(rows: Sequence[Row], field: str, x: Any, style: Marks, tooltip: A
     return [text.encode(x=x, y=lane, text=channel(f"{field}:N"), color=style.colour(), tooltip=tooltip)]
 
 
+def short(label: str) -> str:
+    """The label of an engine where room is short: of a name that the legend marks as ours, what the narrow legend keeps."""
+    return OURS.sub(r"\1", label)
+
+
 def lane_names(rows: Sequence[Row]) -> list[Any]:
     """The label of each lane, left of the frame."""
     if not rows:
         return []
-    label = chart(rows).marked("text", align="right", dx=-8, fontSize=10, color="#8a93a0", limit=130)
+    told = [row | {"label": short(row["label"])} for row in rows]
+    label = chart(told).marked("text", align="right", dx=-8, fontSize=10, color="#8a93a0", limit=140)
     return [label.encode(x=fixed(0), y=channel("lane:Q", scale=None, axis=None), text="label:N")]
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.drawn.backdrop import Backdrop, backdrop_of
+from reports.drawn.cutaway import opened
 from reports.drawn.picture import picture
 from reports.drawn.solids import Solid, solids_of
 from reports.drawn.stage_set import stage_set
@@ -24,7 +25,7 @@ from reports.recordings.truth import told_places, truth_at
 
 __all__ = ["Film", "Row", "Still", "film", "thumbnail"]
 
-DRAWN_BY = "7"
+DRAWN_BY = "8"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""
 SIZE, FRAME = (264, 176), (168, 126)
 """Pixels across and up, of a thumbnail and of one moment of a strip."""
@@ -280,7 +281,9 @@ def _panels(scene: Any, places: Any, turns: Any, view: View, larger: float) -> N
         solids = [
             solid
             for k in range(len(p))
-            for solid in solids_of(bodies, p[k], q[k], fade=(last - k) / max(last, 1), larger=larger)
+            for solid in solids_of(
+                opened(bodies, p[k], q[k], view.R[2]), p[k], q[k], fade=(last - k) / max(last, 1), larger=larger
+            )
         ]
         panels.append(picture(backdrop, [*solids, *fixed]))
     ended = [np.zeros_like(panels[0])] * (MOMENTS - len(panels) if len(panels) > 1 or view.width == FRAME[0] else 0)

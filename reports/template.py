@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
+from harness.findings import integrators
 from harness.metric.titles import metric_title
 from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
@@ -70,6 +71,7 @@ def environment() -> Environment:
         "case_file": case_file,
         "engine_file": engine_file,
         "cite": cite,
+        "integrator": integrators.called,
         "metric": metric_title,
         "outcome": outcome,
         "plural": plural,

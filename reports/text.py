@@ -160,10 +160,15 @@ def _settings_line(settings: Any) -> str:
         if name == "source" or value in (None, "", {}):
             continue
         if isinstance(value, Mapping):
-            flat += [f"{inner} {plain_value(v)}" for inner, v in value.items()]
+            flat += [f"{inner} {_knob_value(inner, v)}" for inner, v in value.items()]
         else:
-            flat.append(f"{name} {step(value) if name == 'dt' else plain_value(value)}")
+            flat.append(f"{name} {_knob_value(name, value)}")
     return ", ".join(flat)
+
+
+def _knob_value(name: str, value: Any) -> str:
+    """A knob's value; a time step, of whatever, as people write it."""
+    return step(value) if name == "dt" or name.endswith("_step") else plain_value(value)
 
 
 def step(dt: Any) -> str:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from harness.findings.agreement import AGREED_TRUTH
 from harness.findings.emulations import whose
+from harness.findings.short_rows import rows, told_apart
 from harness.findings.tables import agreement
 from harness.intake.safe_text import markdown_cell, visible
 from harness.store.disk import write_atomically
@@ -19,15 +20,18 @@ _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")
 
 
-def _junit(trials: pd.DataFrame) -> bytes:
+def _junit(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
     suite = ElementTree.Element("testsuite", name="plumbline", tests=str(len(trials)))
     counts = trials["status"].value_counts()
     suite.set("failures", str(int(counts.get("failed", 0))))
     suite.set("errors", str(int(counts.reindex(_ERRORS, fill_value=0).sum())))
     suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
-    for row in trials[["study", "case", "engine", "track", "dt", "status", "reason"]].itertuples():
-        name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}]"
-        test = ElementTree.SubElement(suite, "testcase", classname=visible(str(row.study)), name=visible(name))
+    columns = trials[["study", "experiment", "case", "engine", "track", "dt", "status", "reason"]]
+    for row, told in zip(columns.itertuples(), told_apart(trials, catalogue), strict=True):
+        name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}{told and f'/{told}'}]"
+        # Servers take tests of one class and name for one test.
+        place = f"{row.study}.{row.experiment}" if row.experiment else str(row.study)
+        test = ElementTree.SubElement(suite, "testcase", classname=visible(place), name=visible(name))
         kind = {"failed": "failure"} | dict.fromkeys(_ERRORS, "error") | dict.fromkeys(_SKIPPED, "skipped")
         if row.status in kind:
             ElementTree.SubElement(test, kind[row.status], message=visible(f"{row.status}: {row.reason}"))
@@ -49,12 +53,12 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any], verdicts: Sequ
             "",
             "# What did not pass",
             "",
-            "| case | engine | track | dt | status | reason | by the adapter |",
-            "|---|---|---|---|---|---|---|",
+            "| case | engine | track | dt | differs in | status | reason | by the adapter | trials |",
+            "|---|---|---|---|---|---|---|---|---|",
         ]
-        for row in notable.itertuples():
+        for row in rows(notable, catalogue):
             law = whose(catalogue, row.engine, row.case, row.track)
-            cells = (row.case, row.engine, row.track, f"{row.dt:g}", row.status, row.reason, law)
+            cells = (row.case, row.engine, row.track, row.dt, row.apart, row.status, row.reason, law, row.count)
             lines.append("| " + " | ".join(map(markdown_cell, cells)) + " |")
     if verdicts:
         lines += ["", "# Who agrees", "", *(f"* {markdown_cell(sentence)}" for sentence in verdicts)]
@@ -64,7 +68,10 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any], verdicts: Sequ
 def summaries(store: Store) -> dict[str, bytes]:
     """The content of junit.xml and summary.md."""
     verdicts = agreement.sentences(agreement.rows(store))
-    return {"junit.xml": _junit(store.trials), "summary.md": _markdown(store.trials, store.catalogue, verdicts)}
+    return {
+        "junit.xml": _junit(store.trials, store.catalogue),
+        "summary.md": _markdown(store.trials, store.catalogue, verdicts),
+    }
 
 
 def write_summary(store: Store) -> None:

@@ -151,8 +151,9 @@ def summaries(tmp_path: Path) -> Callable[[str], tuple[str, ElementTree.Element]
     """summary.md and junit.xml of a run whose texts are all one text."""
 
     def write(text: str) -> tuple[str, ElementTree.Element]:
-        columns = ("study", "case", "engine", "track", "reason")
-        trials = pd.DataFrame([dict.fromkeys(columns, text) | {"dt": 0.01, "status": "crashed"}], dtype=object)
+        texts = dict.fromkeys(("study", "experiment", "case", "engine", "track", "remedy", "reason"), text)
+        others = {"dt": 0.01, "status": "crashed", "parameters": "{}", "alteration": "{}", "seed": 0}
+        trials = pd.DataFrame([texts | others], dtype=object)
         store = SimpleNamespace(folder=tmp_path, trials=trials, catalogue={"cases": {}, "engines": {}})
         write_summary(cast(Store, store))
         return (tmp_path / "summary.md").read_text(encoding="utf-8"), ElementTree.parse(tmp_path / "junit.xml").getroot()
@@ -227,8 +228,8 @@ def test_a_cell_of_markdown_is_text(name: str, printed: dict[str, Printed], summ
         shown,
         "-1.5",
     ]
-    assert len(summary.cells) == 3 + 3 + 7 + 7
-    assert cells[1].count(shown) == 2 + 4
+    assert len(summary.cells) == 3 + 3 + 9 + 9
+    assert cells[1].count(shown) == 2 + 5
     ledger.survived("output", f"Markdown: {name}", "elements made 0, the text as it was")
 
 

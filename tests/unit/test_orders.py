@@ -62,7 +62,7 @@ def test_promises_are_read_off_the_engine_and_the_case_and_broken_ones_are_sente
     rows = {row.engine: row for row in convergences(folder(tmp_path, errors, {"converges": "smoothly"}, {"rk4": 4}))}
     assert (rows["sound"].verdict, rows["sound"].promised, rows["sound"].finding) == ("kept", 4, "")
     assert rows["slow"].verdict == "broken"
-    for word in ("X", "SLOW", "tuned", "rk4", "order 1.00 (1.00 to 1.00)", "promised is 4"):
+    for word in ("X", "SLOW", "tuned", "Runge-Kutta of order 4", "order 1.00 (1.00 to 1.00)", "promised is 4"):
         assert word in rows["slow"].finding
     assert tuple(asdict(rows["slow"])) == COLUMNS
     assert brief(asdict(rows["slow"]))[:4] == ["flight_x", "slow", "tuned", "rk4"]

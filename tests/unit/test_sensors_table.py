@@ -246,7 +246,7 @@ def test_the_sentences_say_who_keeps_its_bounds_and_what_a_read_ray_costs(store:
     said = table.sentences(table.rows(store))
     assert "reference: 2 of 2 ideal signals stay within their bounds." in said
     assert "mujoco: 0 of 2 ideal signals stay within their bounds." in said
-    assert "bullet: no readings in 1 cell." in said
+    assert "bullet: no readings in 1 run." in said
     # Cameras share the price of this scene, so it says nothing of a beam.
     assert not any("bare" in text for text in said)
     (row,) = [row for row in table.rows(store) if (row["engine"], row["channel"]) == ("reference", "range")]

@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 import pandas as pd
 
+from harness.findings.integrators import called
 from harness.findings.where import in_words, other_values
 from harness.statistics.order import Order, falls_short, fit_order
 from harness.store.store import Store
@@ -135,7 +136,7 @@ def _row(
     errors = [median(by_step[dt]) for dt in steps]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
-    by = " and ".join(integrators).replace("_", " ")
+    by = " and ".join(map(called, integrators))
     title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {by})"
     return Convergence(
         case=case,

@@ -91,7 +91,7 @@ def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | Non
             text = f"{called}: {kept} of {len(judged)} ideal signals stay within their bounds"
             lines.append(text + (f"; {silent} without readings." if silent else "."))
         elif silent:
-            lines.append(f"{called}: no readings in {silent} {'cell' if silent == 1 else 'cells'}.")
+            lines.append(f"{called}: no readings in {silent} {'run' if silent == 1 else 'runs'}.")
     for row in rows:
         if row["times_bare"] is not None and row["channel"] == "range":
             name = f"{known.get(row['case'], row['case'])} {row['where']}".strip()

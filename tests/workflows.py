@@ -49,7 +49,7 @@ class _Context(dict[str, Any]):
 
     def __getattr__(self, name: str) -> Any:
         value = self[name]
-        return _Context(value) if isinstance(value, dict) else value
+        return _Context(value) if type(value) is dict else value
 
 
 class _Optional(_Context):
@@ -160,6 +160,7 @@ class Runner:
     def carry_out(self, job: Job) -> "Runner":
         """Step after step; what comes behind a failure runs only where it says `always()`. Returns: this runner."""
         assert job.shell == "bash"
+        self._outputs = {step["id"]: _Optional() for step in job.steps if "id" in step}  # a step that is left out has none
         for name in ("workspace", "calls", "bin"):
             (self.folder / name).mkdir(parents=True)
         gh = self.folder / "bin" / "gh"

@@ -36,10 +36,10 @@ def git(folder: Path, *words: str) -> str:
     return done.stdout.strip()
 
 
-def commit(folder: Path, text: str) -> str:
+def commit(folder: Path, text: str, branch: str = "main") -> str:
     git(folder, "add", "-A")
     git(folder, "commit", "-qm", text)
-    git(folder, "push", "-q", "origin", "HEAD:refs/heads/main")
+    git(folder, "push", "-q", "origin", f"HEAD:refs/heads/{branch}")
     return git(folder, "rev-parse", "HEAD")
 
 
@@ -156,13 +156,23 @@ def test_a_pull_request_that_makes_ours_worse_fails_and_says_so_below(
         assert body == runner.summary
 
 
-def test_a_pull_request_whose_night_does_not_begin_posts_nothing(tmp_path: Path, origin: tuple[Path, str, str]) -> None:
+@pytest.mark.parametrize(("study", "code"), [("nowhere.toml", None), ("base/few.toml", 3)], ids=["of the base", "of the head"])
+def test_a_pull_request_whose_night_does_not_begin_posts_nothing(
+    tmp_path: Path, origin: tuple[Path, str, str], study: str, code: int | None
+) -> None:
+    """The base stops all; where the head does not begin, the night of the base is no summary of it."""
     bare, sound, _ = origin
+    git(tmp_path, "clone", "-q", "-b", "main", str(bare), "tree")
+    (tmp_path / "tree" / "harness" / "cli" / "__main__.py").write_text("raise SystemExit(3)\n")
+    broken = commit(tmp_path / "tree", "broken", f"broken-{code}")
     asked = {"number": 7, "base": {"sha": sound}, "head": {"repo": {"full_name": "owner/name"}}}
     contexts = {
         "github": {"event": {"pull_request": asked}},
-        "vars": {"PLUMBLINE_PULL_REQUEST_OPTIONS": options("head/nowhere.toml")},
+        "vars": {"PLUMBLINE_PULL_REQUEST_BUDGET": BUDGET, "PLUMBLINE_PULL_REQUEST_OPTIONS": options(study)},
     }
-    runner = Runner(tmp_path / "runner", bare, contexts, sound).carry_out(job("pull-request.yml", "what-changed"))
+    runner = Runner(tmp_path / "runner", bare, contexts, broken)
+    runner.carry_out(job("pull-request.yml", "what-changed"))
+    print(runner.log)
     assert runner.failed
+    assert runner.codes.get("head") == code
     assert (runner.calls, runner.summary) == ([], "")

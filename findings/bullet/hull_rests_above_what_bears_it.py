@@ -7,9 +7,9 @@
 # kind = "trap"
 # title = "A convex hull rests a millimetre above what bears it"
 # seen = ["3.2.7"]
-# documented = "Bullet User Manual: contact points of convex shapes are found by shapes with a collision margin around them, which keeps a gap between what is drawn; boxes have it inside. A hull made of vertices by createCollisionShape has it outside, 1 mm by default; changeDynamics has collisionMargin, without its default."
-# sources = ["Bullet 2.83 Physics SDK Manual, Collision Margin", "PyBullet Quickstart Guide, changeDynamics: collisionMargin", "PhysicsServerCommandProcessor.cpp: defaultCollisionMargin of a hull, 0.001"]
-# mend = "changeDynamics(body, -1, collisionMargin=0.0), after the body is made; it has no effect on hulls of links and of compounds"
+# documented = "The manual: the collision margin in general expands a shape and leaves a small gap, which boxes make up for by their size. The Quickstart Guide: collisionMargin may or may not pad a shape, by its type. That a hull is padded, and by 1 mm where nothing is said, stands in the source alone."
+# sources = ["Bullet 2.83 Physics SDK Manual, Collision Margin", "PyBullet Quickstart Guide, changeDynamics: collisionMargin", "bullet3, PhysicsServerCommandProcessor.cpp: m_defaultCollisionMargin(0.001)"]
+# mend = "changeDynamics(body, -1, collisionMargin=0.0) once the body is made (the manual warns of zero in general; it has no effect on hulls of links and of compounds), or vertices a millimetre further in"
 # cases = []
 # tracks = ["default"]
 # ///

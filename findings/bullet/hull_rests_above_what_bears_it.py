@@ -28,7 +28,9 @@ p.createMultiBody(0, p.createCollisionShape(p.GEOM_BOX, halfExtents=[1, 1, 0.1])
 corners = [[x, y, z] for x in (-HALF, HALF) for y in (-HALF, HALF) for z in (-HALF, HALF)]
 hull, bare = (p.createCollisionShape(p.GEOM_MESH, vertices=corners) for _ in range(2))
 box = p.createCollisionShape(p.GEOM_BOX, halfExtents=[HALF] * 3)
-cubes = [p.createMultiBody(1.0, shape, basePosition=[0, 0.5 * k - 0.5, HALF + 0.002]) for k, shape in enumerate((box, hull, bare))]
+cubes = [
+    p.createMultiBody(1.0, shape, basePosition=[0, 0.5 * k - 0.5, HALF + 0.002]) for k, shape in enumerate((box, hull, bare))
+]
 p.changeDynamics(cubes[2], -1, collisionMargin=0.0)
 for _ in range(480):
     p.stepSimulation()

@@ -69,15 +69,20 @@ def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
     columns = [
         name for name in rows.columns if name not in ("error", "metric", "at_most", "unit", "answered", "series", "said")
     ]
-    table = rows[columns]
-    if len(measured):
-        wide = measured.pivot_table(index="trial", columns="metric", values="value", aggfunc="first", dropna=False, sort=False)
-        wide.columns = [f"{name} (metric)" if name in table.columns else name for name in map(str, wide.columns)]
-        table = table.join(wide, on="trial")
+    cells = [_cells(rows[name]) for name in columns]
+    # A pivot and a join take longer than all else of a page.
+    values: dict[str, dict[str, Any]] = {}
+    for trial_name, metric, value in zip(measured["trial"], measured["metric"], measured["value"], strict=True):
+        of_metric = values.setdefault(str(metric), {})
+        if not _missing(value):
+            of_metric.setdefault(trial_name, value)
+    for metric, of_trial in values.items():
+        columns.append(f"{metric} (metric)" if metric in rows.columns else metric)
+        cells.append([csv_cell(of_trial.get(name, "")) for name in rows["trial"]])
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([csv_cell(str(name)) for name in table.columns])
-    writer.writerows(zip(*(_cells(table.iloc[:, k]) for k in range(table.shape[1])), strict=True))
+    writer.writerow([csv_cell(str(name)) for name in columns])
+    writer.writerows(zip(*cells, strict=True))
     return text.getvalue()
 
 

@@ -10,7 +10,7 @@
 # documented = "Friction is soft: it lets bodies slip slowly. Against it the documentation has the elliptic cone with impratio above 1, and noslip iterations."
 # sources = ["MuJoCo, Modeling: preventing slip", "MuJoCo, XML Reference: option, impratio, noslip_iterations"]
 # mend = '<option cone="elliptic" impratio="10"/>'
-# cases = ["friction_creep", "friction_threshold"]
+# cases = ["friction_creep", "friction_threshold", "stack_bowl"]
 # cause = "soft friction, which creeps"
 # ///
 """At 0.9 of the angle of friction Coulomb's law holds a box where it is; a tenth of a millimetre is what it settles by."""

@@ -18,7 +18,7 @@ from harness.history.last_answers import LastAnswers
 from harness.history.over_nights import OverNights, over_nights
 from harness.history.pool import Pool
 from harness.history.since_last_seen import News, first_seen, news_of
-from harness.history.spending import Budget, bytes_of, memory_peaks
+from harness.history.spending import Budget, Closings, bytes_of, memory_peaks
 from harness.history.steering import Keep, Steering
 from harness.history.words import told
 from harness.run.campaign import carry_out
@@ -90,8 +90,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     before = history.whole_nights()
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
-    closings = [float(earlier.plan["seconds"]["closing"]) for earlier in before[-LATELY:]]
-    budget = Budget.of(asked.budget, max(closings, default=None))
+    budget = Budget.of(asked.budget, Closings.of([earlier.plan for earlier in before[-LATELY:]]))
     seed = asked.seed or night.stamp
     started: dict[str, Any] = {
         "schema": SCHEMA,
@@ -106,6 +105,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     }
 
     def save(steering: Steering) -> None:
+        budget.set_aside(sum(tally.answers for tally in steering.tallies.values()), steering.slow)
         write_json(night.folder / NIGHT, started | {"blocks": steering.sights({}, {})})
 
     pool, so_far = Pool(history.pool), read_journal(night.folder / "journal.jsonl").values()
@@ -127,7 +127,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     steering.go_on([Sight.from_plain(row) for row in plan.get("blocks", ())], so_far)
     if not plan:
         save(steering)
-    with until(budget.end):
+    with until(lambda: budget.end):
         carry_out(
             asked.study,
             night.folder,
@@ -184,7 +184,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     return {name: value for name, value in night.plan.items() if name != "blocks"} | {
         "complete": True,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
-        "seconds": {"whole": done.budget.taken(), "closing": closing},
+        "seconds": {"whole": done.budget.taken(), "closing": closing, "set_aside": done.budget.closing, "slow": steering.slow},
         "memory_mb": memory_peaks(),
         "bytes": _bytes(history, night),
         "answers": len(trials),

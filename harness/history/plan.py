@@ -19,6 +19,9 @@ something never was: a night that sees nothing twice notices nothing, one that s
 LARGEST, LONGEST = 12, 120.0
 """Blocks of a batch, and seconds that they are foreseen to take: a batch is clocked before the next one is answered."""
 
+KNOWN_SECONDS = 10.0
+"""Of foreseen work, from which on it says how slow a night is: below, the start of a process counts for too much."""
+
 Why = Literal["no time was left", "it is foreseen to take longer than was left", "time was up half-way"]
 """Why a block was left out."""
 
@@ -65,7 +68,7 @@ class Plan:
     Terms:
         waiting: blocks in order. seen: by earlier nights. due: by block, the share of its answers that have to be computed.
         stuck: blocks that have a batch of their own, since they may not come to an end. taken [s]: by block, what it took
-        tonight.
+        tonight. promised [s]: by block, what it was foreseen to take when it was begun, where an earlier night knew.
     """
 
     waiting: list[Block]
@@ -73,6 +76,14 @@ class Plan:
     due: Mapping[Key, float]
     stuck: Collection[Key] = ()
     taken: dict[Key, float] = field(default_factory=dict)
+    promised: dict[Key, float] = field(default_factory=dict)
+
+    @property
+    def slow(self) -> float:
+        """Times as long as earlier nights foresaw, over all that is done; 1 at least, and as long as too little is known."""
+        done = [(seconds, self.taken[key]) for key, seconds in self.promised.items() if key in self.taken]
+        foreseen, taken = sum(row[0] for row in done), sum(row[1] for row in done)
+        return max(1.0, taken / foreseen) if foreseen >= KNOWN_SECONDS else 1.0
 
     def foreseen(self, block: Block) -> float | None:
         """Seconds: by what it took in earlier nights, else by what others of its experiment took tonight; None if unknown."""
@@ -114,6 +125,8 @@ class Plan:
                     shares[kind] -= foreseen or 0.0
                 batch.append(block)
                 seconds += foreseen or 0.0
+                if foreseen is not None and block.key in self.seen:
+                    self.promised[block.key] = foreseen
             if not batch:
                 break
             yield batch

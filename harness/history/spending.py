@@ -1,39 +1,84 @@
-"""What a night has left of its budget, and what it took: time, memory, disk."""
+"""What a night has left of its budget, and what it took: time, memory, disk; and how long it will take to close."""
 
+import math
 import os
 import resource
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import psutil
 
-__all__ = ["Budget", "bytes_of", "memory_peaks"]
+__all__ = ["Budget", "Closings", "bytes_of", "memory_peaks"]
 
 CLOSING = 0.1
 """Share of a budget that is set aside for tables, report and upload, or more where a night has shown that they take it."""
 MARGIN = 1.3
-"""Times what they took lately at most: the report grows with what is known."""
+"""Times what is foreseen: what a night tells, and so writes, is another every night."""
 
 
 @dataclass(frozen=True, slots=True)
+class Closings:
+    """What the end of the last nights took. Terms: answers, seconds: of each. slow: times as long as foreseen its work took."""
+
+    answers: tuple[int, ...]
+    seconds: tuple[float, ...]
+    slow: tuple[float, ...]
+
+    @classmethod
+    def of(cls, plans: Sequence[Mapping[str, Any]]) -> "Closings":
+        """Args: plans: what nights say of themselves when they are whole."""
+        return cls(
+            tuple(int(plan["answers"]) for plan in plans),
+            tuple(float(plan["seconds"]["closing"]) for plan in plans),
+            tuple(float(plan["seconds"].get("slow", 1.0)) for plan in plans),
+        )
+
+    def foreseen(self, answers: int, slow: float) -> float | None:
+        """Seconds for so many answers on a machine that is so much slower than foreseen; None where no night is known.
+
+        Tables and pages take time for each answer beside what they take at all: the line of least squares through the nights,
+        each as if nothing had slowed it, that neither falls nor begins below 0; never less than the fastest of them took.
+        """
+        if not self.seconds:
+            return None
+        counts, took = np.array(self.answers, float), np.array(self.seconds) / np.array(self.slow)
+        off = counts - counts.mean()
+        rate = float(off @ took / (off @ off)) if off @ off > 0 else 0.0
+        rate = min(max(rate, 0.0), float(took.mean()) / max(float(counts.mean()), 1.0))
+        return slow * max(float(took.mean()) + rate * (answers - float(counts.mean())), float(took.min()))
+
+
+@dataclass(slots=True)
 class Budget:
     """Wall time of a night, its start-up and its report included.
 
-    Terms: seconds: of the whole, infinite for none. began: on the monotonic clock. closing [s]: set aside for the end.
+    Terms: seconds: of the whole, infinite for none. began: on the monotonic clock. closings: of earlier nights. closing [s]:
+    set aside for the end, more as the night stores more or turns out slow.
     """
 
     seconds: float
     began: float
-    closing: float
+    closings: Closings
+    closing: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.set_aside(0, 1.0)
 
     @classmethod
-    def of(cls, seconds: float, closing: float | None) -> "Budget":
-        """The budget of this process, counted from its start. Args: closing [s]: what the end of an earlier night took."""
+    def of(cls, seconds: float, closings: Closings) -> "Budget":
+        """The budget of this process, counted from its start."""
         running = max(0.0, time.time() - psutil.Process().create_time())
-        aside = CLOSING * seconds if closing is None else min(max(CLOSING * seconds, MARGIN * closing), seconds / 2)
-        return cls(seconds, time.monotonic() - running, aside)
+        return cls(seconds, time.monotonic() - running, closings)
+
+    def set_aside(self, answers: int, slow: float) -> None:
+        """Set time aside for closing a night that has so many answers and is so much slower than foreseen; half at most."""
+        if math.isfinite(self.seconds):
+            foreseen = MARGIN * (self.closings.foreseen(answers, slow) or 0.0)
+            self.closing = min(max(CLOSING * self.seconds, foreseen), self.seconds / 2)
 
     @property
     def end(self) -> float:

@@ -102,6 +102,11 @@ class Steering(Guide):
             self.tidy()
             self.save(self)
 
+    @property
+    def slow(self) -> float:
+        """Times as long as foreseen."""
+        return 1.0 if self._plan is None else self._plan.slow
+
     def known(self, trial: Trial) -> Record | None:
         """From the pool, unless it is drawn to be computed again, was a matter of another machine, or is distrusted."""
         found = self._pooled(trial)

@@ -4,9 +4,10 @@ Python drops an exception that a signal raises while a process is being forked, 
 on stderr. Hence the request is also remembered, and the loops over trials ask.
 """
 
+import math
 import signal
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -17,8 +18,13 @@ if TYPE_CHECKING:
 
 __all__ = ["TimeIsUp", "UnderWay", "hour", "listen", "naming", "stop_if_asked", "until"]
 
+
+def _never() -> float:
+    return math.inf
+
+
 _asked = False
-_end = float("inf")
+_end: Callable[[], float] = _never
 """On the monotonic clock [s]."""
 
 
@@ -38,7 +44,7 @@ class TimeIsUp(Exception):
 
 def hour() -> float:
     """When `stop_if_asked` begins to raise TimeIsUp, on the monotonic clock [s]; infinite for never."""
-    return _end
+    return _end()
 
 
 @contextmanager
@@ -52,8 +58,8 @@ def naming(trials: Iterable[tuple["Trial", float]]) -> Iterator[None]:
 
 
 @contextmanager
-def until(moment: float) -> Iterator[None]:
-    """Let `stop_if_asked` raise TimeIsUp from a moment on the monotonic clock [s] on, as long as this lasts."""
+def until(moment: Callable[[], float]) -> Iterator[None]:
+    """Let `stop_if_asked` raise TimeIsUp from a moment on the monotonic clock [s] on, as long as this lasts; it may move."""
     global _end  # as what signals ask for: one run has a process
     before, _end = _end, moment
     try:
@@ -74,7 +80,7 @@ def stop_if_asked() -> None:
     """Raises: KeyboardInterrupt, where a request to stop has come since `listen`. TimeIsUp, see `until`."""
     if _asked:
         raise KeyboardInterrupt
-    if time.monotonic() > _end:
+    if time.monotonic() > _end():
         raise TimeIsUp
 
 

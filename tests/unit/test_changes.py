@@ -1,6 +1,7 @@
 """Is every planted change between two run folders told, with its size, and nothing else?"""
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -105,6 +106,60 @@ def test_one_engine_alone_is_compared_over_the_canary(tmp_path: Path) -> None:
     assert rows
     assert {(row.kind, row.sense, row.beside) for row in rows} == {("price", "worse", "canary")}
     assert all(abs((row.ratio or 0) - 1.5) < 0.1 for row in rows)  # two medians of ten samples with 2 % noise each
+
+
+def alone(folder: Path, load: float, *, most: int, seeds: int = 1, times: float = 1.0) -> Iterator[Changes]:
+    """One engine in two runs, three samples for each of at most so many prices; in the second, load comes and goes: a canary of
+    a millisecond meets it or not, a sample is long enough to meet half of it."""
+    folders = write_two_runs(folder)
+    trials, samples = ([pd.read_parquet(side / f"{name}.parquet") for side in folders] for name in ("trials", "samples"))
+    for seed in range(seeds):
+        for number, side in enumerate(folders):
+            mine = trials[number][trials[number]["engine"] == "dart"].head(most)
+            few = samples[number][samples[number]["trial"].isin(mine["trial"]) & (samples[number]["block"] < 3)]
+            met = np.random.default_rng(seed).uniform(0.0, load * number, len(few))
+            slower = np.exp(load / 2) * times if number else 1.0
+            few = few.assign(canary=few["canary"] * np.exp(met), cpu=few["cpu"] * slower)
+            medians = (few["cpu"] / few["steps"]).groupby(few["trial"]).median()
+            mine = mine.assign(cpu_per_unit=[medians.get(trial, np.nan) for trial in mine["trial"]], unstable_timing=False)
+            mine.to_parquet(side / "trials.parquet", index=False)
+            few.to_parquet(side / "samples.parquet", index=False)
+        yield compare(*map(Store, folders))
+
+
+def test_load_that_swings_between_canary_and_sample_is_no_change_of_an_engine_alone(tmp_path: Path) -> None:
+    """Up to a half slower. Of fewer than eight prices nothing says how far they stray but their samples."""
+    for changes in alone(tmp_path, 0.4, most=6, seeds=10):
+        assert [sentence(row) for row in changes.rows] == []
+
+
+def test_an_engine_alone_that_takes_more_than_twice_as_long_is_told_through_such_load(tmp_path: Path) -> None:
+    (changes,) = alone(tmp_path, 0.4, most=1000, times=2.5)
+    assert {(row.kind, row.sense, row.beside) for row in changes.rows} == {("price", "worse", "canary")}
+    (whole,) = [row for row in changes.rows if not row.case]
+    assert whole.low is not None
+    assert whole.high is not None
+    assert 1.3 < whole.low < 2.5 < whole.high
+
+
+def test_what_meets_a_question_of_one_engine_alone_is_not_of_that_engine_where_the_canary_saw_it(tmp_path: Path) -> None:
+    """Half as slow again for one question that no other engine is asked; and three times, of which the canary saw half."""
+
+    def told(name: str, seen: float, times: float) -> list[tuple[str, str, str]]:
+        def planted(trials: pd.DataFrame, _measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+            there = samples["trial"].isin(trials.loc[cells(trials, "stack_tower", "dart"), "trial"])
+            samples.loc[there, "canary"] *= seen
+            samples.loc[there, "cpu"] *= times
+
+        folders = write_two_runs(tmp_path / name, planted)
+        for side in folders:
+            trials = pd.read_parquet(side / "trials.parquet")
+            gone = (trials["case"] == "stack_tower") & (trials["engine"] != "dart")
+            trials[~gone].to_parquet(side / "trials.parquet", index=False)
+        return [(row.sense, row.case, row.engine) for row in compare(*map(Store, folders)).rows if row.kind == "price"]
+
+    assert told("load", 1.5, 1.8) == []
+    assert set(told("slower", 1.5, 3.0)) == {("worse", "stack_tower", "dart")}
 
 
 def test_another_last_bit_is_no_change_for_the_worse_and_an_error_three_times_as_large_is(tmp_path: Path) -> None:

@@ -228,7 +228,8 @@ def test_an_hour_that_comes_ends_the_wait_for_a_sample_and_names_its_trial(idle_
     """The child waits for its mate, which nobody asks; it has a minute by itself."""
     team = Team(TRIAL, [idle_children[0]])
     team.calibrated(10.0)
-    with until(time.monotonic() + 0.2), pytest.raises(TimeIsUp) as up:
+    end = time.monotonic() + 0.2
+    with until(lambda: end), pytest.raises(TimeIsUp) as up:
         team.sample(0, 60.0)
     (waiting,) = up.value.under_way
     assert waiting.trial == TRIAL

@@ -10,6 +10,10 @@ by the median. Where the clock ran over another part of the motion (a run too lo
 Whatever else wants the processor comes for seconds or minutes, and then meets all that is clocked side by side: one question,
 put to all engines in turn. So a price of one trial has to stand out from the other engines at the same question, by what
 unchanged prices stray from each other there, and from the run as a whole too; the smaller of both changes is told.
+
+Where no other engine was clocked at a question, only the canary beside each sample saw who else wanted the processor. It and an
+engine need not be slowed alike: of what the canary moved by, the engine may have taken nothing or twice as much. So a price has
+to stand out by more than the canary moved there, and by more than both stray together from sample to sample.
 """
 
 import math
@@ -51,7 +55,8 @@ class _Price:
     """A pair that was clocked on both sides.
 
     Terms: step: logarithm of the ratio of the medians; canary: likewise; half, sure: of its bootstrap interval of 95 % and of
-    99 %, widened to Student's; steady: the same bits, by the same version and sources; unstable: is either marked so?
+    99 %, widened to Student's; half_over, sure_over: likewise of the step over the canary, sample by sample, and no less;
+    steady: the same bits, by the same version and sources; unstable: is either marked so?
     """
 
     pair: Pair
@@ -59,6 +64,8 @@ class _Price:
     canary: float
     half: float
     sure: float
+    half_over: float
+    sure_over: float
     steady: bool
     unstable: bool
 
@@ -66,12 +73,14 @@ class _Price:
 @dataclass(frozen=True, slots=True)
 class _Yardstick:
     """What an engine's prices are divided by. Terms: step: its logarithm from A to B; error: standard error of that; spread: of
-    unchanged prices from run to run, in logarithms."""
+    unchanged prices from run to run, in logarithms; canary: the logarithm of its motion over the run, where it is not the step.
+    """
 
     beside: Beside
     step: float
     error: float
     spread: float
+    canary: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,19 +157,30 @@ def _same_part(
 def _price(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:
     step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
     before, after = a.get(pair.a.trial), b.get(pair.b.trial)
-    canary = half = sure = 0.0
+    canary = half = sure = half_over = sure_over = 0.0
     if before is not None and after is not None:
         canary = math.log(float(np.median(after.canary)) / float(np.median(before.canary)))
-        low, high = interval_of_drawn(_drawn(after.cost) - _drawn(before.cost))
+        own = _drawn(after.cost) - _drawn(before.cost)
+        over = own - _drawn(after.canary) + _drawn(before.canary)  # of the same samples
         count = min(len(before.cost), len(after.cost))
-        half, sure = (_student(count, share) / Z_95 * (high - low) / 2 for share in (0.975, 0.995))
+        half, sure = _halves(own, count)
+        half_over, sure_over = map(max, _halves(over, count), (half, sure))
     steady = (
         pair.same_bits
         and pair.a.engine_version == pair.b.engine_version
         and getattr(pair.a, "sources", "") == getattr(pair.b, "sources", "")
     )
     unstable = any(_unstable(row.unstable_timing) for row in (pair.a, pair.b))
-    return _Price(pair=pair, step=step, canary=canary, half=half, sure=sure, steady=steady, unstable=unstable)
+    return _Price(
+        pair=pair, step=step, canary=canary, half=half, sure=sure, half_over=half_over, sure_over=sure_over,
+        steady=steady, unstable=unstable,
+    )  # fmt: skip
+
+
+def _halves(drawn: Floats, count: int) -> tuple[float, float]:
+    """Half the interval of 95 % and of 99 % of drawn values of so many samples, widened to Student's."""
+    low, high = interval_of_drawn(drawn)
+    return _student(count, 0.975) / Z_95 * (high - low) / 2, _student(count, 0.995) / Z_95 * (high - low) / 2
 
 
 def _unstable(value: Any) -> bool:
@@ -192,7 +212,8 @@ def _yardstick(mine: Sequence[_Price], others: Sequence[_Price]) -> _Yardstick:
         steps = np.array([price.step for price in others])
         middle = float(np.median(steps))
         spread = float(np.median(np.abs(steps - middle))) / _NORMAL_MAD
-        return _Yardstick("other engines", middle, _MEDIAN_ERROR * spread / math.sqrt(len(steps)), spread)
+        canary = float(np.median([price.canary for price in others]))
+        return _Yardstick("other engines", middle, _MEDIAN_ERROR * spread / math.sqrt(len(steps)), spread, canary)
     steps = np.array([price.step - price.canary for price in mine])
     spread = float(np.median(np.abs(steps - np.median(steps)))) / _NORMAL_MAD if len(steps) >= FEWEST else TOLD / CERTAIN
     middle = float(np.median([price.canary for price in mine]))
@@ -225,14 +246,18 @@ def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
 
 
 def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue: Mapping[str, Any]) -> Change | None:
-    whole = price.step - (price.canary if by.beside == "canary" else by.step)
-    step, error, spread, told = whole, by.error, by.spread, math.log1p(TOLD)
+    whole, told = price.step - (price.canary if by.beside == "canary" else by.step), math.log1p(TOLD)
     if beside is not None:
         step, error, spread = price.step - beside.step, beside.error, beside.spread
-    half = max(price.half, Z_95 * math.hypot(spread, error))
+        half, sure = max(price.half, Z_95 * math.hypot(spread, error)), price.sure
+    else:
+        swing = price.canary - by.canary
+        step, error, spread = whole if by.beside == "canary" else whole - swing, by.error, by.spread
+        half = max(price.half_over, Z_95 * math.hypot(spread, error), abs(swing))
+        sure = price.sure_over
     if price.unstable or min(abs(step), abs(whole)) <= told or step * whole < 0.0:
         return None
-    if abs(step) <= max(CERTAIN * math.hypot(spread, error), half, price.sure):
+    if abs(step) <= max(CERTAIN * math.hypot(spread, error), half, sure):
         return None
     step = min(step, whole, key=abs)
     b = price.pair.b
@@ -264,7 +289,8 @@ def _of_all(engine: str, mine: Sequence[_Price], by: _Yardstick) -> Iterator[Cha
     middle = float(np.median(steps))
     own = float(np.median(np.abs(steps - middle))) / _NORMAL_MAD
     error = math.hypot(_MEDIAN_ERROR * max(own, by.spread) / math.sqrt(len(steps)), by.error)
-    if abs(middle) <= max(math.log1p(TOLD_OF_ALL), CERTAIN * error):
+    half = max(Z_95 * error, abs(by.step) if by.beside == "canary" else 0.0)
+    if abs(middle) <= max(math.log1p(TOLD_OF_ALL), CERTAIN * error, half):
         return
     yield Change(
         kind="price",
@@ -275,8 +301,8 @@ def _of_all(engine: str, mine: Sequence[_Price], by: _Yardstick) -> Iterator[Cha
         before=1.0,
         after=math.exp(middle),
         ratio=math.exp(middle),
-        low=math.exp(middle - Z_95 * error),
-        high=math.exp(middle + Z_95 * error),
+        low=math.exp(middle - half),
+        high=math.exp(middle + half),
         beside=by.beside,
         count=len(mine),
     )

@@ -25,6 +25,7 @@ from engine.articulated.loops import count_loop_rows, hold_loops, write_loop_mat
 from engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
 from engine.articulated.motion import move_links
 from engine.articulated.responses import write_free_responses, write_responses
+from engine.articulated.secants import bend_links
 from engine.articulated.semi_implicit_euler import close_bends, take_changes
 from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from engine.articulated.tables import (
@@ -36,6 +37,7 @@ from engine.articulated.tables import (
     ORIGIN,
     PLACE,
     PRESSURE,
+    RATE,
     ROOT,
     SEGMENT,
     TURNING,
@@ -72,6 +74,9 @@ __all__ = ["UNKNOWN", "Mechanisms", "forget_responses", "touching_substep"]
 
 ROUNDS: Final = 4
 """Times at most that laws and contacts are settled in turns in a sub-step. A stop that is struck takes two."""
+
+UNSEEN: Final = 1e-17
+"""The square of a turn [rad] in a sub-step up to which its bends change no coordinate: below a tenth of the rounding of one."""
 
 UNKNOWN: Final = -1.0
 """In place of the segment of a column whose responses are not written."""
@@ -180,6 +185,17 @@ def sweep_all(mechanisms: Mechanisms, count: Ints, soft: Softness, aim: int, swe
 
 
 @kernel
+def stands(tables: Tables, h: float) -> bool:
+    """Whether all turns of a sub-step are so small that what they bend, a product of two of them, cannot be seen."""
+    motion, column, most = tables.motion, tables.column, 0.0
+    for i in range(motion.shape[0]):
+        most += abs(motion[i, VELOCITY]) + abs(motion[i, VELOCITY + 1]) + abs(motion[i, VELOCITY + 2])
+    for k in range(column.shape[0]):
+        most += abs(column[k, RATE])
+    return (h * most) ** 2 <= UNSEEN
+
+
+@kernel
 def settle_contacts(
     mechanisms: Mechanisms, setting: Floats, count: Ints, soft: Softness, breaks: int, times: int, reactions: bool
 ) -> bool:
@@ -251,11 +267,19 @@ def move_others(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyros
 
 @kernel
 def touching_substep(
-    mechanisms: Mechanisms, setting: Floats, count: Ints, sums: Floats, soft: Softness, substep: int, reactions: bool
+    mechanisms: Mechanisms,
+    setting: Floats,
+    count: Ints,
+    sums: Floats,
+    soft: Softness,
+    substep: int,
+    moved: bool,
+    reactions: bool,
 ) -> bool:
     """Advance all trees, and the free bodies that contacts touch, by a sub-step.
 
-    Args: sums: room for `share_loads`; reactions: whether to count what joints carry. Returns: whether the laws had an answer.
+    Args: sums: room for `share_loads`; moved: whether links are where their coordinates say; reactions: whether to count what
+        joints carry. Returns: whether the laws had an answer.
     """
     tables, bodies, joints = mechanisms.tables, mechanisms.bodies, mechanisms.joints
     h, gyroscopic, touches, times = soft.h, count[0, GYROSCOPIC], mechanisms.touched.kind.shape[0] > 0, 1
@@ -263,7 +287,8 @@ def touching_substep(
         write_loops(tables, bodies, joints, mechanisms.rows, h)
         forget_responses(tables)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=False)
-    move_links(tables, bodies.state)
+    if not moved:
+        move_links(tables, bodies.state)
     go_on_bending(tables)
     for i in range(tables.stage.shape[0]):
         for c in range(6):
@@ -279,7 +304,10 @@ def touching_substep(
     take_changes(tables, joints, h, reactions)
     if touches and breaks == 0:
         answer_given(mechanisms, h, reactions)
-    close_bends(tables, bodies, joints, h, reactions)
+    if stands(tables, h):
+        bend_links(tables, bodies, h)
+    else:
+        close_bends(tables, bodies, joints, h, reactions)
     while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
         turns += 1
         start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)

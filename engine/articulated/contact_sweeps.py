@@ -5,10 +5,12 @@ What a manifold gives is what `engine.respond.soft` finds on its mobility; here 
 Source: as `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
 """
 
+from typing import Final
+
 from engine.articulated.touched import NOWHERE, Touched, give
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Vec, add, cross, neg, tmat_vec
-from engine.memory.arena import BODY_A, BODY_B
+from engine.memory.arena import BODY_A, BODY_B, HERTZ
 from engine.memory.tables import Contacts
 from engine.respond.centre import Centre, centre_of, relative_motion
 from engine.respond.pair import motion_of
@@ -16,7 +18,23 @@ from engine.respond.soft import resist
 from engine.respond.softness import Softness
 from engine.respond.substep import kept_impulse
 
-__all__ = ["start_warm", "sweep_trees"]
+__all__ = ["start_warm", "sweep_trees", "unyielding"]
+
+STIFFEST: Final = 0.249
+"""Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""
+
+
+@kernel
+def unyielding(setting: Floats, soft: Softness) -> Softness:
+    """The same softness without the share of impulses that is forgotten, unless a softer spring is asked for.
+
+    A spring gives way to a lasting load until its depth carries that, in proportion to the load over the effective mass of the
+    point: under a machine's weight on a light foot a hundred times what a body alone would sink. What sweeps forget of an
+    impulse is that load; where they keep it all, a depth is worked off at the same pace, and rest is at depth zero.
+    """
+    if setting[0, HERTZ] * soft.h < STIFFEST:
+        return soft
+    return Softness(soft.h, soft.bias_rate, soft.mass_scale, 0.0, soft.max_push)
 
 
 @kernel

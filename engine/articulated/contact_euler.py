@@ -6,7 +6,8 @@ The impulses of the last sub-step go into that solve as forces, so that a tree a
 of them is answered by the same articulated inertia, to rounding; G, by which sweeps see it coming, is that of the start of the
 step. Laws that break, limits and dry friction in joints, are settled anew under the impulses of the sweeps, and the contacts
 swept again where that changes what a joint does: both hold together at the end. Loops are solved directly after each sweep, and
-G is written for every sub-step there. The relaxing sweeps change momenta alone, along the tangent of the start.
+G is written for every sub-step there. The relaxing sweeps change momenta alone, along the tangent of the start. Bends are
+products of two turns: where machines stand, they are written and not answered.
 
 Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms,
 2008, chapter 11.

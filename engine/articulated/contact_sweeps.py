@@ -18,23 +18,27 @@ from engine.respond.soft import resist
 from engine.respond.softness import Softness
 from engine.respond.substep import kept_impulse
 
-__all__ = ["start_warm", "sweep_trees", "unyielding"]
+__all__ = ["start_warm", "sweep_trees", "under_machines"]
 
 STIFFEST: Final = 0.249
 """Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""
 
+BORNE: Final = 100.0
+"""Times the effective mass of a point [1] that machines bear down on it with: a trunk on a foot that moves with its shank."""
+
 
 @kernel
-def unyielding(setting: Floats, soft: Softness) -> Softness:
-    """The same softness without the share of impulses that is forgotten, unless a softer spring is asked for.
+def under_machines(setting: Floats, soft: Softness) -> Softness:
+    """The softness of contacts on trees: of a spring that is stiffer by what machines weigh, unless a softer one is asked for.
 
-    A spring gives way to a lasting load until its depth carries that, in proportion to the load over the effective mass of the
-    point: under a machine's weight on a light foot a hundred times what a body alone would sink. What sweeps forget of an
-    impulse is that load; where they keep it all, a depth is worked off at the same pace, and rest is at depth zero.
+    A spring sinks by the load over its stiffness: g / omega^2 times what bears down over the effective mass of the point, which
+    on trees are unlike by `BORNE`. With omega and the damping ratio both larger by the root of that, the stiffness is larger by
+    `BORNE`, and a depth is worked off at the same pace, omega / a1.
     """
     if setting[0, HERTZ] * soft.h < STIFFEST:
         return soft
-    return Softness(soft.h, soft.bias_rate, soft.mass_scale, 0.0, soft.max_push)
+    forgotten = 1.0 / (1.0 + BORNE * soft.mass_scale / soft.impulse_scale)
+    return Softness(soft.h, soft.bias_rate, 1.0 - forgotten, forgotten, soft.max_push)
 
 
 @kernel

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from engine.articulated.advance import is_finite_forest, write_state
 from engine.articulated.bases import take_jumps
 from engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
-from engine.articulated.contact_sweeps import unyielding
+from engine.articulated.contact_sweeps import under_machines
 from engine.articulated.loops import touch_loops
 from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
 from engine.articulated.tables import tables_of
@@ -56,7 +56,7 @@ def advance_held(
     contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, START)
     setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), rows_of(floats, ints)
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    soft = unyielding(setting, softness_of(setting, dt / substeps))
+    soft = under_machines(setting, softness_of(setting, dt / substeps))
     damp_over(tables, soft.h)
     if count[0, STEPS] == 0:
         take_jumps(tables, bodies, joints)

@@ -84,7 +84,10 @@ UNKNOWN: Final = -1.0
 
 
 class Mechanisms(NamedTuple):
-    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, and rows for its loops."""
+    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, rows for its loops.
+
+    Terms: firm: the softness of contacts where links stand on what stays.
+    """
 
     tables: Tables
     bodies: Bodies
@@ -93,6 +96,7 @@ class Mechanisms(NamedTuple):
     contacts: Contacts
     touched: Touched
     rows: Rows
+    firm: Softness
 
 
 @kernel
@@ -180,7 +184,7 @@ def sweep_all(mechanisms: Mechanisms, count: Ints, soft: Softness, aim: int, swe
     joints, touched, n = mechanisms.joints, mechanisms.touched, count[0, MANIFOLDS]
     state, loops = mechanisms.bodies.state, count_loop_rows(mechanisms.tables, joints)
     for _ in range(sweeps if n > 0 else 1):
-        sweep_trees(state, mechanisms.contacts, touched, n, soft, aim)
+        sweep_trees(state, mechanisms.contacts, touched, n, soft, mechanisms.firm, aim)
         if loops > 0:
             hold_loops(state, joints, touched, mechanisms.rows, loops, 1.0 if aim == PRESS else 0.0, reactions)
 

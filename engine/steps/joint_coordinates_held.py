@@ -56,7 +56,8 @@ def advance_held(
     contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, START)
     setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), rows_of(floats, ints)
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    soft = under_machines(setting, softness_of(setting, dt / substeps))
+    soft = softness_of(setting, dt / substeps)
+    firm = under_machines(setting, soft)
     damp_over(tables, soft.h)
     if count[0, STEPS] == 0:
         take_jumps(tables, bodies, joints)
@@ -67,7 +68,7 @@ def advance_held(
         if status == DONE:
             done += 1
             touch_loops(tables, bodies, joints)
-            mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows)
+            mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows, firm)
             forget_responses(tables)
             clear_reactions(joints)
             for substep in range(substeps):

@@ -6,7 +6,8 @@ The impulses of the last sub-step go into that solve as forces, so that a tree a
 of them is answered by the same articulated inertia, to rounding; G, by which sweeps see it coming, is that of the start of the
 step. Laws that break, limits and dry friction in joints, are settled anew under the impulses of the sweeps, and the contacts
 swept again where that changes what a joint does: both hold together at the end. Loops are solved directly after each sweep, and
-G is written for every sub-step there. The relaxing sweeps change momenta alone, along the tangent of the start.
+G is written for every sub-step there. The relaxing sweeps change momenta alone, along the tangent of the start. Bends are
+products of two turns: where machines stand, they are written and not answered.
 
 Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms,
 2008, chapter 11.
@@ -25,6 +26,7 @@ from engine.articulated.loops import count_loop_rows, hold_loops, write_loop_mat
 from engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
 from engine.articulated.motion import move_links
 from engine.articulated.responses import write_free_responses, write_responses
+from engine.articulated.secants import bend_links
 from engine.articulated.semi_implicit_euler import close_bends, take_changes
 from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from engine.articulated.tables import (
@@ -36,6 +38,7 @@ from engine.articulated.tables import (
     ORIGIN,
     PLACE,
     PRESSURE,
+    RATE,
     ROOT,
     SEGMENT,
     TURNING,
@@ -73,12 +76,18 @@ __all__ = ["UNKNOWN", "Mechanisms", "forget_responses", "touching_substep"]
 ROUNDS: Final = 4
 """Times at most that laws and contacts are settled in turns in a sub-step. A stop that is struck takes two."""
 
+UNSEEN: Final = 1e-17
+"""The square of a turn [rad] in a sub-step up to which its bends change no coordinate: below a tenth of the rounding of one."""
+
 UNKNOWN: Final = -1.0
 """In place of the segment of a column whose responses are not written."""
 
 
 class Mechanisms(NamedTuple):
-    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, and rows for its loops."""
+    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, rows for its loops.
+
+    Terms: firm: the softness of contacts where links stand on what stays.
+    """
 
     tables: Tables
     bodies: Bodies
@@ -87,6 +96,7 @@ class Mechanisms(NamedTuple):
     contacts: Contacts
     touched: Touched
     rows: Rows
+    firm: Softness
 
 
 @kernel
@@ -174,9 +184,20 @@ def sweep_all(mechanisms: Mechanisms, count: Ints, soft: Softness, aim: int, swe
     joints, touched, n = mechanisms.joints, mechanisms.touched, count[0, MANIFOLDS]
     state, loops = mechanisms.bodies.state, count_loop_rows(mechanisms.tables, joints)
     for _ in range(sweeps if n > 0 else 1):
-        sweep_trees(state, mechanisms.contacts, touched, n, soft, aim)
+        sweep_trees(state, mechanisms.contacts, touched, n, soft, mechanisms.firm, aim)
         if loops > 0:
             hold_loops(state, joints, touched, mechanisms.rows, loops, 1.0 if aim == PRESS else 0.0, reactions)
+
+
+@kernel
+def stands(tables: Tables, h: float) -> bool:
+    """Whether all turns of a sub-step are so small that what they bend, a product of two of them, cannot be seen."""
+    motion, column, most = tables.motion, tables.column, 0.0
+    for i in range(motion.shape[0]):
+        most += abs(motion[i, VELOCITY]) + abs(motion[i, VELOCITY + 1]) + abs(motion[i, VELOCITY + 2])
+    for k in range(column.shape[0]):
+        most += abs(column[k, RATE])
+    return (h * most) ** 2 <= UNSEEN
 
 
 @kernel
@@ -251,11 +272,19 @@ def move_others(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyros
 
 @kernel
 def touching_substep(
-    mechanisms: Mechanisms, setting: Floats, count: Ints, sums: Floats, soft: Softness, substep: int, reactions: bool
+    mechanisms: Mechanisms,
+    setting: Floats,
+    count: Ints,
+    sums: Floats,
+    soft: Softness,
+    substep: int,
+    moved: bool,
+    reactions: bool,
 ) -> bool:
     """Advance all trees, and the free bodies that contacts touch, by a sub-step.
 
-    Args: sums: room for `share_loads`; reactions: whether to count what joints carry. Returns: whether the laws had an answer.
+    Args: sums: room for `share_loads`; moved: whether links are where their coordinates say; reactions: whether to count what
+        joints carry. Returns: whether the laws had an answer.
     """
     tables, bodies, joints = mechanisms.tables, mechanisms.bodies, mechanisms.joints
     h, gyroscopic, touches, times = soft.h, count[0, GYROSCOPIC], mechanisms.touched.kind.shape[0] > 0, 1
@@ -263,7 +292,8 @@ def touching_substep(
         write_loops(tables, bodies, joints, mechanisms.rows, h)
         forget_responses(tables)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=False)
-    move_links(tables, bodies.state)
+    if not moved:
+        move_links(tables, bodies.state)
     go_on_bending(tables)
     for i in range(tables.stage.shape[0]):
         for c in range(6):
@@ -279,7 +309,10 @@ def touching_substep(
     take_changes(tables, joints, h, reactions)
     if touches and breaks == 0:
         answer_given(mechanisms, h, reactions)
-    close_bends(tables, bodies, joints, h, reactions)
+    if stands(tables, h):
+        bend_links(tables, bodies, h)
+    else:
+        close_bends(tables, bodies, joints, h, reactions)
     while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
         turns += 1
         start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)

@@ -5,10 +5,12 @@ What a manifold gives is what `engine.respond.soft` finds on its mobility; here 
 Source: as `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
 """
 
-from engine.articulated.touched import NOWHERE, Touched, give
+from typing import Final
+
+from engine.articulated.touched import LINK, NOWHERE, Touched, give
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Vec, add, cross, neg, tmat_vec
-from engine.memory.arena import BODY_A, BODY_B
+from engine.memory.arena import BODY_A, BODY_B, HERTZ
 from engine.memory.tables import Contacts
 from engine.respond.centre import Centre, centre_of, relative_motion
 from engine.respond.pair import motion_of
@@ -16,7 +18,37 @@ from engine.respond.soft import resist
 from engine.respond.softness import Softness
 from engine.respond.substep import kept_impulse
 
-__all__ = ["start_warm", "sweep_trees"]
+__all__ = ["start_warm", "sweep_trees", "under_machines"]
+
+STIFFEST: Final = 0.249
+"""Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""
+
+BORNE: Final = 100.0
+"""Times the effective mass of a point [1] that machines bear down on it with: a trunk on a foot that moves with its shank."""
+
+
+@kernel
+def under_machines(setting: Floats, soft: Softness) -> Softness:
+    """The softness where links stand on what stays: of a spring that is stiffer by what machines weigh, unless told softer.
+
+    A spring sinks by the load over its stiffness: g / omega^2 times what bears down over the effective mass of the point, which
+    on trees are unlike by `BORNE`. With omega and the damping ratio both larger by the root of that, the stiffness is larger by
+    `BORNE`, and a depth is worked off at the same pace, omega / a1. Where one loose body lies on another it is no help: sweeps
+    settle stacks more slowly the less their contacts give.
+    """
+    if setting[0, HERTZ] * soft.h < STIFFEST:
+        return soft
+    forgotten = 1.0 / (1.0 + BORNE * soft.mass_scale / soft.impulse_scale)
+    return Softness(soft.h, soft.bias_rate, 1.0 - forgotten, forgotten, soft.max_push)
+
+
+@kernel
+def bears_link(touched: Touched, a: int, b: int) -> bool:
+    """Whether of two bodies one is a link, and the other nothing that contacts move."""
+    one, other = touched.place[a], touched.place[b]
+    if one == NOWHERE:
+        one, other = other, one
+    return bool(one != NOWHERE and other == NOWHERE and touched.kind[one, LINK] != NOWHERE)
 
 
 @kernel
@@ -41,12 +73,14 @@ def start_warm(state: Floats, contacts: Contacts, touched: Touched, manifolds: i
 
 
 @kernel
-def sweep_trees(state: Floats, contacts: Contacts, touched: Touched, manifolds: int, soft: Softness, aim: int) -> None:
-    """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`."""
+def sweep_trees(
+    state: Floats, contacts: Contacts, touched: Touched, manifolds: int, soft: Softness, firm: Softness, aim: int
+) -> None:
+    """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`; firm: where links stand on what stays."""
     manifold, key = contacts.manifold, contacts.key
     for m in range(manifolds):
         a, b = key[m, BODY_A], key[m, BODY_B]
         centre = centre_of(manifold, m)
         v, w = relative_motion(centre, motion_of(state, a, b))
-        force, moment = resist(contacts, m, v, w, soft, aim)
+        force, moment = resist(contacts, m, v, w, firm if bears_link(touched, a, b) else soft, aim)
         give_pair(touched, state, (a, b), centre, force, moment)

@@ -1,70 +1,85 @@
 """What impulses on touched links do to the touched links of their tree: the blocks of G, by unit impulses through the tree.
 
     inwards:   u_k = S_k . f,  f <- f - U_k u_k / D_k                  from the struck link to its root
-    outwards:  q'_k = (u_k - U_k . v) / D_k,  v <- v + S_k q'_k        from the root to all touched links, u_k = 0 off that way
+    G_ij = sum of u_k(i) u_k(j)^T / D_k                                over the columns that both i and j hang on
 
 with the articulated inertia that the last solve has left: what is implicit along a column is in D, and a column whose rate is
-prescribed hands both on. Six unit impulses go together.
+prescribed hands both on. Six unit impulses go together. The articulated-body algorithm factors the inverse of the inertia of
+all columns as W^T D^-1 W with u = W f, so that nothing has to be handed outwards again.
 
-Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 and 8.5 (impulse response); Mirtich, Impulse-based
-Dynamic Simulation of Rigid Body Systems, 1996, chapter 4.
+Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 and 8.5 (impulse response); Rodriguez, Jain,
+Kreutz-Delgado, A spatial operator algebra for manipulator modeling and control, Int. J. Robotics Research 10, 1991 (factors).
 """
 
 import math
-from typing import Final
 
-from engine.articulated.tables import ADDED, AXIS_W, COLUMNS, FIRST, INVERSE, PARENT, PLACE, PULL, ROOT, Tables
-from engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, LINK, NOWHERE, Touched
+from engine.articulated.tables import ADDED, AXIS_W, COLUMNS, FIRST, INVERSE, PARENT, PLACE, PULL, Tables
+from engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, FIRST_TAKEN, LINK, NOWHERE, Touched
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, load3, load6
+from engine.maths.vec import load3, load6
 from engine.memory.arena import INV_MASS
 from engine.memory.tables import Bodies
 
 __all__ = ["write_free_responses", "write_responses"]
 
-ON_WAY: Final = 2
-"""Plus a place: the mark of the links from its own to the root."""
-
 
 @kernel
 def take_in(tables: Tables, touched: Touched, place: int) -> None:
-    """Write what unit impulses on the link of a place leave along the columns from there to the root, and mark that way."""
-    column, kind, taken, force = tables.column, tables.kind, touched.taken, touched.moved
-    i = touched.kind[place, LINK]
-    # The row of a link holds the force on it here: six numbers, moment first, of each unit impulse together.
-    r = load3(tables.motion, i, PLACE)
+    """Write what unit impulses on the link of a place leave along the columns from there to the root."""
+    column, kind, taken, force = tables.column, tables.kind, touched.taken, touched.force
+    x = touched.kind[place, LINK]
+    r, row = load3(tables.motion, x, PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
     for c in range(36):
-        force[i, c] = 0.0
+        force[c] = 0.0
     for c in range(3):
-        force[i, 6 * (3 + c) + c] = force[i, 6 * c + 3 + c] = 1.0
-    force[i, 1], force[i, 2], force[i, 6] = -r[2], r[1], r[2]
-    force[i, 8], force[i, 12], force[i, 13] = -r[0], -r[1], r[0]
-    x = i
+        force[6 * (3 + c) + c] = force[6 * c + 3 + c] = 1.0
+    force[1], force[2], force[6] = -r[2], r[1], r[2]
+    force[8], force[12], force[13] = -r[0], -r[1], r[0]
     while x >= 0:
         for k in range(kind[x, FIRST] + kind[x, COLUMNS] - 1, kind[x, FIRST] - 1, -1):
+            row -= 1
+            free = column[k, ADDED] != math.inf
+            share = math.sqrt(column[k, INVERSE]) if free else 0.0
             for c in range(6):
                 left = 0.0
                 for d in range(6):
-                    left += column[k, AXIS_W + d] * force[i, 6 * d + c]
-                taken[k, c] = left
-            if column[k, ADDED] != math.inf:
+                    left += column[k, AXIS_W + d] * force[6 * d + c]
+                taken[row, c] = share * left
+            if free:
                 for d in range(6):
-                    share = column[k, PULL + d] * column[k, INVERSE]
+                    pulled = column[k, PULL + d] * share
                     for c in range(6):
-                        force[i, 6 * d + c] -= share * taken[k, c]
-        touched.mark[x] = ON_WAY + place
+                        force[6 * d + c] -= pulled * taken[row, c]
         x = kind[x, PARENT]
 
 
 @kernel
-def put_block(block: Floats, there: int, back: int, moved: Floats, x: int, r: Vec) -> None:
-    """Write the motions of link x, whose centre of mass is at r, as block `there` of the struck place, and turned as `back`."""
-    for c in range(6):
-        w, y, z = moved[x, c], moved[x, 6 + c], moved[x, 12 + c]
-        block[there, 6 * c] = moved[x, 18 + c] + y * r[2] - z * r[1]
-        block[there, 6 * c + 1] = moved[x, 24 + c] + z * r[0] - w * r[2]
-        block[there, 6 * c + 2] = moved[x, 30 + c] + w * r[1] - y * r[0]
-        block[there, 6 * c + 3], block[there, 6 * c + 4], block[there, 6 * c + 5] = w, y, z
+def shared_columns(tables: Tables, touched: Touched, one: int, other: int) -> int:
+    """How many columns the links of two places of a tree hang on both."""
+    a, b = touched.kind[one, LINK], touched.kind[other, LINK]
+    while a != b:
+        # A link comes behind its parent.
+        if a > b:
+            a = tables.kind[a, PARENT]
+        else:
+            b = tables.kind[b, PARENT]
+    return int(touched.depth[a])
+
+
+@kernel
+def put_block(tables: Tables, touched: Touched, place: int, other: int) -> None:
+    """Write the block of a place and another of its tree, and turned as that of the other and this."""
+    kind, block, taken = touched.kind, touched.block, touched.taken
+    there = kind[place, FIRST_BLOCK] + other - kind[place, BEGIN]
+    back = kind[other, FIRST_BLOCK] + place - kind[place, BEGIN]
+    for n in range(36):
+        block[there, n] = 0.0
+    for m in range(shared_columns(tables, touched, place, other)):
+        struck, moved = kind[place, FIRST_TAKEN] + m, kind[other, FIRST_TAKEN] + m
+        for c in range(6):
+            left = taken[struck, c]
+            for d in range(6):
+                block[there, 6 * c + d] += left * taken[moved, d]
     if there != back:
         for c in range(6):
             for d in range(6):
@@ -72,42 +87,16 @@ def put_block(block: Floats, there: int, back: int, moved: Floats, x: int, r: Ve
 
 
 @kernel
-def hand_out(tables: Tables, touched: Touched, place: int) -> None:
-    """Write the blocks of a place, and of those behind it in its tree: what its unit impulses, taken in before, do to them."""
-    column, kind, taken, moved = tables.column, tables.kind, touched.taken, touched.moved
-    first, end = touched.kind[place, BEGIN], touched.kind[place, END]
-    struck, last = touched.kind[place, LINK], touched.kind[end - 1, LINK]
-    for x in range(kind[struck, ROOT], last + 1):
-        if touched.mark[x] == 0:
-            continue
-        parent = kind[x, PARENT]
-        for c in range(36):
-            moved[x, c] = moved[parent, c] if parent >= 0 else 0.0
-        on_way = touched.mark[x] == ON_WAY + place
-        for k in range(kind[x, FIRST], kind[x, FIRST] + kind[x, COLUMNS]):
-            if column[k, ADDED] == math.inf:
-                continue
-            for c in range(6):
-                rate = taken[k, c] if on_way else 0.0
-                for d in range(6):
-                    rate -= column[k, PULL + d] * moved[x, 6 * d + c]
-                rate *= column[k, INVERSE]
-                for d in range(6):
-                    moved[x, 6 * d + c] += column[k, AXIS_W + d] * rate
-    for other in range(place, end):
-        x = touched.kind[other, LINK]
-        there = touched.kind[place, FIRST_BLOCK] + other - first
-        back = touched.kind[other, FIRST_BLOCK] + place - first
-        put_block(touched.block, there, back, moved, x, load3(tables.motion, x, PLACE))
-
-
-@kernel
 def write_responses(tables: Tables, touched: Touched) -> None:
     """Write the blocks of G of all links, with the articulated inertia of the last solve."""
-    for k in range(touched.kind.shape[0]):
-        if touched.kind[k, LINK] != NOWHERE:
+    kind = touched.kind
+    for k in range(kind.shape[0]):
+        if kind[k, LINK] != NOWHERE:
             take_in(tables, touched, k)
-            hand_out(tables, touched, k)
+    for k in range(kind.shape[0]):
+        if kind[k, LINK] != NOWHERE:
+            for other in range(k, kind[k, END]):
+                put_block(tables, touched, k, other)
 
 
 @kernel

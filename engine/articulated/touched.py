@@ -15,13 +15,15 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from engine.articulated.tables import PARENT, ROOT, ROW, Tables
+from engine.articulated.tables import COLUMNS, PARENT, ROOT, ROW, Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec
+from engine.maths.vec import Floats, Ints, Vec, axpy, load3, scale
 from engine.memory.arena import DYNAMIC, MOTION, TOUCHED, V
 from engine.memory.tables import Bodies
 
-__all__ = ["BEGIN", "BODY", "END", "FIRST_BLOCK", "LINK", "NOWHERE", "Touched", "change_of", "find_touched", "give"]
+__all__ = [
+    "BEGIN", "BODY", "END", "FIRST_BLOCK", "FIRST_TAKEN", "LINK", "NOWHERE", "Touched", "change_of", "find_touched", "give",
+]  # fmt: skip
 
 # Places.
 BODY: Final = 0
@@ -29,6 +31,7 @@ LINK: Final = 1  # NOWHERE for a body of no tree
 BEGIN: Final = 2  # first place of its tree
 END: Final = 3  # behind its last
 FIRST_BLOCK: Final = 4  # of its blocks of G, one for each place of its tree
+FIRST_TAKEN: Final = 5  # of its rows of `taken`, one for each column from the root to its link, that of the root first
 
 NOWHERE: Final = -1
 
@@ -37,18 +40,18 @@ class Touched(NamedTuple):
     """The places, and room to work in.
 
     Terms: place: of each body, NOWHERE for one that no contact moves; kind: of each place; block: G, 36 numbers for two places,
-    motion by force, the six motions of a force together; given: impulse on each place since it was last set to zero; mark: of
-    each link, 1 where it lies between a root and a place; taken: of each column, what unit impulses on one place leave along
-    it; moved: of each link, its motions by these.
+    motion by force, the six motions of a force together; given: impulse on each place since it was last set to zero; depth: of
+    each link, columns from the root to it, its own with them; taken: what unit impulses on a place leave along each of these,
+    over the root of the inertia along it; force: room for six forces on a link, moment first, those of a number together.
     """
 
     place: Ints
     kind: Ints
     block: Floats
     given: Floats
-    mark: Ints
+    depth: Ints
     taken: Floats
-    moved: Floats
+    force: Floats
 
 
 @kernel
@@ -56,44 +59,34 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
     """The places of all dynamic bodies that contacts touch, links first, in their order."""
     links, n = tables.kind.shape[0], 0
     place = np.full(bodies.state.shape[0], NOWHERE, np.int64)
-    mark = np.zeros(links, np.int64)
+    depth = np.zeros(links, np.int64)
     for b in range(bodies.state.shape[0]):
         if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
             n += 1
-    kind, at, blocks, begin, root = np.empty((n, 5), np.int64), 0, 0, 0, NOWHERE
+    kind, at, blocks, rows, begin, root = np.empty((n, 6), np.int64), 0, 0, 0, 0, NOWHERE
     for i in range(links):
-        b = tables.kind[i, ROW]
+        b, parent = tables.kind[i, ROW], tables.kind[i, PARENT]
+        depth[i] = tables.kind[i, COLUMNS] + (depth[parent] if parent >= 0 else 0)
         if bodies.kind[b, TOUCHED] == 0:
             continue
         if tables.kind[i, ROOT] != root:
             root, begin = tables.kind[i, ROOT], at
-        mark[i] = 1
         place[b] = at
-        kind[at, BODY], kind[at, LINK], kind[at, BEGIN] = b, i, begin
+        kind[at, BODY], kind[at, LINK], kind[at, BEGIN], kind[at, FIRST_TAKEN] = b, i, begin, rows
+        rows += depth[i]
         at += 1
         for k in range(begin, at):
             kind[k, END] = at
-    for i in range(links - 1, -1, -1):
-        if mark[i] == 1 and tables.kind[i, PARENT] >= 0:
-            mark[tables.kind[i, PARENT]] = 1
     for m in range(tables.other.shape[0]):
         b = tables.other[m, 0]
         if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
             place[b] = at
-            kind[at, BODY], kind[at, LINK], kind[at, BEGIN], kind[at, END] = b, NOWHERE, at, at + 1
+            kind[at, BODY], kind[at, LINK], kind[at, BEGIN], kind[at, END], kind[at, FIRST_TAKEN] = b, NOWHERE, at, at + 1, rows
             at += 1
     for k in range(n):
         kind[k, FIRST_BLOCK] = blocks
         blocks += kind[k, END] - kind[k, BEGIN]
-    return Touched(
-        place,
-        kind,
-        np.zeros((blocks, 36)),
-        np.zeros((n, 6)),
-        mark,
-        np.empty((tables.column.shape[0], 6)),
-        np.empty((links, 36)),
-    )
+    return Touched(place, kind, np.zeros((blocks, 36)), np.zeros((n, 6)), depth, np.empty((rows, 6)), np.empty(36))
 
 
 @kernel
@@ -120,10 +113,9 @@ def change_of(touched: Touched, i: int, k: int, f: Vec, t: Vec) -> tuple[Vec, Ve
     if i == NOWHERE or k == NOWHERE or not kind[k, BEGIN] <= i < kind[k, END]:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     n = kind[k, FIRST_BLOCK] + i - kind[k, BEGIN]
-    x, y, z, p, q, s = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for c in range(6):
-        one = f[c] if c < 3 else t[c - 3]
-        at = 6 * c
-        x, y, z = x + block[n, at] * one, y + block[n, at + 1] * one, z + block[n, at + 2] * one
-        p, q, s = p + block[n, at + 3] * one, q + block[n, at + 4] * one, s + block[n, at + 5] * one
-    return (x, y, z), (p, q, s)
+    v, w = scale(f[0], load3(block, n, 0)), scale(f[0], load3(block, n, 3))
+    v, w = axpy(f[1], load3(block, n, 6), v), axpy(f[1], load3(block, n, 9), w)
+    v, w = axpy(f[2], load3(block, n, 12), v), axpy(f[2], load3(block, n, 15), w)
+    v, w = axpy(t[0], load3(block, n, 18), v), axpy(t[0], load3(block, n, 21), w)
+    v, w = axpy(t[1], load3(block, n, 24), v), axpy(t[1], load3(block, n, 27), w)
+    return axpy(t[2], load3(block, n, 30), v), axpy(t[2], load3(block, n, 33), w)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from engine.articulated.advance import is_finite_forest, write_state
 from engine.articulated.bases import take_jumps
 from engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
+from engine.articulated.contact_sweeps import under_machines
 from engine.articulated.loops import touch_loops
 from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
 from engine.articulated.tables import tables_of
@@ -56,6 +57,7 @@ def advance_held(
     setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), rows_of(floats, ints)
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
     soft = softness_of(setting, dt / substeps)
+    firm = under_machines(setting, soft)
     damp_over(tables, soft.h)
     if count[0, STEPS] == 0:
         take_jumps(tables, bodies, joints)
@@ -66,11 +68,15 @@ def advance_held(
         if status == DONE:
             done += 1
             touch_loops(tables, bodies, joints)
-            mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows)
+            mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows, firm)
             forget_responses(tables)
             clear_reactions(joints)
             for substep in range(substeps):
-                if status == DONE and not touching_substep(mechanisms, setting, count, sums, soft, substep, done == steps):
+                # Links have been moved for `write_state`.
+                moved = substep == 0 and done > 1
+                if status == DONE and not touching_substep(
+                    mechanisms, setting, count, sums, soft, substep, moved, done == steps
+                ):
                     status = UNSOLVED
             end_step(contacts, count[0, MANIFOLDS])
             for n in range(tables.other.shape[0]):

@@ -178,6 +178,32 @@ def test_a_rod_on_a_hinge_lies_on_a_stop_with_the_force_of_the_lever() -> None:
     assert abs(torque[1]) <= 1e-9
 
 
+STIFFEST = G / (2 * math.pi * 240) ** 2
+"""How deep a body lies on a spring that turns by a quarter in a sub-step of 1/960 s."""
+
+
+@pytest.mark.parametrize(
+    ("held", "hertz", "depth"),
+    [(True, None, STIFFEST / 100), (True, 60.0, 16 * STIFFEST), (False, None, STIFFEST), (False, 60.0, 16 * STIFFEST)],
+)
+def test_a_contact_gives_way_as_the_spring_that_is_asked_for_and_under_links_as_one_that_bears_machines(
+    held: bool, hertz: float | None, depth: float
+) -> None:
+    """A ball lies g / omega^2 deep; under links, unless told, the spring is stiffer by a hundred. Overdamped at a ratio of 10,
+    what is left falls with omega / 20 = 19/s at least and, as sub-steps take it, with more than 10/s: after two seconds by
+    e^-20, of 7e-5 m. Mobilities have 1e-6 more than they should."""
+    ball = engine.Body(
+        name="ball", mass=2.0, inertia=np.diag((0.008,) * 3), p_WB=(5, 0, 0.1), shapes=[engine.Placed(engine.Sphere(0.1))]
+    )
+    hinge = engine.Revolute(name="hinge", parent=engine.WORLD, child="rod", anchor_W=(-0.2, 0, 1), axis_W=(0, 1, 0))
+    rail = engine.Prismatic(name="rail", parent=engine.WORLD, child="ball", anchor_W=(5, 0, 0.1), axis_W=(0, 0, 1))
+    joints = [hinge, rail] if held else [hinge]
+    made = world([FLOOR, rod("rod", (0.0, 0.0, 1.0)), ball], joints, contact_hertz=hertz)
+    made.step(480)
+    assert made.in_joint_coordinates
+    assert made.state()[2, 2] == pytest.approx(0.1 - depth, abs=1.01e-6 * depth + 1e-12)
+
+
 @pytest.mark.parametrize("restitution", [0.0, 0.6])
 def test_a_pendulum_rebounds_from_a_wall_as_its_restitution_says(restitution: float) -> None:
     """It falls from the horizontal by 1 rad onto a ball: w^2 / 2 = m g l sin(1) / (moment about the hinge).

@@ -4,10 +4,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from engine.describe.bodies import Body
-from engine.describe.joints import Distance, Joint
+import numpy as np
 
-__all__ = ["Forest", "Link", "NoForest", "forest_of"]
+from engine.describe.bodies import Body
+from engine.describe.joints import Ball, Distance, Joint
+
+__all__ = ["THINNEST", "Forest", "Link", "NoForest", "forest_of"]
+
+THINNEST = 1e-12
+"""Of m l^2, the least moment of inertia of a body whose centre swings at l about a ball joint. Coordinates of a tree know the
+moment about its own arm as what is left of sums of m l^2: round-off of a torque m g l turns it by 2e-4 g / l then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +115,17 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
             return NoForest(
                 f"joint '{joints[j].name}'", f"it closes a loop with {law}, and laws act along coordinates of trees"
             )
+    for link in links:
+        body, joint = bodies[link.body], joints[link.joint] if link.joint >= 0 else None
+        if isinstance(joint, Ball):
+            arm = np.asarray(joint.anchor_W, float) - np.asarray(body.p_WB, float)
+            least, needed = np.linalg.eigvalsh(np.asarray(body.inertia, float))[0], THINNEST * body.mass * float(arm @ arm)
+            if least < needed:
+                return NoForest(
+                    f"body '{body.name}'",
+                    f"its least moment of inertia is {least:.3g} kg m2, and what ball joint '{joint.name}' leaves of it in "
+                    f"coordinates of a tree is known to {needed:.3g}",
+                )
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
     return Forest(tuple(links), others, closing)
 

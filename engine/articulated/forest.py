@@ -116,14 +116,14 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
                 f"joint '{joints[j].name}'", f"it closes a loop with {law}, and laws act along coordinates of trees"
             )
     for link in links:
-        body, joint = bodies[link.body], joints[link.joint] if link.joint >= 0 else None
-        if isinstance(joint, Ball):
-            arm = np.asarray(joint.anchor_W, float) - np.asarray(body.p_WB, float)
+        body, hook = bodies[link.body], joints[link.joint] if link.joint >= 0 else None
+        if isinstance(hook, Ball):
+            arm = np.asarray(hook.anchor_W, float) - np.asarray(body.p_WB, float)
             least, needed = np.linalg.eigvalsh(np.asarray(body.inertia, float))[0], THINNEST * body.mass * float(arm @ arm)
             if least < needed:
                 return NoForest(
                     f"body '{body.name}'",
-                    f"its least moment of inertia is {least:.3g} kg m2, and what ball joint '{joint.name}' leaves of it in "
+                    f"its least moment of inertia is {least:.3g} kg m2, and what ball joint '{hook.name}' leaves of it in "
                     f"coordinates of a tree is known to {needed:.3g}",
                 )
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")

@@ -204,7 +204,7 @@ def test_loops_are_taken_where_they_are_asked_for_and_what_is_no_tree_is_refused
     point = engine.Body(name="bob", inertia=1e-20 * np.eye(3), p_WB=(0.0, 0.0, -1.0))
     hook = engine.Ball(name="hook", parent=engine.WORLD, child="bob", anchor_W=(0.0, 0.0, 0.0))
     assert not engine.World([point], [hook]).in_joint_coordinates
-    with pytest.raises(engine.NotSupported, match="'bob'.*1e-20 kg m2, and what ball joint 'hook' leaves of it .* 1e-12"):
+    with pytest.raises(engine.NotSupported, match=r"'bob'.*1e-20 kg m2, and what ball joint 'hook' leaves of it .* 1e-12"):
         engine.World([point], [hook], options=engine.Options(coordinates="joint"))
     assert not engine.World(bodies, ring, options=engine.Options(coordinates="automatic")).in_joint_coordinates
     assert engine.World(bodies, ring[:2], options=engine.Options(coordinates="automatic")).in_joint_coordinates

@@ -54,8 +54,8 @@ class Options:
         accelerates by less than sleep_speed / sleep_time. With it a world of spheres alone is solved by manifolds like any
         other, not by the solver of spheres. coordinates: of bodies held by joints, 'maximal' six of each body's own, with the
         joints as constraints; 'joint' those that the joints leave, with loops as constraints on top, and contacts under
-        the soft solver and semi-implicit Euler alone; 'automatic' these where joints make trees of bodies that are no points, and nothing
-        touches, else the former (None: 'maximal' under rk4, else 'automatic').
+        the soft solver and semi-implicit Euler alone; 'automatic' these where joints make trees of bodies that are no
+        points, and nothing touches, else the former (None: 'maximal' under rk4, else 'automatic').
     """
 
     dt: float = 1 / 240

@@ -22,6 +22,7 @@ class Metric:
         name: unique, snake case. unit: SI, '1' for none. source: book, paper or definition. better: which way is good.
         verdict: where the name says that something happened (a collapse, a passage), what has to happen for it to count, in
         words; '' for a plain measure. even: does it reckon with steps of one length? Uneven ones are then not measurable.
+        impulses: does it need what bodies gave each other in every step, not at samples alone?
         measure: (scene, actual, expected or None) to the number; non-finite input gives a non-finite number, never a good one.
     """
 
@@ -32,6 +33,7 @@ class Metric:
     better: Literal["lower", "higher"] = "lower"
     verdict: str = ""
     even: bool = False
+    impulses: bool = False
 
     def __call__(self, scene: Scene, actual: Trajectory, expected: Trajectory | None = None) -> float:
         """The number, in the metric's unit. Raises: NotMeasurable."""

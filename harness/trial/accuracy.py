@@ -207,6 +207,7 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             sample_interval=sample_interval,
             with_contacts=with_contacts,
             seed=trial.seed,
+            with_impulses=with_contacts and any(metric.impulses for metric in case.metrics),
         )
         if scene.sensors and case.truth == "agreed limit":
             seen |= readings_due(scene, actual)

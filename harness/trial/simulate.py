@@ -4,6 +4,7 @@ import numpy as np
 
 from harness.adapter import Diverged, Simulation, Unsupported
 from harness.adapter.what_comes_out import BrokenContract
+from harness.metric.contact_impulses import IMPULSES, IMPULSES_TIME, forces_between
 from harness.scene import Scene
 from harness.sensors.recorder import SensorRecorder
 from harness.trajectory import Contacts, Floats, State, Trajectory
@@ -18,6 +19,30 @@ UNIT = 1e-6
 def steps_between_samples(interval: float, dt: float) -> int:
     """Whole steps of dt [s] between two samples `interval` [s] apart, at least one."""
     return max(1, round(interval / dt))
+
+
+class _Impulses:
+    """What bodies give each other in every step, summed up from sample to sample."""
+
+    def __init__(self, pace: Pace, bodies: int) -> None:
+        self.pace, self.bodies = pace, bodies
+        self.time: list[float] = []
+        self.sums = [np.zeros((bodies, bodies, 3))]
+
+    def step(self, simulation: Simulation, here: int, until: int) -> None:
+        """Advance a simulation from one place to another, step by step."""
+        for place in range(here, until):
+            simulation.step(1)
+            self.sums[-1] += self.pace.length(place) * forces_between(simulation.contacts(), self.bodies)
+
+    def take(self, place: int) -> None:
+        """Close the stretch that ends here."""
+        self.time.append(self.pace.time(place))
+        self.sums.append(np.zeros_like(self.sums[0]))
+
+    def streams(self) -> dict[str, Floats]:
+        """What came together so far."""
+        return {IMPULSES_TIME: np.array(self.time), IMPULSES: np.array(self.sums[:-1]).reshape(-1, *self.sums[0].shape)}
 
 
 class _Log:
@@ -69,11 +94,13 @@ def simulate(
     sample_interval: float,
     with_contacts: bool,
     seed: int,
+    with_impulses: bool = False,
 ) -> tuple[Trajectory, str | None]:
     """Step a simulation to its end; the trajectory and, where it diverged, when and how.
 
     Samples are taken every so many steps, at the times at which these end: uneven ones, where the steps are.
 
+    Args: with_impulses: read contacts after every step, for the stream of `harness.metric.contact_impulses`.
     Raises: BrokenContract; Unsupported for sensors under uneven steps.
     """
     dt = pace.dt
@@ -83,6 +110,7 @@ def simulate(
     every = steps_between_samples(sample_interval, dt)
     log = _Log(steps, every, pace, len(scene.bodies), with_contacts)
     sensors = SensorRecorder(scene, simulation, seed, dt) if scene.sensors else None
+    impulses = _Impulses(pace, len(scene.bodies)) if with_impulses else None
     here, reading = 0, State.empty(len(scene.bodies))
     try:
         log.take(simulation)
@@ -94,13 +122,19 @@ def simulate(
             until = next_sample
             if sensors is not None:
                 until = min(until, (here // sensors.interval_steps + 1) * sensors.interval_steps)
-            simulation.step(until - here)
+            if impulses is None:
+                simulation.step(until - here)
+            else:
+                impulses.step(simulation, here, until)
             here = until
             if here == next_sample:
                 log.take(simulation)
+                if impulses is not None:
+                    impulses.take(here)
             if sensors is not None and here % sensors.interval_steps == 0:
                 simulation.state(reading)
                 sensors.read(here * dt, reading)
     except Diverged as error:
         return _promised(log.result({}), scene), f"by step {here + 1} of {steps} (t = {pace.time(here):.6g} s): {error}"
-    return _promised(log.result({} if sensors is None else sensors.streams()), scene), None
+    streams = {} if sensors is None else sensors.streams()
+    return _promised(log.result(streams if impulses is None else streams | impulses.streams()), scene), None

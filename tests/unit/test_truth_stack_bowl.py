@@ -165,6 +165,10 @@ def test_each_fault_at_rest_fails_its_own_check() -> None:
     sunk = lying()
     sunk.p_WB[late:, 1:, 2] -= 2e-3
     assert not verdicts(sunk, "penetration")["penetration"]
+    light = lying()
+    assert light.contacts is not None
+    light = replace(light, contacts=(light.contacts[0],) * late + (Contacts.none(),) * (len(TIME) - late))
+    assert not verdicts(light, "support_force_error")["support_force_error"]
 
 
 def test_an_engine_that_takes_a_nut_for_its_hull_throws_it_off_the_post() -> None:

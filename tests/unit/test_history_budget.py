@@ -5,7 +5,7 @@ import math
 import pytest
 
 from harness.history.plan import Plan
-from harness.history.spending import CLOSING, MARGIN, Budget, Closings
+from harness.history.spending import MARGIN, UNKNOWN, Budget, Closings
 
 THREE = Closings((1155, 2910, 4248), (79.0, 98.0, 90.0), (1.0, 1.0, 1.0))
 """As three nights on two loaded cores."""
@@ -14,7 +14,7 @@ THREE = Closings((1155, 2910, 4248), (79.0, 98.0, 90.0), (1.0, 1.0, 1.0))
 def test_the_first_night_sets_a_tenth_aside_and_one_without_a_budget_nothing() -> None:
     none = Closings((), (), ())
     assert none.foreseen(5000, 3.0) is None
-    assert Budget(900.0, 0.0, none).closing == CLOSING * 900
+    assert Budget(900.0, 0.0, none).closing == UNKNOWN * 900
     endless = Budget(math.inf, 0.0, THREE)
     endless.set_aside(4000, 2.0)
     assert endless.end == math.inf

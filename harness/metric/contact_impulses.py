@@ -9,10 +9,12 @@ import numpy as np
 from harness.metric.metric import NotMeasurable
 from harness.trajectory import Contacts, Floats, Trajectory
 
-__all__ = ["IMPULSES", "IMPULSES_TIME", "forces_between", "mean_forces"]
+__all__ = ["STAMPS", "forces_between", "impulses_of", "mean_forces"]
 
-IMPULSES, IMPULSES_TIME = "contacts/impulse", "contacts/time"
-"""The stream: what body a gave body b since the sample before, in W [N s], antisymmetric (k, bodies, bodies, 3); its stamps."""
+PLACE = "contacts/"
+STAMPS = PLACE + "time"
+"""The streams: 'contacts/<a>:<b>' (k, 3), what body number a gave body number b since the sample before, in W [N s], of all
+pairs that touched; their stamps."""
 
 
 def forces_between(contacts: Contacts, bodies: int) -> Floats:
@@ -20,6 +22,14 @@ def forces_between(contacts: Contacts, bodies: int) -> Floats:
     force = np.zeros((bodies, bodies, 3))
     np.add.at(force, (contacts.body_A, contacts.body_B), contacts.force_W)
     return force - force.transpose(1, 0, 2)
+
+
+def impulses_of(time: list[float], sums: list[dict[tuple[int, int], Floats]]) -> dict[str, Floats]:
+    """The streams. Args: time (k,) s: of samples; sums: at each, by pair, the impulse [N s] of the stretch that ends there."""
+    streams: dict[str, Floats] = {STAMPS: np.array(time)}
+    for a, b in sorted({pair for one in sums for pair in one}):
+        streams[f"{PLACE}{a}:{b}"] = np.array([one.get((a, b), np.zeros(3)) for one in sums])
+    return streams
 
 
 def mean_forces(actual: Trajectory, bodies: int) -> Floats:
@@ -33,10 +43,15 @@ def mean_forces(actual: Trajectory, bodies: int) -> Floats:
         raise NotMeasurable("no contacts were recorded")
     if len(actual) == 0:
         raise NotMeasurable("no samples")
-    if IMPULSES in actual.streams and len(actual) > 1:
-        # What came before the first sample is no part of this stretch.
-        later = actual.streams[IMPULSES_TIME] > actual.time[0]
-        summed: Floats = actual.streams[IMPULSES][later].sum(axis=0) / (actual.time[-1] - actual.time[0])
-        return summed
-    mean: Floats = np.mean([forces_between(contacts, bodies) for contacts in actual.contacts], axis=0)
+    if STAMPS not in actual.streams or len(actual) == 1:
+        mean: Floats = np.mean([forces_between(contacts, bodies) for contacts in actual.contacts], axis=0)
+        return mean
+    # What came before the first sample is no part of this stretch.
+    later, seconds = actual.streams[STAMPS] > actual.time[0], actual.time[-1] - actual.time[0]
+    mean = np.zeros((bodies, bodies, 3))
+    for name, impulse in actual.streams.items():
+        if name.startswith(PLACE) and name != STAMPS:
+            a, b = map(int, name.removeprefix(PLACE).split(":"))
+            mean[a, b] = impulse[later].sum(axis=0) / seconds
+            mean[b, a] = -mean[a, b]
     return mean

@@ -4,7 +4,7 @@ import numpy as np
 
 from harness.adapter import Diverged, Simulation, Unsupported
 from harness.adapter.what_comes_out import BrokenContract
-from harness.metric.contact_impulses import IMPULSES, IMPULSES_TIME, forces_between
+from harness.metric.contact_impulses import forces_between, impulses_of
 from harness.scene import Scene
 from harness.sensors.recorder import SensorRecorder
 from harness.trajectory import Contacts, Floats, State, Trajectory
@@ -25,24 +25,26 @@ class _Impulses:
     """What bodies give each other in every step, summed up from sample to sample."""
 
     def __init__(self, pace: Pace, bodies: int) -> None:
-        self.pace, self.bodies = pace, bodies
+        self.pace, self.sum = pace, np.zeros((bodies, bodies, 3))
         self.time: list[float] = []
-        self.sums = [np.zeros((bodies, bodies, 3))]
+        self.sums: list[dict[tuple[int, int], Floats]] = []
 
     def step(self, simulation: Simulation, here: int, until: int) -> None:
         """Advance a simulation from one place to another, step by step."""
         for place in range(here, until):
             simulation.step(1)
-            self.sums[-1] += self.pace.length(place) * forces_between(simulation.contacts(), self.bodies)
+            self.sum += self.pace.length(place) * forces_between(simulation.contacts(), len(self.sum))
 
     def take(self, place: int) -> None:
         """Close the stretch that ends here."""
         self.time.append(self.pace.time(place))
-        self.sums.append(np.zeros_like(self.sums[0]))
+        pairs = np.argwhere(np.triu((self.sum != 0.0).any(axis=2))).tolist()
+        self.sums.append({(a, b): self.sum[a, b].copy() for a, b in pairs})
+        self.sum[:] = 0.0
 
     def streams(self) -> dict[str, Floats]:
         """What came together so far."""
-        return {IMPULSES_TIME: np.array(self.time), IMPULSES: np.array(self.sums[:-1]).reshape(-1, *self.sums[0].shape)}
+        return impulses_of(self.time, self.sums)
 
 
 class _Log:
@@ -100,7 +102,8 @@ def simulate(
 
     Samples are taken every so many steps, at the times at which these end: uneven ones, where the steps are.
 
-    Args: with_impulses: read contacts after every step, for the stream of `harness.metric.contact_impulses`.
+    Args: with_impulses: read contacts after every step, for the streams of `harness.metric.contact_impulses`; where every step
+        is a sample, there are none.
     Raises: BrokenContract; Unsupported for sensors under uneven steps.
     """
     dt = pace.dt
@@ -110,7 +113,7 @@ def simulate(
     every = steps_between_samples(sample_interval, dt)
     log = _Log(steps, every, pace, len(scene.bodies), with_contacts)
     sensors = SensorRecorder(scene, simulation, seed, dt) if scene.sensors else None
-    impulses = _Impulses(pace, len(scene.bodies)) if with_impulses else None
+    impulses = _Impulses(pace, len(scene.bodies)) if with_impulses and every > 1 else None
     here, reading = 0, State.empty(len(scene.bodies))
     try:
         log.take(simulation)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.metric.contact_impulses import IMPULSES, IMPULSES_TIME, forces_between
+from harness.metric.contact_impulses import STAMPS, forces_between
 from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
 from harness.study import plugins
 from harness.trajectory.pace import Pace
@@ -30,11 +30,11 @@ def test_the_impulse_between_two_samples_is_the_change_of_momentum_and_the_weigh
     )  # fmt: skip
     simulation.close()
     assert broke is None
-    assert run.streams[IMPULSES_TIME] == pytest.approx(run.time[1:], abs=0.0)
+    assert run.streams[STAMPS] == pytest.approx(run.time[1:], abs=0.0)
     gained = MASS * np.diff(run.v_WB[:, 1, 2]) + MASS * G * np.diff(run.time)
     assert gained.max() > 4 * MASS * G * DT, "the ball lands in this time"
     # Each of eight steps in four sub-steps rounds a sum of momenta of some kg m/s.
-    assert run.streams[IMPULSES][:, 0, 1, 2] == pytest.approx(gained, abs=1e-13)
+    assert run.streams["contacts/0:1"][:, 2] == pytest.approx(gained, abs=1e-13)
     assert run.contacts is not None
     seen = np.array([forces_between(contacts, 2)[0, 1, 2] for contacts in run.contacts[1:]]) * np.diff(run.time)
     assert np.abs(seen - gained).max() > MASS * G * DT, "samples alone tell another impulse"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metric.contact_impulses import IMPULSES, IMPULSES_TIME
+from harness.metric.contact_impulses import impulses_of
 from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
 from harness.scene import Body, Scene
 from harness.trajectory import Contacts, Trajectory
@@ -56,14 +56,13 @@ def test_the_mean_over_the_window_counts() -> None:
 def test_the_impulse_of_all_steps_counts_where_it_was_summed_up_and_not_what_samples_show(mean: float, error: float) -> None:
     """Samples meet the forces where they are large; what came before the first of them is no part of the mean."""
     shaking = run(*[[(0, 1, (0, 0, 9 * G))]] * 4)
-    impulse = np.zeros((4, 4, 4, 3))
-    impulse[:, 0, 1, 2] = np.array([1e3, *np.diff(shaking.time)]) * mean * G
-    impulse[:, 1, 0] = -impulse[:, 0, 1]
-    borne = replace(shaking, streams={IMPULSES_TIME: shaking.time, IMPULSES: impulse})
+    stretches = [1e3, *np.diff(shaking.time)]
+    sums = [{(0, 1): np.array([0.0, 0.0, seconds * mean * G])} for seconds in stretches]
+    borne = replace(shaking, streams=impulses_of(list(shaking.time), sums))
     assert SUPPORT_FORCE_ERROR(STAGE, borne) == pytest.approx(error, abs=1e-14)
     assert SUPPORT_FORCE_ERROR(STAGE, borne.between(0.1, 0.3)) == pytest.approx(error, abs=1e-14)
-    impulse[-1] = math.nan
-    assert math.isnan(SUPPORT_FORCE_ERROR(STAGE, borne))
+    sums[-1][0, 1][:] = math.nan
+    assert math.isnan(SUPPORT_FORCE_ERROR(STAGE, replace(borne, streams=impulses_of(list(shaking.time), sums))))
 
 
 @pytest.mark.parametrize(

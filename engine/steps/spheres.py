@@ -59,7 +59,7 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
                 press_spheres(touches, n, soft)
             drift_spheres(bodies, mover, count, soft.h)
             turn_normals(touches, n, bodies.state)
-            slipping = False
+            slipping = count[0, RELAXATIONS] == 0  # nothing looks at it then
             for _ in range(count[0, RELAXATIONS] * times):
                 slipping = relax_spheres(touches, n, RELAX)
             if touches.elastic == 1 and any_struck(touches, n):

@@ -60,3 +60,21 @@ def test_the_forces_of_a_step_are_what_changes_the_momentum(restitution: float) 
         assert np.abs(made.state()[1:, 7:10] - before - expected).max() < 1e-13
         struck += int((np.abs(push[1:, 2]) > 10 * GRAVITY).sum())
     assert struck > 3
+
+
+@pytest.mark.parametrize("relaxations", [0, 1])
+def test_a_ball_on_a_steep_slope_breaks_away_and_slides_whatever_the_sweeps(relaxations: int) -> None:
+    """To roll down a slope of 2 takes friction of 4/7 of the pressure, more than the static .2: it slides under the kinetic .1.
+
+    Its speed is g (sin - .1 cos) t but for the sub-steps until it breaks away, within two of which nothing is noticed.
+    """
+    down, across = GRAVITY * 2 / 5**0.5, GRAVITY / 5**0.5
+    slope = engine.World(
+        [GROUND, ball("ball", 0.0, 0.0, 0.1)],
+        surfaces={("default", "default"): engine.Surface(static_friction=0.2, kinetic_friction=0.1)},
+        gravity=(down, 0.0, -across),
+        options=engine.Options(dt=DT, relaxations=relaxations),
+    )
+    slope.step(STEPS)
+    speed = (down - 0.1 * across) * STEPS * DT
+    assert slope.state()[1, 7] == pytest.approx(speed, abs=0.1 * across * 2 * DT)

@@ -9,7 +9,7 @@ import numpy as np
 from harness.metric.metric import NotMeasurable
 from harness.trajectory import Contacts, Floats, Trajectory
 
-__all__ = ["STAMPS", "forces_between", "impulses_of", "mean_forces"]
+__all__ = ["STAMPS", "forces_between", "forces_on", "impulses_of", "mean_forces"]
 
 PLACE = "contacts/"
 STAMPS = PLACE + "time"
@@ -22,6 +22,14 @@ def forces_between(contacts: Contacts, bodies: int) -> Floats:
     force = np.zeros((bodies, bodies, 3))
     np.add.at(force, (contacts.body_A, contacts.body_B), contacts.force_W)
     return force - force.transpose(1, 0, 2)
+
+
+def forces_on(contacts: Contacts, bodies: int) -> Floats:
+    """The sum of the forces [N] of all contacts on each body at an instant, in W, (bodies, 3)."""
+    total = np.zeros((bodies, 3))
+    np.add.at(total, contacts.body_B, contacts.force_W)
+    np.add.at(total, contacts.body_A, -contacts.force_W)
+    return total
 
 
 def impulses_of(time: list[float], sums: list[dict[tuple[int, int], Floats]]) -> dict[str, Floats]:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
+from harness.metric.contact_impulses import forces_on
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import movable
@@ -17,9 +18,7 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
         raise NotMeasurable("a truth has no steps")
     largest = 0.0
     for contacts in actual.contacts:
-        total = np.zeros((len(scene.bodies), 3))
-        np.add.at(total, contacts.body_B, contacts.force_W)
-        np.add.at(total, contacts.body_A, -contacts.force_W)
+        total = forces_on(contacts, len(scene.bodies))
         # max() of Python would drop a NaN.
         largest = float(np.max([largest, *np.linalg.norm(total[movable(scene)], axis=1)]))
     return largest * actual.dt

@@ -14,18 +14,11 @@ import math
 import numpy as np
 
 from harness.metric import Metric, NotMeasurable
+from harness.metric.contact_impulses import forces_on
 from harness.scene import Effect, Scene
-from harness.trajectory import Contacts, Floats, Trajectory
+from harness.trajectory import Trajectory
 
 __all__ = ["METRIC", "MOMENTUM_RESIDUAL"]
-
-
-def _forces(contacts: Contacts, bodies: int) -> Floats:
-    """Sum of the contact forces on each body, (n, 3) N."""
-    total = np.zeros((bodies, 3))
-    np.add.at(total, contacts.body_B, contacts.force_W)
-    np.add.at(total, contacts.body_A, -contacts.force_W)
-    return total
 
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
@@ -43,7 +36,7 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
     mass = np.array([scene.bodies[k].mass for k in bodies])[:, None]
     gravity = np.array(scene.gravity) * (Effect.GRAVITY in scene.effects)
     gained = mass * (actual.v_WB[steps][:, bodies] - actual.v_WB[steps - 1][:, bodies])
-    force = np.array([_forces(actual.contacts[k], len(scene.bodies))[bodies] for k in steps])
+    force = np.array([forces_on(actual.contacts[k], len(scene.bodies))[bodies] for k in steps])
     greatest = float(np.linalg.norm(gained, axis=-1).max())
     if greatest == 0.0:
         raise NotMeasurable("nothing changes its momentum")

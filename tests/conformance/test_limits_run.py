@@ -1,7 +1,7 @@
 """Small studies of limits, effects and determinism, run through the command line, on engines that come compiled.
 
-That of limits has its trials in the test's own process; those of the others, and a trial of limits again, have processes of
-their own.
+Those of limits and of effects have their trials in the test's own process; that of determinism, all that is clocked, and a
+trial of limits again, have processes of their own.
 """
 
 import json
@@ -60,7 +60,7 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monke
         (start,) = study.trials({case.name: case}, {engine.name: engine}, {engine.name: "1"})
         before, first = 0.0, None
         for speed in map(float, np.geomspace(row["easy"], row["extreme"], 8)):
-            parameters = {**start.parameters, "continuous": False, "speed": speed}
+            parameters = {**start.parameters, "continuous": False, "phases": study_texts.PHASES, "speed": speed}
             if endure(start.probing(case, parameters=parameters), case, engine, None).status != "passed":
                 first = speed
                 break
@@ -110,7 +110,10 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
 
 
 @pytest.mark.parametrize("engines", [("mujoco", "bullet"), pytest.param(("reference", "dart"), marks=SLOW)])
-def test_each_effect_has_a_price_and_a_verdict(engines: tuple[str, ...], printed: Command, tmp_path: Path) -> None:
+def test_each_effect_has_a_price_and_a_verdict(
+    engines: tuple[str, ...], printed: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    in_this_process(monkeypatch)
     folder = carried_out(study_texts.effects(engines), tmp_path, printed)
     rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}

@@ -215,7 +215,7 @@ def test_sides_found_one_by_one_are_those_of_the_problem() -> None:
     """
     rng = np.random.default_rng(0)
     unmet = 0
-    for draw in range(600):
+    for draw in range(2000):
         m, k = rng.integers(1, 6), rng.integers(1, 4)
         J = np.round(rng.normal(size=(m, k))) if draw % 4 < 2 else rng.normal(size=(m, k))
         hard = rng.random(m) < 0.6

@@ -9,8 +9,8 @@ COMPILED = ("mujoco", "bullet")
 """Engines that come compiled, and answer soonest."""
 WITHIN = 1.1
 """How close the bracket of a limit is asked to be: the ratio of its ends."""
-PHASES = 8
-"""Spheres of a shot at the wall, an eighth of the case's own: each costs as much as any other."""
+PHASES = 16
+"""Spheres of a shot at the wall, a quarter of the case's own: each costs as much as any other."""
 SCALING = """
 name = "small-scaling"
 recordings = false
@@ -59,7 +59,7 @@ cases = ["tunnel_sphere_wall"]
 engines = ["mujoco"]
 tracks = ["tuned"]
 dt = [{1 / 240}, {1 / 120}, {1 / 60}]
-parameters = {{ continuous = [false], phases = [{PHASES}] }}
+parameters = {{ continuous = [false] }}
 timing = false
 limit = {{ members = 2, within = 2.0, parts = [1] }}
 """

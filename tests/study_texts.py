@@ -59,7 +59,7 @@ cases = ["tunnel_sphere_wall"]
 engines = ["mujoco"]
 tracks = ["tuned"]
 dt = [{1 / 240}, {1 / 120}, {1 / 60}]
-parameters = {{ continuous = [false] }}
+parameters = {{ continuous = [false], phases = [{PHASES}] }}
 timing = false
 limit = {{ members = 2, within = 2.0, parts = [1] }}
 """

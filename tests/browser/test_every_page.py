@@ -17,11 +17,11 @@ pytestmark = pytest.mark.browser
 SCREENS = [(1440, "light"), (1440, "dark"), (390, "light"), (390, "dark")]
 FIRST = [
     ("quick", 1440, "light", "index"),
-    ("quick", 1440, "light", "price"),
-    ("quick", 390, "dark", "select"),
+    pytest.param("quick", 1440, "light", "price", marks=pytest.mark.slow),
+    pytest.param("quick", 390, "dark", "select", marks=pytest.mark.slow),
     ("quick", 390, "dark", "case-stack_tower"),
 ]
-"""A part of the lattice for every day: the pages with most on them."""
+"""A part of the lattice for every day: the pages with most on them, and two more that have much."""
 
 
 @pytest.fixture(scope="session")

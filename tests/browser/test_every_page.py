@@ -15,13 +15,8 @@ from tests.small_studies import STUDIES, report_of
 pytestmark = pytest.mark.browser
 
 SCREENS = [(1440, "light"), (1440, "dark"), (390, "light"), (390, "dark")]
-FIRST = [
-    ("quick", 1440, "light", "index"),
-    pytest.param("quick", 1440, "light", "price", marks=pytest.mark.slow),
-    pytest.param("quick", 390, "dark", "select", marks=pytest.mark.slow),
-    ("quick", 390, "dark", "case-stack_tower"),
-]
-"""A part of the lattice for every day: the pages with most on them, and two more that have much."""
+FIRST = [("quick", 1440, "light", "index"), ("quick", 390, "dark", "case-stack_tower")]
+"""A part of the lattice for every day: the pages with most on them."""
 
 
 @pytest.fixture(scope="session")

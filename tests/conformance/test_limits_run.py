@@ -1,7 +1,7 @@
 """Small studies of limits, effects and determinism, run through the command line, on engines that come compiled.
 
-Those of limits and of effects have their trials in the test's own process; that of determinism, all that is clocked, and a
-trial of limits again, have processes of their own.
+That of limits has its trials in the test's own process; those of the others, and a trial of limits again, have processes of
+their own.
 """
 
 import json
@@ -113,10 +113,7 @@ def test_an_ensemble_is_reproduced_bit_by_bit(limits: Path, plumbline: Command) 
 
 
 @pytest.mark.parametrize("engines", [("mujoco", "bullet"), pytest.param(("reference", "dart"), marks=SLOW)])
-def test_each_effect_has_a_price_and_a_verdict(
-    engines: tuple[str, ...], printed: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    in_this_process(monkeypatch)
+def test_each_effect_has_a_price_and_a_verdict(engines: tuple[str, ...], printed: Command, tmp_path: Path) -> None:
     folder = carried_out(study_texts.effects(engines), tmp_path, printed)
     rows = table(folder, "effects", printed)
     by: Mapping[tuple[str, str, str], Any] = {(row["case"], row["engine"], row["effect"]): row for row in rows}

@@ -61,7 +61,7 @@ class Tally:
 
 def lines(store: "Store", searches: Sequence[Search]) -> list[Line]:
     """A line for each axis; what was sought for a map stands there alone."""
-    mapped = {(search.experiment, search.case) for group in _mapped(searches) for search in group}
+    mapped = {(search.experiment, search.case) for _, group in _mapped(searches) for search in group}
     by_axis: dict[tuple[str, str, str], list[Search]] = {}
     for search in searches:
         if (search.experiment, search.case) not in mapped:
@@ -167,36 +167,43 @@ def standings(leads: Sequence[Lead]) -> list[Standing]:
     return rows
 
 
-def _mapped(searches: Sequence[Search]) -> list[list[Search]]:
-    """The searches of each experiment and case that ran at three or more values of one thing beside its axis."""
+def _mapped(searches: Sequence[Search]) -> list[tuple[str, list[Search]]]:
+    """The searches of each experiment and case that ran at three or more values of one thing beside its axis, with its name."""
     groups: dict[tuple[str, str], list[Search]] = {}
     for search in searches:
         groups.setdefault((search.experiment, search.case), []).append(search)
-    return [group for group in groups.values() if len({_beside(search)[1] for search in group if _beside(search)[0]}) >= 3]
+    named = [
+        (next((name for name, values in _numbers(group).items() if len(values) >= 3), ""), group) for group in groups.values()
+    ]
+    return [(name, group) for name, group in named if name]
 
 
-def _beside(search: Search) -> tuple[str, float | None]:
-    """Name and value of the number that stands beside the axis, the time step in seconds; '' where it is none."""
-    numbers = ((name, value) for name, value in search.beside if isinstance(value, int | float) and not isinstance(value, bool))
-    return next(numbers, ("", None))
+def _numbers(searches: Sequence[Search]) -> dict[str, set[float]]:
+    """The values of each number that stands beside the axis, the time step in seconds."""
+    values: dict[str, set[float]] = {}
+    for search in searches:
+        for name, value in search.beside:
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                values.setdefault(name, set()).add(value)
+    return values
 
 
 def maps(store: "Store", searches: Sequence[Search]) -> list[Figure]:
     """A chart for each case that was sought at several values of something else."""
-    return [figure for group in _mapped(searches) for figure in _map(store, group)]
+    return [figure for name, group in _mapped(searches) for figure in _map(store, name, group)]
 
 
-def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
+def _map(store: "Store", name: str, group: Sequence[Search]) -> list[Figure]:
     first = group[0]
-    rest = sorted({(_rest(search), search.parts) for search in group})
+    rest = sorted({(_rest(search, name), search.parts) for search in group})
     figures = []
     for flags, parts in rest:
         rows: list[Row] = []
         other = ", ".join(word for word in (flags, f"time step / {parts}" if parts > 1 else "") if word)
         for search in group:
-            name, value = _beside(search)
+            value: Any = dict(search.beside).get(name)
             if (
-                (_rest(search), search.parts) != (flags, parts)
+                (_rest(search, name), search.parts) != (flags, parts)
                 or value is None
                 or search.verdict in ("unsupported", "unavailable")
             ):
@@ -221,7 +228,6 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
         if not rows:
             continue
         style = Marks(store, rows)
-        name = _beside(first)[0]
         title_x = "time step [ms]" if name == STEP else name.replace("_", " ")
         unit = "" if first.unit == "1" else f" [{first.unit}]"
         title_y = f"{first.axis.replace('_', ' ')}{unit}"
@@ -274,9 +280,9 @@ def _map(store: "Store", group: Sequence[Search]) -> list[Figure]:
     return figures
 
 
-def _rest(search: Search) -> str:
-    """What stands beside the axis and is no number, in words: 'continuous on'."""
-    return in_words([(name, value) for name, value in search.beside if isinstance(value, bool)])
+def _rest(search: Search, name: str) -> str:
+    """What stands beside the axis and that number, in words: 'continuous on'."""
+    return in_words([(other, value) for other, value in search.beside if other != name])
 
 
 def _signs(search: Search, *, why: bool = False) -> str:

@@ -15,6 +15,7 @@ from harness.store.store import Store
 from harness.study import plugins
 from harness.study.experiment import Experiment, Variant
 from harness.study.study import Study
+from tests.in_process import in_this_process
 
 __all__ = ["CASE", "LADDER", "LAWS", "PLUGINS", "KnownPrices", "Law", "run_known_prices"]
 
@@ -89,9 +90,10 @@ class KnownPrices:
 
 
 def run_known_prices(folder: Path) -> KnownPrices:
-    """Carry the study out in `folder`: accuracy runs, then timing runs, each in a process of its own."""
+    """Carry the study out in `folder`: accuracy runs in this process, then timing runs in processes of their own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(PLUGINS)  # children inherit the path
+        in_this_process(patch)
         engines = {name: plugins.adapter(name) for name in dict.fromkeys(engine for engine, _ in LAWS)}
         store = carry_out(STUDY, folder, {CASE: plugins.case(CASE)}, engines, workers=1, resume=False)
     return KnownPrices(store, LAWS)

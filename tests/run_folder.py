@@ -5,6 +5,7 @@ The numbers are made, not measured: error = C dt^p + floor and cost = K / dt. No
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -220,17 +221,13 @@ def tables(hostile: bool) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     return trials, measurements
 
 
-def write_run_folder(folder: Path, *, hostile: bool = False, only: tuple[str, ...] = ()) -> Path:
-    """Write the run folder and give it back; `only` keeps these cases."""
-    folder.mkdir(parents=True, exist_ok=True)
+@cache
+def _files(hostile: bool, only: tuple[str, ...]) -> dict[str, bytes]:
+    """What is written, by name: the same each time."""
     trials, measurements = tables(hostile)
     if only:
         trials = [trial for trial in trials if trial["case"] in only]
-    frame = pd.DataFrame(trials).astype({"unstable_timing": "boolean"})
-    frame.to_parquet(folder / "trials.parquet", index=False)
-    kept = set(frame["trial"])
-    table = pd.DataFrame([m for m in measurements if m["trial"] in kept]).astype({"passed": "boolean"})
-    table.to_parquet(folder / "measurements.parquet", index=False)
+    kept = {trial["trial"] for trial in trials}
     samples = [
         {
             "trial": t["trial"],
@@ -246,17 +243,29 @@ def write_run_folder(folder: Path, *, hostile: bool = False, only: tuple[str, ..
         for t in trials[:20]
         for b in range(5)
     ]
-    pd.DataFrame(samples).to_parquet(folder / "samples.parquet", index=False)
-    (folder / "catalogue.json").write_text(json.dumps(catalogue(hostile)), encoding="utf-8")
     machine = {
         "processor": HOSTILE[0] if hostile else "Example CPU at 3 GHz", "cores": 8, "memory_mb": 16000, "system": "Linux 6.1",
         "python": "3.11.9", "packages": {"numpy": "2.1.0", "mujoco": "4.0.0"}, "load": [0.4, 0.3, 0.2],
         "started": "2025-01-02T03:04:05+00:00", "finished": "2025-01-02T03:05:06+00:00",
         "command": ["plumbline", "run", "quick", "--out", "build/quick"],
     }  # fmt: skip
-    (folder / "machine.json").write_text(json.dumps(machine), encoding="utf-8")
     study = 'name = "quick"\ntitle = "A slice of everything"\npurpose = "A look at all engines within a minute"\n'
-    (folder / "study.toml").write_text(study, encoding="utf-8")
-    (folder / "recordings").mkdir(exist_ok=True)
-    (folder / "recordings" / "joint_pendulum.rrd").write_bytes(b"RRF2")
+    return {
+        "trials.parquet": pd.DataFrame(trials).astype({"unstable_timing": "boolean"}).to_parquet(index=False),
+        "measurements.parquet": pd.DataFrame([m for m in measurements if m["trial"] in kept])
+        .astype({"passed": "boolean"})
+        .to_parquet(index=False),
+        "samples.parquet": pd.DataFrame(samples).to_parquet(index=False),
+        "catalogue.json": json.dumps(catalogue(hostile)).encode(),
+        "machine.json": json.dumps(machine).encode(),
+        "study.toml": study.encode(),
+        "recordings/joint_pendulum.rrd": b"RRF2",
+    }
+
+
+def write_run_folder(folder: Path, *, hostile: bool = False, only: tuple[str, ...] = ()) -> Path:
+    """Write the run folder and give it back; `only` keeps these cases."""
+    (folder / "recordings").mkdir(parents=True, exist_ok=True)
+    for name, content in _files(hostile, only).items():
+        (folder / name).write_bytes(content)
     return folder

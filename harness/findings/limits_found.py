@@ -171,7 +171,10 @@ def _measured(store: Store) -> _Measured:
 
 
 def _searches(store: Store) -> Iterator[Search]:
-    experiments, measured = _experiments(store), _measured(store)
+    experiments = _experiments(store)
+    if not experiments:
+        return
+    measured = _measured(store)
     trials = store.trials[store.trials["experiment"].isin(experiments)]
     for (name, case), mine in trials.groupby(["experiment", "case"], sort=False):
         by = _ruler(store, experiments[str(name)], str(case))

@@ -15,9 +15,8 @@ and what is compared are the ratios. They say nothing about differences of a few
 clocked properly afterwards.
 """
 
-import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from statistics import median
@@ -27,6 +26,7 @@ import numpy as np
 
 from harness.adapter import Adapter, Settings
 from harness.case import Case
+from harness.search.settings_key import OPTION, key_of
 from harness.statistics.pareto import near_front
 from harness.store.record import Record
 from harness.study.track_label import label_of
@@ -57,8 +57,6 @@ MARGIN = 1.5
 """A point is clocked unless another that errs no more seems cheaper by more than this."""
 CLOCKED = 12
 """Points of an engine that are chosen for the clock at most; those of the front come first, spread over its errors."""
-_OPTION = "options."
-"""How a knob begins that is one of `Settings.options`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,15 +79,15 @@ Group = Sequence[Trial]
 def turned(settings: Settings, knob: str, value: Any) -> Settings:
     """The settings with one knob ('iterations', 'options.cone', ...) at another value."""
     source = f"'{knob}' turned by a sweep"
-    if knob.startswith(_OPTION):
-        return replace(settings, options={**settings.options, knob.removeprefix(_OPTION): value}, source=source)
+    if knob.startswith(OPTION):
+        return replace(settings, options={**settings.options, knob.removeprefix(OPTION): value}, source=source)
     return replace(settings, **{knob: value}, source=source)
 
 
 def position(settings: Settings, knob: str) -> Any:
     """The value at which a knob stands; None where that is left to the engine."""
-    if knob.startswith(_OPTION):
-        return settings.options.get(knob.removeprefix(_OPTION))
+    if knob.startswith(OPTION):
+        return settings.options.get(knob.removeprefix(OPTION))
     return getattr(settings, knob)
 
 
@@ -131,7 +129,7 @@ def _smoothed(here: Sequence[Point]) -> list[Point]:
     """
     from scipy.optimize import isotonic_regression  # late: a listing must not pay for it
 
-    families: dict[str, list[Point]] = {}
+    families: dict[Hashable, list[Point]] = {}
     for point in sorted(here, key=lambda point: -point.trial.settings.dt):
         families.setdefault(_family(point), []).append(point)
     level: list[Point] = []
@@ -162,26 +160,22 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
         return []
     knobs = adapter.knobs_in(group[0].scene(case))
     felt = _felt(group, records, here, knobs)
-    tried = [_key(trial.settings) for trial in group]
+    tried = {key_of(trial.settings) for trial in group}
     wanted = list(_screening(base, knobs, adapter)) if last == 0 else []
     if last == 1 and (finest := _finest(here, case)) is not None:
         wanted = list(_screening(finest, [knob for knob in knobs if knob not in felt or felt[knob].worth_another], adapter))
-    screens = any(_key(settings) not in tried for _, settings in wanted)
-    if not screens:
-        stays = last > SCREENING and not _moved(here, last)
-        wanted = list(_coarser_still(here, case)) if stays else []
-        foremost = sorted(felt, key=lambda knob: -felt[knob].ratio)
-        for layer in _layers(_apart(here)):
-            wanted += _neighbours(layer, foremost, case, adapter)
+    screens = any(key_of(settings) not in tried for _, settings in wanted)
     probes: list[Trial] = []
     limit = len(wanted) if screens else min(room, PER_ROUND)
     number = last + 1 if screens else max(last, SCREENING) + 1
-    for origin, settings in wanted:
-        if _key(settings) not in tried and len(probes) < limit:
-            tried.append(_key(settings))
+    for origin, settings in wanted if screens else _around(here, felt, case, adapter, last):
+        if (key := key_of(settings)) not in tried:
+            tried.add(key)
             ancestor = origin.base or origin.track
             track = _label(ancestor, settings, adapter)
             probes.append(origin.probing(case, track=track, base=ancestor, settings=settings, round=number))
+            if len(probes) == limit:
+                break
     return probes
 
 
@@ -198,25 +192,16 @@ def _finest(here: Sequence[Point], case: Case) -> Point | None:
     return min(first, key=lambda point: (point.trial.settings.dt, point.trial.track != "tuned"), default=None)
 
 
-def _key(settings: Settings, *, knob: str = "", **others: Any) -> str:
-    """What tells settings apart, with other values of these, and this knob left to the engine."""
-    told = settings.plain() | others
-    left = {knob.removeprefix(_OPTION)} if knob.startswith(_OPTION) else set()
-    options = {name: value for name, value in told.pop("options", {}).items() if name not in left}
-    kept = {name: value for name, value in told.items() if name not in ("source", knob)}
-    return json.dumps([kept, options], sort_keys=True)
-
-
-def _family(point: Point) -> str:
+def _family(point: Point) -> Hashable:
     """What points share that differ in the time step alone."""
-    return _key(point.trial.settings, dt=1.0)
+    return key_of(point.trial.settings, "dt")
 
 
 def _label(base: str, settings: Settings, adapter: Adapter) -> str:
     """The track that a point descends from, and all knobs that stand elsewhere now."""
     own = adapter.tracks[base]
     changed = [knob for knob in adapter.knobs if position(settings, knob) != position(own, knob)]
-    return label_of(base, ((knob.removeprefix(_OPTION), position(settings, knob)) for knob in changed))
+    return label_of(base, ((knob.removeprefix(OPTION), position(settings, knob)) for knob in changed))
 
 
 def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
@@ -259,11 +244,11 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
     errors = {point.trial.trial: point.error for point in here}
     felt = {}
     for knob in knobs:
-        answers: dict[str, dict[str, str]] = {}
+        answers: dict[Hashable, dict[str, str]] = {}
         for trial in group:
             record = records.get(trial.trial)
             if record is not None and record.trajectory_hash is not None:
-                answers.setdefault(_key(trial.settings, knob=knob), {})[record.trajectory_hash] = trial.trial
+                answers.setdefault(key_of(trial.settings, knob), {})[record.trajectory_hash] = trial.trial
         unlike = [runs.values() for runs in answers.values() if len(runs) > 1]
         if unlike:
             pairs = [some for names in unlike if (some := [errors[name] for name in names if name in errors])]
@@ -285,7 +270,7 @@ def _front(here: Sequence[Point]) -> list[Point]:
     Of the same settings a coarser step costs less, whatever the rough costs say. Otherwise a point counts where it errs less
     than every one before it that is not dearer by more than rough costs tell.
     """
-    least: dict[str, float] = {}
+    least: dict[Hashable, float] = {}
     candidates: list[Point] = []
     for point in sorted(here, key=lambda point: -point.trial.settings.dt):
         family = _family(point)
@@ -334,6 +319,17 @@ def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
         front = _front(left)
         yield front
         left = [point for point in left if point not in front]
+
+
+def _around(
+    here: Sequence[Point], felt: Mapping[str, Felt], case: Case, adapter: Adapter, last: int
+) -> Iterator[tuple[Trial, Settings]]:
+    """What lies around the front, then around what is next behind it: found as far as it is asked for."""
+    if last > SCREENING and not _moved(here, last):
+        yield from _coarser_still(here, case)
+    foremost = sorted(felt, key=lambda knob: -felt[knob].ratio)
+    for layer in _layers(_apart(here)):
+        yield from _neighbours(layer, foremost, case, adapter)
 
 
 def _neighbours(front: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:

@@ -12,6 +12,9 @@ from harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["ADAPTER", "Flight", "FreeFlight"]
 
+NEXT, LAST = [1, 2, 0], [2, 0, 1]
+"""Axes in turn: a x b = a[NEXT] b[LAST] - a[LAST] b[NEXT]."""
+
 
 class Flight:
     """Bodies in free flight, one column each: p_WB, q_WB, v_WB and w_B."""
@@ -22,6 +25,7 @@ class Flight:
         self._gravity = np.array(scene.gravity) * (Effect.GRAVITY in scene.effects)
         self._turning = Effect.GYROSCOPIC in scene.effects
         self._inertia = np.array([body.inertia for body in scene.bodies])
+        self._inverse = np.linalg.inv(self._inertia)
         self._mass = np.array([[body.mass] for body in scene.bodies])
         damped = [(Effect.LINEAR_DAMPING, "linear_damping"), (Effect.ANGULAR_DAMPING, "angular_damping")]
         self._damping = [
@@ -42,11 +46,11 @@ class Flight:
 
     def _rate(self, y: Floats) -> Floats:
         q, v, w = y[:, 3:7], y[:, 7:10], y[:, 10:]
-        R = self._rotations(q)
-        tau_B = np.einsum("nij,ni->nj", R, self._tau)
+        tau_B = np.einsum("nij,ni->nj", self._rotations(q), self._tau) if self._tau.any() else self._tau
         if self._turning:
-            tau_B = tau_B - np.cross(w, np.einsum("nij,nj->ni", self._inertia, w))
-        spin = np.linalg.solve(self._inertia, tau_B[:, :, None])[:, :, 0] - self._damping[1] * w
+            L = np.einsum("nij,nj->ni", self._inertia, w)
+            tau_B = tau_B - (w[:, NEXT] * L[:, LAST] - w[:, LAST] * L[:, NEXT])
+        spin = np.einsum("nij,nj->ni", self._inverse, tau_B) - self._damping[1] * w
         push = self._gravity + self._f / self._mass - self._damping[0] * v
         half = 0.5 * np.array([multiply((a, b, c, d), (0.0, x, y, z)) for (a, b, c, d), (x, y, z) in zip(q, w, strict=True)])
         rate: Floats = np.hstack((v, half, push, spin)) * self._moves[:, None]

@@ -10,7 +10,7 @@ from harness.adapter import Unavailable
 from harness.study import plugins
 from harness.trial.bench import clock_steps
 
-STEPS, BLOCKS = 2000, 15
+STEPS, BLOCKS = 500, 11
 
 
 def test_a_step_through_the_harness_is_measured_against_the_bare_loop(capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 IN_PROCESSES = ("signals", "exits", "surroundings", "processes", "hangs", "memory")
 HEAVY = tuple(fault for fault in FAULTS if fault.family in IN_PROCESSES)
 LIGHT = tuple(fault for fault in FAULTS if fault.family not in IN_PROCESSES)
-ROUGH = {"hangs": {"deadline": 5.0}, "memory": {"memory": 400.0}}
+ROUGH = {"hangs": {"deadline": 2.0}, "memory": {"memory": 400.0}}
 """What the experiments of some families are given less of."""
 
 

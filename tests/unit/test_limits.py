@@ -121,7 +121,7 @@ def plain_bracket(trials: list[Trial], records: Mapping[str, Record], case: Case
 def test_a_planted_limit_is_found_within_the_tolerance(seed: int) -> None:
     limit = math.exp(np.random.default_rng(seed).uniform(math.log(2 * EASY), math.log(EXTREME / 2)))
     case = case_of()
-    held, broke = plain_bracket(*searched(case, BrittleEngine(limit=limit), Limit(within=1.1)), case)
+    held, broke = plain_bracket(*searched(case, BrittleEngine(limit=limit), Limit(within=1.1, members=4)), case)
     assert held is not None
     assert broke is not None
     assert held <= limit

@@ -13,7 +13,7 @@ from harness.scene import (
 )
 from harness.trajectory import State
 
-__all__ = ["clamped", "damped", "losing_speed", "repairing", "sleepy"]
+__all__ = ["Sleepy", "clamped", "damped", "losing_speed", "repairing"]
 
 
 def losing_speed(adapter: Adapter) -> Adapter:
@@ -60,22 +60,31 @@ def clamped(inner: Simulation, adapter: Adapter, scene: Scene, settings: Setting
     return Rewritten(inner, adapter, scene, settings, edit)
 
 
-def sleepy(inner: Simulation, adapter: Adapter, scene: Scene, settings: Settings) -> Simulation:
-    """Below .1 m/s and .1 rad/s for .1 s a body is put to sleep; a faster push wakes it."""
-    quiet = np.zeros(len(scene.bodies))
+class Sleepy(Rewritten):
+    """Below .1 m/s and .1 rad/s for .1 s a body is put to sleep; a faster push wakes it.
 
-    def edit(before: State, after: State, dt: float) -> bool:
+    Where all sleep and nothing pushes, the engine inside is not stepped: it would be built anew in each step.
+    """
+
+    def __init__(self, inner: Simulation, adapter: Adapter, scene: Scene, settings: Settings) -> None:
+        super().__init__(inner, adapter, scene, settings, self._put_to_sleep)
+        self._quiet = np.zeros(len(scene.bodies))
+
+    def _step_inside(self) -> None:
+        pushed = self._push is not None and any(part.any() for part in self._push)
+        if pushed or not (self._quiet > 0.1).all():
+            super()._step_inside()
+
+    def _put_to_sleep(self, before: State, after: State, dt: float) -> bool:
         slow = (np.linalg.norm(after.v_WB, axis=1) < 0.1) & (np.linalg.norm(after.w_WB, axis=1) < 0.1)
-        quiet[:] = np.where(slow, quiet + dt, 0.0)
-        asleep = quiet > 0.1
+        self._quiet[:] = np.where(slow, self._quiet + dt, 0.0)
+        asleep = self._quiet > 0.1
         if not (asleep.any() and (after.v_WB[asleep].any() or after.w_WB[asleep].any())):
             return False
         for target, source in ((after.p_WB, before.p_WB), (after.q_WB, before.q_WB)):
             target[asleep] = source[asleep]
         after.v_WB[asleep], after.w_WB[asleep] = 0.0, 0.0
         return True
-
-    return Rewritten(inner, adapter, scene, settings, edit)
 
 
 def repairing(inner: Simulation, adapter: Adapter, scene: Scene, settings: Settings) -> Simulation:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from harness.adapter import Feature
 from harness.conformance.faults.broken_belts import Deaf, Late, Teleported, TurnsInPlace
-from harness.conformance.faults.broken_motion import clamped, losing_speed, sleepy
+from harness.conformance.faults.broken_motion import Sleepy, clamped, losing_speed
 from harness.conformance.faults.broken_scenes import every_body, gravity, swap_inertia
 from harness.conformance.faults.broken_states import BodyAngularVelocity, OneStepBehind, ScalarLast, Shuffled
 from harness.conformance.faults.broken_steps import (
@@ -163,7 +163,7 @@ MOTION_CONTROLS: tuple[Control, ...] = (
     Control(
         name="sleeping",
         fault="bodies slower than .1 m/s for .1 s are put to sleep",
-        plant=simulated(sleepy),
+        plant=simulated(Sleepy),
         caught_by=("sleeping_is_off",),
         applies_to_cases=("friction_threshold", "friction_wall_pinch"),
     ),

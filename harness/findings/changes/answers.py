@@ -120,6 +120,8 @@ def _last_bit(store: Store, values: Mapping[str, Mapping[str, Any]]) -> dict[tup
     """How far the last bit of one coordinate moves each metric, where a run was nudged by it: no answer of a motion that
     multiplies that bit is known better."""
     names = [json.loads(text).get("name", "") for text in store.trials["alteration"]]
+    if "nudged" not in names:
+        return {}
     rows = list(zip(store.trials.itertuples(), names, strict=True))
     plain = {_cell(row): values.get(row.trial, {}) for row, name in rows if not name}
     moved: dict[tuple[tuple[Any, ...], str], float] = {}

@@ -47,12 +47,13 @@ class Pair:
 def matched(store_a: Store, store_b: Store) -> tuple[Pair, ...]:
     """Every trial of both folders once, in the order of B and then of what A has alone."""
     rows_a, rows_b = (list(store.trials.itertuples()) for store in (store_a, store_b))
-    ambiguous = {key for rows in (rows_a, rows_b) for key, count in Counter(map(_key, rows)).items() if count > 1}
+    keys_a, keys_b = ([_key(row) for row in rows] for rows in (rows_a, rows_b))
+    ambiguous = {key for keys in (keys_a, keys_b) for key, count in Counter(keys).items() if count > 1}
 
-    def named(rows: Iterable[Any]) -> dict[Hashable, Any]:
-        return {(_key(row), _further(row) if _key(row) in ambiguous else ()): row for row in rows}
+    def named(keys: Iterable[Hashable], rows: Iterable[Any]) -> dict[Hashable, Any]:
+        return {(key, _further(row) if key in ambiguous else ()): row for key, row in zip(keys, rows, strict=True)}
 
-    of_a, of_b = named(rows_a), named(rows_b)
+    of_a, of_b = named(keys_a, rows_a), named(keys_b, rows_b)
     return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
 
 

@@ -54,20 +54,34 @@ _MEDIAN_ERROR = 1.2533
 class _Price:
     """A pair that was clocked on both sides.
 
-    Terms: step: logarithm of the ratio of the medians; canary: likewise; half, sure: of its bootstrap interval of 95 % and of
-    99 %, widened to Student's; half_over, sure_over: likewise of the step over the canary, sample by sample, and no less;
+    Terms: step: logarithm of the ratio of the medians; canary: likewise; before, after: the samples, None where not kept;
     steady: the same bits, by the same version and sources; unstable: is either marked so?
     """
 
     pair: Pair
     step: float
     canary: float
-    half: float
-    sure: float
-    half_over: float
-    sure_over: float
+    before: "_Samples | None"
+    after: "_Samples | None"
     steady: bool
     unstable: bool
+
+    def halves(self) -> tuple[float, float]:
+        """Half the bootstrap interval of the step of 95 % and of 99 %, widened to Student's; 0 where no samples were kept."""
+        if self.before is None or self.after is None:
+            return 0.0, 0.0
+        count = min(len(self.before.cost), len(self.after.cost))
+        return _halves(_drawn(self.after.cost) - _drawn(self.before.cost), count)
+
+    def halves_over(self) -> tuple[float, float]:
+        """Likewise of the step over the canary, sample by sample, and no less."""
+        if self.before is None or self.after is None:
+            return 0.0, 0.0
+        count = min(len(self.before.cost), len(self.after.cost))
+        own = _drawn(self.after.cost) - _drawn(self.before.cost)
+        over = own - _drawn(self.after.canary) + _drawn(self.before.canary)  # of the same samples
+        (half, sure), (half_over, sure_over) = _halves(own, count), _halves(over, count)
+        return max(half, half_over), max(sure, sure_over)
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,25 +170,16 @@ def _same_part(
 
 def _price(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:
     step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
-    before, after = a.get(pair.a.trial), b.get(pair.b.trial)
-    canary = half = sure = half_over = sure_over = 0.0
+    before, after, canary = a.get(pair.a.trial), b.get(pair.b.trial), 0.0
     if before is not None and after is not None:
         canary = math.log(float(np.median(after.canary)) / float(np.median(before.canary)))
-        own = _drawn(after.cost) - _drawn(before.cost)
-        over = own - _drawn(after.canary) + _drawn(before.canary)  # of the same samples
-        count = min(len(before.cost), len(after.cost))
-        half, sure = _halves(own, count)
-        half_over, sure_over = map(max, _halves(over, count), (half, sure))
     steady = (
         pair.same_bits
         and pair.a.engine_version == pair.b.engine_version
         and getattr(pair.a, "sources", "") == getattr(pair.b, "sources", "")
     )
     unstable = any(_unstable(row.unstable_timing) for row in (pair.a, pair.b))
-    return _Price(
-        pair=pair, step=step, canary=canary, half=half, sure=sure, half_over=half_over, sure_over=sure_over,
-        steady=steady, unstable=unstable,
-    )  # fmt: skip
+    return _Price(pair=pair, step=step, canary=canary, before=before, after=after, steady=steady, unstable=unstable)
 
 
 def _halves(drawn: Floats, count: int) -> tuple[float, float]:
@@ -246,17 +251,17 @@ def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
 
 
 def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue: Mapping[str, Any]) -> Change | None:
-    whole, told = price.step - (price.canary if by.beside == "canary" else by.step), math.log1p(TOLD)
+    whole, told, swing = price.step - (price.canary if by.beside == "canary" else by.step), math.log1p(TOLD), 0.0
     if beside is not None:
         step, error, spread = price.step - beside.step, beside.error, beside.spread
-        half, sure = max(price.half, Z_95 * math.hypot(spread, error)), price.sure
     else:
         swing = price.canary - by.canary
         step, error, spread = whole if by.beside == "canary" else whole - swing, by.error, by.spread
-        half = max(price.half_over, Z_95 * math.hypot(spread, error), abs(swing))
-        sure = price.sure_over
     if price.unstable or min(abs(step), abs(whole)) <= told or step * whole < 0.0:
         return None
+    # Drawn for what may be told alone: of a thousand prices nearly all are where they were.
+    half, sure = price.halves() if beside is not None else price.halves_over()
+    half = max(half, Z_95 * math.hypot(spread, error), abs(swing))
     if abs(step) <= max(CERTAIN * math.hypot(spread, error), half, sure):
         return None
     step = min(step, whole, key=abs)

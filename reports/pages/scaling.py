@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from harness.findings.costs import Cost
+from harness.findings.costs import TELLING, Cost
 from harness.findings.tables.scaling import COLUMNS, Scaling
 from harness.statistics.order import FEWEST
 from reports.contents import engines
@@ -42,7 +42,8 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         growths=grown,
         qualities=bought,
         leads=leads(store, scaling.costs),
-        exponents=scaling.exponents,
+        exponents=sorted(scaling.exponents, key=lambda fit: not fit.telling),
+        telling=TELLING,
         costs=scaling.costs,
         looked=[row for row in scaling.costs if row.to_plain is not None],
         shared=[row for row in scaling.costs if row.efficiency is not None],

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from harness.findings.costs import TELLING, Cost, Sweep, growth
 from harness.findings.parameter_words import axis_title
 from harness.findings.tables.scaling import Scaling
-from reports.contents import cases
+from reports.contents import cases, setting_words
 from reports.figure import Figure
 from reports.grammar import channel, chart, fixed
 from reports.marks import POINT, Marks, decades, finished, logarithmic, short
@@ -47,7 +47,7 @@ def drawn(store: "Store", row: Cost) -> Row:
     return {
         "engine": labels(store)[row.engine],
         "track": "default" if row.track == "default" else "other settings",
-        "setting": visible(row.track)[:40],
+        "setting": visible(setting_words(store, row.engine, row.track))[:60],
         "scene": titled(store, row.case, row.where),
         "cpu": 1e6 * row.cpu,
         "low": 1e6 * (row.low or row.cpu),

@@ -10,10 +10,12 @@ from harness.statistics.ratio import Ratio
 __all__ = ["PENETRATION", "RESIDUAL", "TELLING", "Cost", "Exponent", "Sweep", "growth", "no_worse", "whole"]
 
 TELLING = 1.0
-"""The widest 95 % interval of an exponent that is stated. Laws of growth that people tell apart are whole powers: constant, linear,
-quadratic. An interval narrower than the distance between two of them holds one of them at most; a wider one always holds one, and
-may hold two, so that it does not say whether twice the size costs as much, twice or four times as much. Three sizes leave a single
-degree of freedom, where Student's t is 12.7: over two decades a price at the middle one that is off by a sixth makes it that wide."""
+"""The widest 95 % interval of an exponent that is stated.
+
+Laws of growth that people tell apart are whole powers: constant, linear, quadratic. An interval narrower than the distance
+between two of them holds one at most; a wider one always holds one and may hold two, and does not say whether twice the size
+costs twice or four times as much. Three sizes leave a single degree of freedom, where Student's t is 12.7: over two decades a
+price at the middle one that is off by a sixth makes the interval that wide."""
 
 PENETRATION = ("overlap", "penetration")
 """Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""

@@ -230,8 +230,8 @@ def test_rays_and_worlds_are_priced_all_together_over_their_number(
 def scattered(tmp_path: Path) -> Scaling:
     """Three sizes: ours costs n^1.25 to the digit, the others stray from that at the middle one.
 
-    A logarithm off by s there leaves residuals of -s/3, 2s/3 and -s/3, so that the slope over two decades has a standard error of
-    s/(sqrt(3) ln 10), and an interval that is 6.4 s wide: a factor of 1.17 makes it 1."""
+    A logarithm off by s there leaves residuals of -s/3, 2s/3 and -s/3, so that the slope over two decades has a standard error
+    of s/(sqrt(3) ln 10), and an interval that is 6.4 s wide: a factor of 1.17 makes it 1."""
     journal = Journal(tmp_path)
     for n in SIZES[:3]:
         for engine, stray in (("ours", 1.0), ("near", 1.1), ("theirs", 1.5)):

@@ -50,7 +50,7 @@ COLUMNS = (
     "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
     "efficiency_high",
 )  # fmt: skip
-"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, an exponent that is not known too."""
+"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, and so an exponent not known."""
 
 
 def _number(value: Any) -> float | None:

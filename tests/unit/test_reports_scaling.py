@@ -46,7 +46,7 @@ def test_the_axis_of_a_sweep_says_what_the_parameter_counts(scaling: Scaling) ->
     titles = {layer["encoding"]["x"].get("title") for layer in chart.spec["layer"] if "title" in layer["encoding"]["x"]}
     assert titles == {"number of balls"}
     assert chart.columns[0] == "number of balls"
-    assert "over the number of balls from 10 to" in render(scaling._store)["scaling.html"]
+    assert "over the number of balls from 10 to" in str(render(scaling._store)["scaling.html"])
 
 
 def test_reading_calling_and_sharing_have_tables_of_their_own(beside: Scaling) -> None:  # noqa: F811

@@ -152,7 +152,7 @@ def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contes
         "mujoco": (None, words), "dart": (None, None), "bullet": (None, None)
     }  # fmt: skip
     store = Store(folder)
-    pages = {name: str(page.PAGE.render(store)[f"{name}.html"]) for name, page in (("select", select), ("index", index))}
+    pages = {name: str(page.render(store)[f"{name}.html"]) for name, page in (("select", select), ("index", index))}
     assert words in pages["select"]
     assert "Bullet is left out: it can express none of these scenes" in pages["select"]
     assert pages["index"].count(words) >= 3
@@ -161,8 +161,8 @@ def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contes
 
 def test_a_run_of_one_engine_has_no_page_of_selection_and_no_link_to_it(tmp_path: Path) -> None:
     store = Store(write_selection_folder(tmp_path / "run", {"reference": GOOD, "mujoco": GOOD}, 0))
-    assert not select.PAGE.concerns(store)
-    assert "select.html" not in str(index.PAGE.render(store)["index.html"])
+    assert not select.concerns(store)
+    assert "select.html" not in str(index.render(store)["index.html"])
 
 
 def test_few_cases_are_said_beside_the_share_that_they_give(tmp_path: Path) -> None:

@@ -126,7 +126,9 @@ def fills(stage: Stage, fill: str) -> dict[str, Any]:
         "cylinder": rr.Cylinders3D,
     }
     drawn = dict.fromkeys(archetype for kind, archetype in kinds.items() if kind in moving)
-    return {"defaults": [archetype.from_fields(fill_mode=mode) for archetype in drawn]}
+    # Its one component, made once: of an archetype every view would go through all fields again.
+    made = [archetype.from_fields(fill_mode=mode).as_component_batches() for archetype in drawn]
+    return {"defaults": [component for components in made for component in components]}
 
 
 def floor_grid(frame: Framing) -> Any:

@@ -156,7 +156,7 @@ def test_how_solids_are_filled_is_said_once_with_the_shapes_or_by_each_view(fold
     root: Any = layout(stage, framing(stage), []).root_container
     *together, side_by_side = root.contents[0].contents
     filled = {
-        name: {int(default.fill_mode.as_arrow_array()[0].as_py()) for view in views for default in view.defaults}
+        name: {int(default.as_arrow_array()[0].as_py()) for view in views for default in view.defaults}
         for name, views in (("together", together), ("alone", side_by_side.contents))
     }
     modes = {name: {FillMode.auto(name).value} for name in (OVERLAID, "Solid")}

@@ -166,14 +166,19 @@ class Wins:
     open: int
 
     @property
+    def alone(self) -> str:
+        """The engine that has answers where no other has any; '' where there are several, or none."""
+        return self.counts[0][0] if len(self.counts) == 1 else ""
+
+    @property
     def known(self) -> int:
         """Of how many errors the cheapest is known."""
         return sum(count for _, count in self.counts)
 
 
 def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> Wins:
-    """Yardsticks do not count."""
-    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks}
+    """Yardsticks do not count, and an engine without an answer in any scene has lost to nobody."""
+    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks and price.verdict != "no answer"}
     pairs: dict[tuple[str, str, float], list[Price]] = {}
     for price in prices:
         if price.engine in counts and price.cost is not None:

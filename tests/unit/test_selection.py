@@ -145,7 +145,7 @@ def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contes
     words = "MuJoCo is the only engine that can express these scenes, of 3 asked: there is no contest."
     said = printed("select", folder).stdout
     assert said.startswith(words)
-    assert "DART is left out: it can express none of these scenes (planted: no such thing, in “" in said
+    assert "DART is left out: it can express no scene that counts (planted: no such thing, in “" in said
     assert "100 %" not in said
     rows = json.loads(printed("select", folder, "--json").stdout)
     assert {row["engine"]: (row["first"], row["alone"]) for row in rows} == {
@@ -154,7 +154,7 @@ def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contes
     store = Store(folder)
     pages = {name: str(page.render(store)[f"{name}.html"]) for name, page in (("select", select), ("index", index))}
     assert words in pages["select"]
-    assert "Bullet is left out: it can express none of these scenes" in pages["select"]
+    assert "Bullet is left out: it can express no scene that counts" in pages["select"]
     assert pages["index"].count(words) >= 3
     assert not any("in 100 % of" in page.replace("\u00a0", " ") for page in pages.values())
 

@@ -22,7 +22,7 @@ SENTENCES: Mapping[str, str] = {
     "none": "No engine is left that there is evidence of.",
     "unknown": "There is no evidence of these cases.",
     "few": "It leans on {cases} alone: too few for a share to mean much.",
-    "expressed": "{engine} is left out: it can express none of these scenes.",
+    "expressed": "{engine} is left out: it can express no scene that counts.",
 }
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
 

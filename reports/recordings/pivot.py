@@ -1,5 +1,6 @@
 """The point of a body that stays where it is, as the tip of a top does: told of it, a pose over time is an attitude alone."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,7 +61,7 @@ def _outruns(p_WB: Floats, q_WB: Floats, reach: float) -> bool:
     at either end, and the attitudes as recordings have them by as many.
     """
     half_cosine = min(1.0, abs(float(q_WB[0] @ q_WB[-1])))
-    chord = 2.0 * np.sqrt(1.0 - half_cosine**2) * reach
+    chord = 2.0 * math.sqrt(1.0 - half_cosine**2) * reach
     return float(np.linalg.norm(p_WB[-1] - p_WB[0])) > chord + 16 * ROUNDING * reach
 
 

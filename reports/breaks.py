@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from harness.findings.limits_found import Search, searches_if_described
+from harness.findings.parameter_words import called
 from harness.metric.titles import metric_title
 from reports.contents import cases, engines
 from reports.text import amount
@@ -61,7 +62,7 @@ def limits_met(store: "Store") -> list[Limit]:
         limit = Limit(
             case=case,
             title=str(cases(store)[case]["title"]) + (f", {where}" if where else ""),
-            axis=first.axis.replace("_", " "),
+            axis=called(case, first.axis),
             unit="" if first.unit == "1" else first.unit,
             setting=first.setting,
             reached=reached,

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.costs import Cost, Sweep, growth
+from harness.findings.costs import TELLING, Cost, Sweep, growth
+from harness.findings.parameter_words import axis_title
 from harness.findings.tables.scaling import Scaling
-from reports.contents import cases
+from reports.contents import cases, setting_words
 from reports.figure import Figure
 from reports.grammar import channel, chart, fixed
 from reports.marks import POINT, Marks, decades, finished, logarithmic, short
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from harness.store.store import Store
 
 __all__ = ["UNITS", "growths", "qualities", "standings", "titled"]
-
-TELLING = 1.0
-"""The widest 95 % interval of an exponent that a chart prints: linear and quadratic growth are told apart by less."""
 
 Row = dict[str, Any]
 UNITS = {
@@ -49,7 +47,7 @@ def drawn(store: "Store", row: Cost) -> Row:
     return {
         "engine": labels(store)[row.engine],
         "track": "default" if row.track == "default" else "other settings",
-        "setting": visible(row.track)[:40],
+        "setting": visible(setting_words(store, row.engine, row.track))[:60],
         "scene": titled(store, row.case, row.where),
         "cpu": 1e6 * row.cpu,
         "low": 1e6 * (row.low or row.cpu),
@@ -84,7 +82,8 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     style = Marks(store, rows)
     sizes = sorted({row["size"] for row in rows})
     across: Row = {"values": sizes, "format": ",~r", "labelOverlap": "greedy"}
-    x = logarithmic("size", f"{visible(sweep.parameter)[:30]}", across)
+    size = visible(axis_title(sweep.case, sweep.parameter))[:50]
+    x = logarithmic("size", size, across)
     unit = UNITS.get(sweep.unit, sweep.unit)
     y = logarithmic("cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
     best = [row for row in rows if row["best"]]
@@ -92,10 +91,10 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     for engine in dict.fromkeys(row.engine for row in sweep.rows):
         mine = [row for row in sweep.rows if row.engine == engine and row.best]
         fit = growth(sweep, mine) if mine else None
-        if fit is not None and fit.high - fit.low <= TELLING:
-            label = f"{short(labels(store)[engine])}: {sweep.parameter} to the {fit.exponent:.2f}"
+        if fit is not None and fit.telling:
+            label = f"{short(labels(store)[engine])}: exponent {fit.exponent:.2f}"
             slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
-    channels = style.channels() | {"tooltip": hover(("size", sweep.parameter))}
+    channels = style.channels() | {"tooltip": hover(("size", size))}
     layers = [
         chart(best).marked("line", strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
         chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
@@ -111,10 +110,10 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
     how = (
         "Each point is one engine under one group of settings, open for the vendor's defaults; the line joins the fastest "
         "setting whose checks hold. What did not finish has no point; the table says why. An exponent whose 95 % interval is "
-        "wider than 1 stands in the table of exponents alone."
+        f"wider than {TELLING:g} is not stated: linear and quadratic growth are not told apart by it."
     )
     title = f"Price of a {unit}: {titled(store, sweep.case, sweep.where)}"
-    columns = (sweep.parameter, "engine", "setting", "CPU time [µs]", "95 % from", "to", "outcome", "trial")
+    columns = (size, "engine", "setting", "CPU time [µs]", "95 % from", "to", "outcome", "trial")
     cells = [
         [f"{r['size']:g}", r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "low", "high")), r["status"], r["trial"]]
         for r in rows

@@ -9,7 +9,7 @@ from harness.findings.emulations import whose
 from harness.findings.prices import PER_SECOND, Price
 from reports.costs import titled
 from reports.disputes import disputed
-from reports.text import TIMES, amount, duration, power
+from reports.text import TIMES, amount, duration, knobs, power, step
 from reports.work_precision import priced
 
 if TYPE_CHECKING:
@@ -109,13 +109,13 @@ def entry(price: Price, beside: Price | None = None) -> Entry:
             return _outside(price)
         return Entry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
     paced = price.unit == PER_SECOND
-    sign = {"at most": "≥ " if paced else "at most ", "within the truth's error": "≈ "}.get(price.verdict, "")
+    sign = {"at most": "≥ " if paced else "at most ", "within the truth's error": "? "}.get(price.verdict, "")
     text, between = (f"{amount(1 / price.cost)}{TIMES}" if paced else duration(price.cost)), ""
     if price.low and price.high and math.isfinite(price.low) and math.isfinite(price.high):
         durations = f"{duration(price.low)} to {duration(price.high)}"
         between = f"{amount(1 / price.high)} to {amount(1 / price.low)}{TIMES}" if paced else durations
     ratio = _ratio(price, beside)
-    hint = f"{price.track}, step {amount(1e3 * (price.dt or math.nan))} ms; {price.verdict}"
+    hint = f"{knobs(price.track)}, dt {step(price.dt) if price.dt else 'not known'}; {price.verdict}"
     if paced:
         hint = f"{duration(price.cost)} of CPU time per simulated second; {hint}"
     if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
@@ -146,12 +146,12 @@ def marked(store: "Store", price: Price, beside: Price | None = None) -> Entry:
 def _outside(price: Price) -> Entry:
     """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
     finest, best = f"{amount(1e3 * (price.finest_dt or math.nan))} ms", amount(price.best_error, 2)
-    hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {price.track}"
+    hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(price.track)}"
     trend = ""
     if price.foreseen_dt is not None:
         foreseen = f"{amount(1e3 * price.foreseen_dt, 2)} ms"
         trend = f"trend: {foreseen}"
-        hint += f"; {price.foreseen_track}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
+        hint += f"; {knobs(price.foreseen_track)}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
     else:
         hint += "; of no setting does the error shrink steadily with the step"
     return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
@@ -166,14 +166,19 @@ class Wins:
     open: int
 
     @property
+    def alone(self) -> str:
+        """The engine that has answers where no other has any; '' where there are several, or none."""
+        return self.counts[0][0] if len(self.counts) == 1 else ""
+
+    @property
     def known(self) -> int:
         """Of how many errors the cheapest is known."""
         return sum(count for _, count in self.counts)
 
 
 def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> Wins:
-    """Yardsticks do not count."""
-    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks}
+    """Yardsticks do not count, and an engine without an answer in any scene has lost to nobody."""
+    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks and price.verdict != "no answer"}
     pairs: dict[tuple[str, str, float], list[Price]] = {}
     for price in prices:
         if price.engine in counts and price.cost is not None:

@@ -21,7 +21,10 @@ AXES = {FACTOR: "times the CPU time of the fastest", TIME: "CPU time per simulat
 
 
 def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure | None:
-    """One line an engine, with the band that leaving one case out spans; None without a share."""
+    """One line an engine, with the band that leaving one case out spans; None without a share, and none over the fastest where
+    one engine alone has any."""
+    if limit == FACTOR and len({share.engine for share in shares if share.share > 0}) < 2:
+        return None
     reached = {share.within for share in shares if share.limit == limit and share.share > 0}
     rows: list[Row] = [
         {

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from harness.findings.emulations import whose
 from harness.findings.leads import Lead, Reach, reaches
 from harness.findings.limits_found import Search
+from harness.findings.parameter_words import axis_title, called
 from harness.findings.tables.remedies import Remedied
 from harness.findings.where import STEP, in_words
 from harness.metric.titles import metric_title
@@ -71,7 +72,7 @@ def lines(store: "Store", searches: Sequence[Search]) -> list[Line]:
         first = group[0]
         unit = "" if first.unit == "1" else f" {first.unit}"
         title = cases(store)[case]["title"] + (f", {where}" if where else "")
-        axis = f"{first.axis.replace('_', ' ')} {amount(first.easy)} … {amount(first.extreme)}{unit}"
+        axis = f"{called(case, first.axis)} {amount(first.easy)} … {amount(first.extreme)}{unit}"
         laws = {(search.engine, search.track): whose(store.catalogue, search.engine, case, search.track) for search in group}
         against = {search.engine: disputed(store, search.engine, case, search.axis) for search in group}
         cells = {
@@ -228,9 +229,8 @@ def _map(store: "Store", name: str, group: Sequence[Search]) -> list[Figure]:
         if not rows:
             continue
         style = Marks(store, rows)
-        title_x = "time step [ms]" if name == STEP else name.replace("_", " ")
-        unit = "" if first.unit == "1" else f" [{first.unit}]"
-        title_y = f"{first.axis.replace('_', ' ')}{unit}"
+        title_x = "time step [ms]" if name == STEP else axis_title(first.case, name)
+        title_y = axis_title(first.case, first.axis, first.unit)
         x = logarithmic("beside", title_x, at_values([row["beside"] for row in rows]))
         spread = [row[key] for row in rows for key in ("held", "broke")]
         y = logarithmic("held", title_y, decades(spread))

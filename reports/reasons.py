@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from harness.metric.titles import metric_title
-from reports.text import amount
+from reports.text import amount, unit_text
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -44,7 +44,7 @@ def _reason(status: str, stored: str, measured: Sequence[Mapping[str, Any]]) -> 
 
 def _with_bound(measured: Mapping[str, Any]) -> str:
     """'0.25 m, bound 0.1 m'."""
-    unit = "" if measured["unit"] in (None, "", "1") else f" {measured['unit']}"
+    unit = "" if measured["unit"] in (None, "", "1") else f" {unit_text(str(measured['unit']))}"
     return f"{amount(measured['value'])}{unit}, bound {amount(measured['at_most'])}{unit}"
 
 

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
+from harness.findings.selection.choose import EXPRESSED
 from harness.findings.selection.evidence import BOUND, Datum
-from harness.findings.selection.words import headline
+from harness.findings.selection.words import FEW, SENTENCES, headline
 from reports.answers import stepless
 from reports.contents import FAMILIES, cases, setting_words
 from reports.own_scenes import by_case
@@ -21,13 +22,19 @@ from reports.text import settings_text, slug
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["Choice", "Need", "Row", "answer", "evidence_rows", "live", "needs"]
+__all__ = ["Choice", "Need", "Row", "answer", "asked_of_several", "evidence_rows", "live", "needs"]
 
 
 @lru_cache(maxsize=1)
 def answer(store: "Store") -> Answer:
     """At equal weights, over all cases, without our own engine."""
     return choose(store, Wish())
+
+
+def asked_of_several(store: "Store") -> bool:
+    """Were two engines of others asked at least, and is one left? That nothing else can express a scene is an answer too."""
+    found = answer(store)
+    return found.rank is not None and found.asked > 1
 
 
 @dataclass(frozen=True)
@@ -52,7 +59,8 @@ def evidence_rows(store: "Store") -> list[Row]:
 
 def live(store: "Store") -> Markup:
     """The same as JSON for the page's script; '<' is written so that nothing in it can end the element."""
-    evidence = answer(store).evidence
+    found = answer(store)
+    evidence = found.evidence
     about, known = store.catalogue.get("engines", {}), cases(store)
     names, engines = list(evidence.cases), list(evidence.engines)
     criteria = [name for name in CRITERIA if any(key[0] == name for key in evidence.table)]
@@ -87,6 +95,11 @@ def live(store: "Store") -> Markup:
             for (case, engine), price in evidence.costs.items()
         ],
         "presets": [_preset(name, evidence.families) for name in preset_names()],
+        "sentences": dict(SENTENCES),
+        "few": FEW,
+        "own": [names.index(case) for case in names if case in evidence.own],
+        "asked": found.asked,
+        "others": any(drop.requirement != EXPRESSED for drop in found.dropped),
     }
     return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
 
@@ -130,6 +143,8 @@ FEWEST = 3
 @lru_cache(maxsize=1)
 def needs(store: "Store") -> list[Need]:
     """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
+    if not asked_of_several(store):
+        return []
     about = store.catalogue.get("engines", {})
 
     def titled(name: str) -> str:
@@ -139,7 +154,7 @@ def needs(store: "Store") -> list[Need]:
     for name in preset_names():
         preset = read_preset(name)
         answer = choose(store, preset.wish(), draws=2000)
-        if answer.rank is None or len(answer.rank.places) < 2 or len(answer.evidence.cases) < FEWEST:
+        if answer.rank is None or len(answer.evidence.cases) < FEWEST:
             continue
         first = tuple(_choice(store, answer, place.engine) for place in answer.rank.places if place.number == 1)
         found.append(Need(name, preset.title, preset.why, headline(answer, titled), first, len(answer.evidence.cases)))

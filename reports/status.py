@@ -63,7 +63,7 @@ VERDICTS: dict[str, Outcome] = {
         Outcome(name="agrees", symbol="✓", meaning="ends, as its step goes to zero, where two engines or more agree", rank=0),
         Outcome(name="converges", symbol="→", meaning="draws together as its step goes to zero; no limit is agreed", rank=3),
         Outcome(name="converges elsewhere", symbol="≠", meaning="draws together, but not at the limit that is agreed", rank=4),
-        Outcome(name="does not converge", symbol="≈", meaning="ends elsewhere at each time step", rank=6),
+        Outcome(name="does not converge", symbol="∿", meaning="ends elsewhere at each time step", rank=6),
         Outcome(
             name="diverged", symbol="∞", meaning="left the numbers, or its joints, at its finest step or at all but two", rank=5
         ),

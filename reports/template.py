@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
-from harness.findings import integrators
+from harness.findings import integrators, parameter_words
 from harness.metric.titles import metric_title
 from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
@@ -49,6 +49,16 @@ def ticked(text: str) -> Markup:
     return Markup("").join(code.format(piece) if k % 2 else escape(piece) for k, piece in enumerate(pieces))
 
 
+def quantity(parameter: str, case: str) -> str:
+    """What a parameter of a case is called: 'number of balls'."""
+    return parameter_words.called(case, parameter)
+
+
+def axis_title(parameter: str, case: str) -> str:
+    """The same with its unit: 'wall thickness [m]'."""
+    return parameter_words.axis_title(case, parameter)
+
+
 def cleaned(value: Any) -> Any:
     """What every expression of a template goes through before it is escaped."""
     return visible(value) if isinstance(value, str) and type(value) is not Markup else value
@@ -77,6 +87,8 @@ def environment() -> Environment:
         "plural": plural,
         "powers": powers,
         "plain": plain_value,
+        "axis_title": axis_title,
+        "quantity": quantity,
         "formula": formula,
         "knobs": knobs,
         "unit": unit_text,

@@ -90,8 +90,12 @@ POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)(?![\w.])")
 POINT = re.compile(r"(?<![\w.)])\.(?=\d)")
 
 
+SQUARED = re.compile(r"(?<![\w/])(kg m|m/s|rad/s|deg/s|kg/m)([23])(?!\w)")
+
+
 def powers(text: str) -> str:
-    """Prose with its numbers as the tables write them: 10⁻⁴ for 1e-4, 0.3 for .3."""
+    """Prose with its numbers and units as the tables write them: 10⁻⁴ for 1e-4, 0.3 for .3, kg m² for kg m2."""
+    text = SQUARED.sub(lambda found: found[1] + found[2].translate(SUPERSCRIPT), text)
     raised = POWER.sub(lambda found: f"{'' if found[1] == '1' else found[1] + TIMES}{power(int(found[2]))}", text)
     return POINT.sub("0.", raised)
 

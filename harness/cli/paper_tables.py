@@ -130,9 +130,10 @@ _LIMITS = ("Case", "Engine", "Track", "Axis", "Unit", "Held to", "Broke at", "CP
 
 
 def _limit(search: "Search", titles: _Titles) -> Row:
+    from harness.findings.parameter_words import called
     from harness.metric.titles import metric_title  # late: NumPy comes with it, and every command reads this file
 
     about = (titles.scene(search.case, search.where), titles.engines[search.engine], search.track)
-    axis = (search.axis.replace("_", " "), "" if search.unit == "1" else search.unit)
+    axis = (called(search.case, search.axis), "" if search.unit == "1" else search.unit)
     signs = ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts)
     return [*about, *axis, search.held, search.broke, _ms(search.cost), signs or search.signs.text or search.verdict]

@@ -1,5 +1,6 @@
 """The command that answers which engine: requirements, weights, the rank with its doubt, the settings, the runs behind it."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +87,7 @@ def select(
     if evidence:
         _print_evidence(answer, as_json)
     elif as_json:
-        print_json(_rows(answer))
+        print_json(_rows(store, answer))
     else:
         _print(store, answer, preset)
 
@@ -114,26 +115,36 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
     return need
 
 
-def _rows(answer: "Answer") -> list[dict[str, Any]]:
-    """One an engine: its place, or why it is left out."""
+def _titles(store: "Store") -> Callable[[str], str]:
+    """From an engine's name to its title."""
+    engines = store.catalogue.get("engines", {})
+    return lambda name: str(engines.get(name, {}).get("title") or name)
+
+
+def _rows(store: "Store", answer: "Answer") -> list[dict[str, Any]]:
+    """One an engine: its place, or why it is left out; of one that nobody stands beside no share, but a sentence."""
+    from harness.findings.selection.words import headline
+
+    alone = headline(answer, _titles(store)) if answer.alone else None
     rows: list[dict[str, Any]] = []
     for place in answer.rank.places if answer.rank is not None else ():
         rows.append(
             {
                 "engine": place.engine,
                 "place": place.number,
-                "first": place.first,
+                "first": None if answer.alone else place.first,
                 "score": place.score,
                 "low": place.low,
                 "high": place.high,
                 "track": answer.evidence.tracks[place.engine],
                 **{criterion: place.by_criterion.get(criterion) for criterion in _criteria()},
+                "alone": alone,
                 "left_out": None,
                 "case": None,
                 "trial": None,
             }
         )
-    blank = dict.fromkeys(rows[0] if rows else ("place", "first", "score", "low", "high", "track", *_criteria()))
+    blank = dict.fromkeys(rows[0] if rows else ("place", "first", "score", "low", "high", "track", *_criteria(), "alone"))
     for drop in answer.dropped:
         why = f"{drop.requirement}: {drop.value}"
         rows.append({**blank, "engine": drop.engine, "left_out": why, "case": drop.case or None, "trial": drop.trial or None})
@@ -149,10 +160,7 @@ def _criteria() -> tuple[str, ...]:
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
 
-    engines, cases = store.catalogue.get("engines", {}), store.catalogue.get("cases", {})
-
-    def titled(name: str) -> str:
-        return str(engines.get(name, {}).get("title") or name)
+    titled, cases = _titles(store), store.catalogue.get("cases", {})
 
     def called(name: str) -> str:
         return str(cases.get(name, {}).get("title") or name)
@@ -166,7 +174,8 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
             shares = [f"{place.by_criterion[name]:.2f}" for name in counted]
             score = f"{place.score:.2f} ({place.low:.2f} .. {place.high:.2f})"
             track = answer.evidence.tracks[place.engine]
-            rows.append([place.number, titled(place.engine), track, f"{100 * place.first:.0f} %", score, *shares])
+            first = "-" if answer.alone else f"{100 * place.first:.0f} %"
+            rows.append([place.number, titled(place.engine), track, first, score, *shares])
         title = f"of 1; in brackets the cases that each is measured on{f'; preset {preset}' if preset else ''}"
         print_table(title, columns, rows)
     for drop in answer.dropped:

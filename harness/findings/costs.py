@@ -7,7 +7,15 @@ from typing import Any
 from harness.statistics.order import FEWEST, fit_order
 from harness.statistics.ratio import Ratio
 
-__all__ = ["PENETRATION", "RESIDUAL", "Cost", "Exponent", "Sweep", "growth", "no_worse", "whole"]
+__all__ = ["PENETRATION", "RESIDUAL", "TELLING", "Cost", "Exponent", "Sweep", "growth", "no_worse", "whole"]
+
+TELLING = 1.0
+"""The widest 95 % interval of an exponent that is stated.
+
+Laws of growth that people tell apart are whole powers: constant, linear, quadratic. An interval narrower than the distance
+between two of them holds one at most; a wider one always holds one and may hold two, and does not say whether twice the size
+costs twice or four times as much. Three sizes leave a single degree of freedom, where Student's t is 12.7: over two decades a
+price at the middle one that is off by a sixth makes the interval that wide."""
 
 PENETRATION = ("overlap", "penetration")
 """Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
@@ -86,6 +94,11 @@ class Exponent:
     points: int
     start: float
     end: float
+
+    @property
+    def telling(self) -> bool:
+        """Is the exponent known well enough to be stated? Elsewhere its interval alone is."""
+        return self.high - self.low <= TELLING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,13 +1,13 @@
 """The page on cost: what a step, a ray or a world costs, how that grows with the scene, and what the price buys."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
-from harness.findings.costs import Cost
+from harness.findings.costs import TELLING, Cost
 from harness.findings.tables.scaling import COLUMNS, Scaling
 from harness.statistics.order import FEWEST
-from reports.contents import engines
+from reports.contents import engines, ours, setting_words
 from reports.costs import UNITS, growths, qualities, standings, titled
 from reports.page import Page, Rendered
 from reports.sheet import sheet
@@ -42,12 +42,15 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         growths=grown,
         qualities=bought,
         leads=leads(store, scaling.costs),
-        exponents=scaling.exponents,
+        exponents=sorted(scaling.exponents, key=lambda fit: not fit.telling),
+        telling=TELLING,
         costs=scaling.costs,
         looked=[row for row in scaling.costs if row.to_plain is not None],
         shared=[row for row in scaling.costs if row.efficiency is not None],
         titles={(row.case, row.where): titled(store, row.case, row.where) for row in scaling.costs},
         units=UNITS,
+        setting_of=partial(setting_words, store),
+        own=next(iter(ours(store)), ""),
         cores=store.machine.get("cores"),
     )
     figures = [*([standing] if standing is not None else []), *grown, *bought]

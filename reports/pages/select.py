@@ -5,10 +5,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from harness.findings.selection import CRITERIA, listing
-from harness.findings.selection.words import headline, turn_sentences
+from harness.findings.selection.words import dropped_sentence, headline, turn_sentences
 from reports.contents import FAMILIES, cases, setting_words
 from reports.page import Page
-from reports.selection import answer, evidence_rows, live
+from reports.selection import answer, asked_of_several, evidence_rows, live
 from reports.sheet import sheet
 from reports.template import fill
 
@@ -19,9 +19,8 @@ __all__ = ["PAGE"]
 
 
 def concerns(store: "Store") -> bool:
-    """Only where there are engines of others to choose from."""
-    rank = answer(store).rank
-    return rank is not None and len(rank.places) > 1
+    """Only where several engines of others were asked."""
+    return asked_of_several(store)
 
 
 def render(store: "Store") -> Mapping[str, str]:
@@ -42,6 +41,7 @@ def render(store: "Store") -> Mapping[str, str]:
         answer=found,
         headline=headline(found, titled),
         turns=turn_sentences(found.turns, titled, called),
+        dropped=[dropped_sentence(drop, titled, called) for drop in found.dropped],
         criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
         rows=[row for row in rows if row.datum.value < 1],
         full=sum(row.datum.value >= 1 for row in rows),

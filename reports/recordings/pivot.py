@@ -1,5 +1,6 @@
 """The point of a body that stays where it is, as the tip of a top does: told of it, a pose over time is an attitude alone."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,9 @@ def pivot_of(p_WB: Floats, q_WB: Floats) -> Pivot | None:
     the place of the body put together again from single precision is everywhere the one that was given, but for roundings of
     the larger of both points' distances: one of p_WP, one of p_BP and two of the attitude (a quaternion says half of an angle).
     """
+    reach = FAR * float(np.linalg.norm(p_WB, axis=1).max())
+    if _outruns(p_WB, q_WB, reach):
+        return None
     some = np.unique(np.linspace(0, len(p_WB) - 1, SOUGHT).astype(np.int64))
     near = p_WB[some]
     turned = rotate(q_WB[some][:, None], np.eye(3)).swapaxes(1, 2)
@@ -43,10 +47,22 @@ def pivot_of(p_WB: Floats, q_WB: Floats) -> Pivot | None:
     p_WP = (near + turned @ p_BP).mean(axis=0)
     size = max(float(np.linalg.norm(p_WP)), float(np.linalg.norm(p_BP)))
     allowed = 4 * ROUNDING * size
-    if size > FAR * np.linalg.norm(p_WB, axis=1).max() or np.abs(near + turned @ p_BP - p_WP).max() > allowed:
+    if size > reach or np.abs(near + turned @ p_BP - p_WP).max() > allowed:
         return None
     again = single(p_WP) - rotate(single(q_WB), single(p_BP))
     return Pivot(p_WP, p_BP) if np.abs(again - p_WB).max() <= allowed else None
+
+
+def _outruns(p_WB: Floats, q_WB: Floats, reach: float) -> bool:
+    """Does a body go farther between its first instant and its last than an arm of length `reach` [m] carries it as it turns?
+
+    Turned by an angle a, such an arm has a chord of 2 sin(a/2) of its length, and cos(a/2) is the product of both quaternions.
+    Most bodies that fly, fall or slide turn so little that nothing else needs to be asked. A pivot may be off by four roundings
+    at either end, and the attitudes as recordings have them by as many.
+    """
+    half_cosine = min(1.0, abs(float(q_WB[0] @ q_WB[-1])))
+    chord = 2.0 * math.sqrt(1.0 - half_cosine**2) * reach
+    return float(np.linalg.norm(p_WB[-1] - p_WB[0])) > chord + 16 * ROUNDING * reach
 
 
 def single(values: Floats) -> Floats:

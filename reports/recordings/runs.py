@@ -15,7 +15,7 @@ from reports.palette import looks
 from reports.recordings.layout import run_path
 from reports.recordings.rotation import Floats
 
-__all__ = ["Run", "Stage", "stage_of"]
+__all__ = ["Run", "Stage", "stage_of", "touching"]
 
 LARGEST = 1e30
 """Beyond this [m] a coordinate no longer fits the viewer's single precision with room for a camera."""
@@ -140,6 +140,11 @@ def chosen(trials: Sequence[Mapping[str, Any]], case: Mapping[str, Any]) -> list
     ):
         picked.setdefault((trial["engine"], trial["track"]), trial)
     return list(picked.values())
+
+
+def touching(stage: Stage) -> bool:
+    """Has some run contacts to draw?"""
+    return any("contacts_count" in run.arrays for run in stage.runs)
 
 
 def stage_of(store: Store, name: str) -> Stage:

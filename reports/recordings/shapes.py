@@ -14,7 +14,10 @@ from reports.recordings.rotation import Floats, product
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["Batch", "Paint", "batches", "drawn"]
+__all__ = ["OVERLAID", "Batch", "Paint", "batches", "drawn"]
+
+OVERLAID = "TransparentFillMajorWireframe"
+"""How shapes are filled where several engines share a place, and where a solid would hide the arrows of its contacts."""
 
 CROWD = 24
 """With more bodies at rest than this, bodies of one kind of shape share a path: a viewer lists and draws hundreds of paths

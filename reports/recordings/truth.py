@@ -11,7 +11,7 @@ from reports.recordings.layout import TRUTH, WORLD
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
 from reports.recordings.sampling import at_instants, shown
-from reports.recordings.shapes import Paint
+from reports.recordings.shapes import OVERLAID, Paint
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -59,6 +59,6 @@ def log_truth(rec: "rr.RecordingStream", stage: Stage, extent: float) -> None:
         return
     seen = at_instants(stage.truth, shown(stage.truth["time"], stage.length))
     root = f"{WORLD}/{TRUTH}"
-    paint = Paint(GHOST, extent, "TransparentFillMajorWireframe")
+    paint = Paint(GHOST, extent, OVERLAID)
     log_moving(rec, root, sharing(stage.bodies, places), seen, paint)
     log_paths(rec, f"{root}/paths", stage.truth["p_WB"][:, places], (*GHOST[:3], 160), extent)

@@ -17,10 +17,10 @@ from reports.recordings.contacts import arrow_scale, log_contacts
 from reports.recordings.layout import LOG, WORLD, application_id, file_name
 from reports.recordings.log import text
 from reports.recordings.metrics import curves, log_curves, ranked
-from reports.recordings.runs import Run, Stage, stage_of
+from reports.recordings.runs import Run, Stage, stage_of, touching
 from reports.recordings.sampling import at_instants, shown
 from reports.recordings.sensors import log_sensors, sensed
-from reports.recordings.shapes import Batch, Paint
+from reports.recordings.shapes import OVERLAID, Batch, Paint
 from reports.recordings.truth import log_truth
 from reports.text import slug
 
@@ -96,7 +96,7 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
     )
     rec.log(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     # A scan is seen from outside, through what it hit; a wall, through itself.
-    fill_mode = "MajorWireframe" if scanned else "TransparentFillMajorWireframe"
+    fill_mode = "MajorWireframe" if scanned else OVERLAID
     log_stage(rec, stage.scene, frame.centre, 3 * frame.radius, fill_mode)
     log_truth(rec, stage, frame.radius)
     moving = sharing(stage.bodies, [int(index) for index in stage.moving])
@@ -112,5 +112,6 @@ def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, moving: Sequence[
     root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
     log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, stage.moving], colour, frame.size)
     seen = replace(run, arrays=at_instants(run.arrays, shown(run.time, stage.length)))
-    log_moving(rec, root, moving, seen.arrays, Paint(colour, 3 * frame.radius))
+    paint = Paint(colour, 3 * frame.radius, OVERLAID if touching(stage) else None)
+    log_moving(rec, root, moving, seen.arrays, paint)
     log_contacts(rec, seen, scale, frame.size / 4)

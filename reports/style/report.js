@@ -146,7 +146,7 @@
     return picture;
   };
 
-  // Where the line is short, of a name of several words that ends in (ours) the first is left out, and settings are cut.
+  // Where the line is short, of a name of several words that ends in (ours) the first is left out, and long settings are cut.
   const part = (name, text) => {
     const span = document.createElement("span");
     span.className = name;
@@ -155,7 +155,7 @@
   };
   const named = (side) => {
     const [, first, rest] = /^(\S+ )(.+ \(ours\))$/.exec(side.name) ?? [];
-    if (side.field === "track" && side.name.length > 8) return [part("long", side.name)];
+    if (side.field === "track" && side.name.length > 16) return [part("long", side.name)];
     if (!first) return [side.name];
     const whole = part("name", "");
     whole.append(part("more", first), rest);

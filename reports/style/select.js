@@ -4,8 +4,8 @@
 (() => {
   const source = document.getElementById("evidence");
   if (!source) return;
-  const { criteria, families, cases, engines, cells, costs, presets } = JSON.parse(source.textContent);
-  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12, FEW = 8;
+  const { criteria, families, cases, engines, cells, costs, presets, sentences, few, own, asked, others } = JSON.parse(source.textContent);
+  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12;
   const K = criteria.length, C = cases.length, E = engines.length;
   const at = (k, c, e) => (k * C + c) * E + e;
   const value = new Float64Array(K * C * E), low = value.slice(), high = value.slice(), has = new Uint8Array(K * C), bounded = new Uint8Array(K * C * E);
@@ -61,10 +61,19 @@
   const wish = { weights: criteria.map(() => 1), families: Object.fromEntries(families.map((f) => [f.name, 1])), preset: null, realtime: 0, feature: "" };
   const weightOfCase = (c) => (wish.preset ? wish.preset.cases[cases[c].name] : 1) * wish.families[cases[c].family];
 
+  // Is there a scene among those that count which an engine can express?
+  const capability = criteria.indexOf("capability");
+  const expresses = (e) => {
+    const known = capability < 0 ? [] : cases.map((_, c) => c).filter((c) => weightOfCase(c) > 0 && has[capability * C + c]);
+    return !known.length || known.some((c) => value[at(capability, c, e)] > 0);
+  };
+
+  const NOTHING = "expresses none of the scenes";
   const leftOut = () => {
     const reasons = new Map(), open = new Map();
     engines.forEach((engine, e) => {
       if (wish.feature && !engine.features.includes(wish.feature)) reasons.set(e, `does not claim ${wish.feature.replaceAll("_", " ")}`);
+      else if (!expresses(e)) reasons.set(e, NOTHING);
     });
     if (wish.realtime > 0) {
       for (const [c, e, cost, bound] of costs) {
@@ -119,28 +128,41 @@
   };
 
   const percent = (share) => `${Math.round(100 * share)} %`;
+  const filled = (name, values) => sentences[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
+  const listed = (names) => (names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0]);
+
+  // The first sentence, as `headline` of harness/findings/selection/words.py has it, in the same words.
+  const headline = (places, reasons) => {
+    const counted = cases.map((_, c) => c).filter((c) => weightOfCase(c) > 0), titled = (place) => engines[place.engine].title;
+    const told = criteria.some((_, k) => wish.weights[k] > 0 && counted.some((c) => has[k * C + c]));
+    if (!places.length || !told) return filled(reasons.size || others ? "none" : "unknown", {});
+    const scenes = counted.length === 1 ? "this scene" : "these scenes";
+    if (places.length === 1) {
+      const all = !others && [...reasons.values()].every((why) => why === NOTHING);
+      return filled(asked === 1 ? "single" : all ? "expresses" : "left", { engine: titled(places[0]), scenes, asked });
+    }
+    const level = places.filter((place) => place.number === 1), share = percent(level[0].first);
+    const shares = level.map((place) => `${titled(place)} ${percent(place.first)}`).join(", ");
+    const first = filled(level.length === 1 ? "first" : "level", { engine: titled(level[0]), engines: listed(level.map(titled)), share, shares, draws: DRAWS });
+    if (counted.length >= few || counted.every((c) => own.includes(c))) return first;
+    return `${first} ${filled("few", { cases: `${counted.length} case${counted.length === 1 ? "" : "s"}` })}`;
+  };
+
   const show = () => {
     const { reasons, open } = leftOut(), left = engines.map((_, e) => e).filter((e) => !reasons.has(e));
-    const out = [...reasons].map(([e, why]) => `${engines[e].title} is left out: ${why}.`);
+    const out = [...reasons].map(([e, why]) => (why === NOTHING ? filled("expressed", { engine: engines[e].title }) : `${engines[e].title} is left out: ${why}.`));
     for (const [e, what] of open) if (!reasons.has(e)) out.push(`Of ${engines[e].title} it is not known: ${what}.`);
     document.getElementById("left-out").textContent = out.join(" ");
     document.getElementById("why").textContent = wish.preset ? `${wish.preset.title}: ${wish.preset.why}` : "";
     const places = left.length ? rank(left) : [];
-    const level = places.filter((p) => p.number === 1), words = document.getElementById("headline");
-    const shares = level.map((p) => `${engines[p.engine].title} ${percent(p.first)}`).join(", ");
-    if (!places.length) words.textContent = "No engine is left.";
-    else if (places.length === 1) words.textContent = `${engines[places[0].engine].title}, the only engine left.`;
-    else if (level.length === 1) words.textContent = `${engines[level[0].engine].title} first, in ${percent(level[0].first)} of ${DRAWS} draws.`;
-    else words.textContent = `Level: no order holds in 99 % of ${DRAWS} draws (first: ${shares}).`;
-    const counted = cases.filter((_, c) => weightOfCase(c) > 0).length;
-    if (places.length && counted < FEW) words.textContent += ` It leans on ${counted} of the cases alone: too few for a share to mean much.`;
+    document.getElementById("headline").textContent = headline(places, reasons).replaceAll(" %", "\u00a0%");
     const body = document.querySelector("#places tbody"), rows = new Map([...body.rows].map((row) => [row.dataset.engine, row]));
     for (const row of rows.values()) row.hidden = true;
     for (const place of places) {
       const row = rows.get(engines[place.engine].name);
       row.hidden = false;
       row.cells[0].textContent = place.number;
-      row.cells[3].textContent = percent(place.first);
+      row.cells[3].textContent = places.length > 1 ? percent(place.first) : "–";
       row.cells[4].textContent = place.score.toFixed(2);
       criteria.forEach((_, k) => (row.cells[5 + k].textContent = meanOf(k, place.engine)));
       body.append(row);
@@ -185,18 +207,18 @@
     return { input, output };
   };
 
-  const asked = grouped("For");
+  const purposes = grouped("For");
   const preset = document.createElement("select");
   preset.append(new Option("everything alike", ""));
   for (const one of presets.filter((p) => cases.some((c) => p.cases[c.name] > 0))) preset.append(new Option(one.title, one.name));
-  labelled("purpose", preset, asked);
+  labelled("purpose", preset, purposes);
   const feature = document.createElement("select");
   feature.append(new Option("any", ""));
   for (const name of [...new Set(engines.flatMap((e) => e.features))].sort()) feature.append(new Option(name.replaceAll("_", " "), name));
-  labelled("has to have", feature, asked);
+  labelled("has to have", feature, purposes);
   const realtime = document.createElement("input");
   Object.assign(realtime, { type: "number", min: 0, step: 1, value: 0 });
-  labelled("times real time, at least", realtime, asked);
+  labelled("times real time, at least", realtime, purposes);
 
   const byCriterion = grouped("What counts");
   const sliders = criteria.map((name, k) => slider(name, byCriterion, (x) => (wish.weights[k] = x)));

@@ -25,6 +25,8 @@
     if (!keys?.children.length) { if (figure.querySelector("script.spec").textContent.includes('"engine"')) found.push(`${figure.id}: no legend`); }
     else {
       if (keys.scrollWidth > keys.clientWidth + 1) found.push(`${figure.id}: its legend does not fit`);
+      const cut = [...keys.querySelectorAll("*")].find((one) => wide < 500 && one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).overflow === "hidden");
+      if (cut) found.push(`${figure.id}: its legend cuts '${cut.textContent}'`);
       if (svg.querySelector(".role-legend *")) found.push(`${figure.id}: two legends`);
     }
     const caption = figure.querySelector(".caption"), line = parseFloat(getComputedStyle(caption).lineHeight);

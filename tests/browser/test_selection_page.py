@@ -1,13 +1,16 @@
-"""The page on selection ranks prices that are only bounds as the command does."""
+"""The page on selection ranks prices that are only bounds as the command does, and answers in the same words."""
 
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from harness.findings.selection import Wish, choose
+from harness.findings.selection import Wish, choose, read_preset
+from harness.findings.selection.words import headline
 from harness.store.store import Store
 from tests.browser.conftest import page_of
+from tests.run_folder import CASES
 from tests.selection_folder import Made, write_selection_folder
 
 pytestmark = pytest.mark.browser
@@ -36,3 +39,42 @@ def test_places_and_scores_of_the_page_are_those_of_the_command(tmp_path: Path, 
     page.get_by_label("times real time, at least").fill("15")
     page.wait_for_function("() => document.getElementById('left-out').textContent.includes('it is not known')")
     assert "Of MuJoCo it is not known: " in page.inner_text("#left-out")
+
+
+ON_FEET = tuple(name for name in CASES if name.split("_")[0] in ("joint", "friction", "impact"))
+"""The cases of the purpose of machines that walk."""
+TITLES = {"mujoco": "MuJoCo", "dart": "DART", "bullet": "Bullet"}
+
+
+def test_the_page_says_first_level_left_and_alone_in_the_words_of_the_command(tmp_path: Path, visit: Any) -> None:
+    """Shares are drawn by another generator in the browser, so that they are left out of what is compared."""
+    engines = {
+        "mujoco": Made(error=0.3, cost=0.01),
+        "dart": Made(error=0.9, cost=0.03, lacks=ON_FEET),
+        "bullet": Made(error=0.9, cost=0.3, lacks=ON_FEET),
+    }
+    folder = write_selection_folder(tmp_path / "run", engines, 0, noise=0.0)
+    store, page = Store(folder), visit(page_of(folder, "select")).page
+    purpose, weight = page.get_by_label("purpose"), page.get_by_label("price", exact=False).first
+    realtime = page.get_by_label("times real time, at least")
+
+    def told(wish: Wish, kind: str) -> None:
+        words = headline(choose(store, wish, draws=2000), TITLES.__getitem__)
+        assert kind in words
+        expected = re.sub(r"\d+ %", "", words)
+        seen = "document.getElementById('headline').textContent.replaceAll('\\u00a0', ' ').replace(/\\d+ %/g, '')"
+        page.wait_for_function(f"text => {seen} === text", arg=expected)
+
+    weight.fill("5")
+    told(Wish(weights={"price": 5.0}), "first, in ")
+    weight.fill("0")
+    purpose.select_option("legged")
+    told(read_preset("legged").wish(), "is the only engine that can express these scenes, of 3 asked")
+    assert page.locator("#places tbody tr:visible").count() == 1
+    assert page.locator("#places tbody tr:visible td").nth(2).inner_text() == "\N{EN DASH}"
+    purpose.select_option("")
+    weight.fill("1")
+    realtime.fill("100")
+    told(Wish(realtime=100.0), "is the only engine left, of 3 asked")
+    realtime.fill("1000000")
+    told(Wish(realtime=1e6), "No engine is left")

@@ -78,13 +78,13 @@ def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, prin
     assert all(tuple(row) == COLUMNS for row in rows)
     costs = [row for row in rows if row["row"] == "cost"]
     assert {(row["where"], row["track"], row["unit"]) for row in costs} == {
-        *((f"n {n}", track, "step") for n in (4, 6, 8) for track in ("default", "cg")),
-        ("n 4, worlds 3", "default", "world-step"),
-        *((f"thin {thin}", "tuned", "ray") for thin in (64, 128, 256)),
+        *((f"{n} balls", track, "step") for n in (4, 6, 8) for track in ("default", "cg")),
+        ("4 balls, 3 worlds", "default", "world-step"),
+        *((f"one ray in {thin}", "tuned", "ray") for thin in (64, 128, 256)),
         ("step alone", "default", "step"),
         ("step and reading", "default", "read-step"),
         ("empty call", "default", "call"),
-        *((f"n 4, workers {workers}", "default", "step") for workers in (1, 3)),
+        *((f"4 balls, {workers}", "default", "step") for workers in ("1 process", "3 processes")),
     }
     for row in costs:
         assert 0 < row["cpu_low_s"] <= row["cpu_s"] <= row["cpu_high_s"]
@@ -108,7 +108,7 @@ def test_the_table_is_printed_in_every_format(folder: Path, printed: Command) ->
     markdown = printed("show", folder, "--table", "scaling", "--format", "markdown").stdout
     assert len(markdown.splitlines()) == 2 + len(sheet)
     text = printed("show", folder, "--table", "scaling").stdout
-    assert "stack_pile n 8" in text
+    assert "stack_pile 8 balls" in text
     assert "exponent" in text
 
 

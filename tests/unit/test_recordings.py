@@ -3,9 +3,11 @@
 import dataclasses
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from rerun.components import FillMode
 
 from harness.scene import (
     Body,
@@ -18,10 +20,11 @@ from harness.store.store import Store
 from harness.trajectory import Contacts, Trajectory
 from reports import write_recordings
 from reports.palette import ENGINES
+from reports.recordings.blueprint import layout
 from reports.recordings.camera import framed, framing
 from reports.recordings.rotation import angle, compose
 from reports.recordings.runs import stage_of
-from reports.recordings.shapes import CROWD
+from reports.recordings.shapes import CROWD, OVERLAID
 from reports.recordings.truth import truth_at
 from reports.viewer import viewer_command
 from tests.recorded_folder import CORNERS, LAW, QUARTER, TIMES, Folder, Read, placed, record, rising, zoo
@@ -140,6 +143,28 @@ def test_contact_forces_are_arrows_of_one_scale_and_gone_where_there_is_no_conta
     size = framing(stage_of(Store(folder.path), "press")).size
     assert arrows["mujoco"][0][0][2] == pytest.approx(size / 4, rel=1e-6)
     assert f"1 m of arrow is {10.0 / arrows['mujoco'][0][0][2]:.3g} N" in read.text()
+
+
+@pytest.mark.parametrize("contacts", [True, False])
+def test_how_solids_are_filled_is_said_once_with_the_shapes_or_by_each_view(folder: Folder, contacts: bool) -> None:
+    """Arrows of contacts stand within solids, so that no view shows these opaque; elsewhere an engine by itself is solid."""
+    scene = zoo()
+    for engine in ("mujoco", "bullet"):
+        folder.add(record("fill", engine), scene, rising(scene, contacts=pressing(1.0) if contacts else None))
+    path = folder.write()[0]
+    stage = stage_of(Store(folder.path), "fill")
+    root: Any = layout(stage, framing(stage), []).root_container
+    *together, side_by_side = root.contents[0].contents
+    filled = {
+        name: {int(default.as_arrow_array()[0].as_py()) for view in views for default in view.defaults}
+        for name, views in (("together", together), ("alone", side_by_side.contents))
+    }
+    modes = {name: {FillMode.auto(name).value} for name in (OVERLAID, "Solid")}
+    assert filled == (
+        {"together": set(), "alone": set()} if contacts else {"together": modes[OVERLAID], "alone": modes["Solid"]}
+    )
+    said = [name for chunk in Read(path).chunks["/world/mujoco/tuned/sphere"] for name in chunk.schema.names]
+    assert ("Ellipsoids3D:fill_mode" in said) == contacts
 
 
 def test_plots_hold_what_the_states_say(folder: Folder) -> None:

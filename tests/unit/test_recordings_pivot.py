@@ -56,6 +56,19 @@ def test_what_rolls_flies_or_slides_has_none() -> None:
     assert pivot_of(np.stack([TIME, 0 * TIME, -TIME * TIME], axis=1), wobbling()) is None
 
 
+@pytest.mark.parametrize("angle", [1e-3, 0.1, 3.0])
+def test_an_arm_almost_as_long_as_is_allowed_that_hardly_turns_has_its_pivot(angle: float) -> None:
+    """The farthest that a body goes by a turn is the chord of the longest arm: what it is held against must not be less."""
+    half, none = angle * TIME / TIME[-1] / 2, np.zeros_like(TIME)
+    q_WB = np.stack([np.cos(half), none, np.sin(half), none], axis=1)
+    arm = np.array([1.0, 0.0, 0.0])
+    p_WB = 0.45 * arm - rotate(q_WB, arm)
+    pivot = pivot_of(p_WB, q_WB)
+    assert pivot is not None
+    assert np.linalg.norm(arm) > 1.5 * np.linalg.norm(p_WB[0])
+    assert p_WB == pytest.approx(pivot.p_WP - rotate(q_WB, pivot.p_BP), abs=1e-6)
+
+
 def test_one_that_is_too_far_for_single_precision_is_none() -> None:
     """A body close to the origin on an arm of a kilometre: what rounds the arm would shake the body."""
     small = np.stack([np.ones_like(TIME), 0 * TIME, 0 * TIME, 1e-4 * np.sin(9 * TIME)], axis=1)

@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -154,6 +155,15 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert (wins(prices).counts, wins(prices).open) == ([("ours", 6 - bounds), ("dart", 0)], bounds)
     reached = sum(price.cost is not None for price in prices if price.engine == "dart")
     assert wins(prices, ["ours"]).counts == [("dart", reached)]
+
+
+def test_an_engine_without_any_answer_has_lost_to_nobody_and_one_left_alone_has_won_nothing() -> None:
+    prices = priced(Priced(told())).prices
+    silent = [replace(price, verdict="no answer", cost=None) if price.engine == "dart" else price for price in prices]
+    assert (wins(prices).alone, wins(silent).alone) == ("", "ours")
+    assert [name for name, _ in wins(silent).counts] == ["ours"]
+    shares = [share for share in profile(prices) if share.engine == "ours"]
+    assert profile_chart(Priced(told()), shares, FACTOR) is None
 
 
 def test_every_scene_has_a_line_for_the_error_that_the_list_shows_at_first() -> None:

@@ -6,11 +6,12 @@ from pathlib import Path
 import pytest
 
 from harness.store.store import Store
+from reports.costs import growths
 from reports.html import rendered
 from reports.pages.scaling import render
 from tests.charts import checked
 from tests.run_folder import write_run_folder
-from tests.unit.test_scaling import Scaling, at, beside, scaling  # noqa: F401 -- the fixtures
+from tests.unit.test_scaling import Scaling, at, beside, scaling, scattered  # noqa: F401 -- the fixtures
 
 
 def test_a_store_without_a_sweep_has_no_such_page_and_no_link_to_it(tmp_path: Path) -> None:
@@ -28,6 +29,24 @@ def test_a_store_with_a_sweep_has_the_page_with_every_row(scaling: Scaling) -> N
     assert "1.25" in texts["charts/growth-0.svg"]
     assert checked([page]) > 0
     assert len(texts["scaling.csv"].splitlines()) == 1 + len(scaling.rows())
+
+
+def test_the_chart_and_the_table_state_the_same_exponents_and_leave_out_the_same_one(scattered: Scaling) -> None:  # noqa: F811
+    """One rule for both: of three engines the one whose interval is too wide has no number in either."""
+    (chart,) = growths(scattered._store, scattered)
+    texts = [row["label"] for rows in chart.spec["datasets"].values() for row in rows if "exponent" in str(row.get("label"))]
+    assert {text.split(":")[0] for text in dict.fromkeys(texts)} == {"ours (ours)", "near"}
+    table = str(render(scattered._store)["scaling.html"]).split('id="exponents"')[1].split("</section>")[0]
+    rows = [row for row in table.split("<tr>")[2:] if "</tr>" in row]
+    assert [("not known" in row, ">theirs<" in row) for row in rows] == [(False, False), (False, False), (True, True)]
+
+
+def test_the_axis_of_a_sweep_says_what_the_parameter_counts(scaling: Scaling) -> None:  # noqa: F811
+    (chart,) = growths(scaling._store, scaling)
+    titles = {layer["encoding"]["x"].get("title") for layer in chart.spec["layer"] if "title" in layer["encoding"]["x"]}
+    assert titles == {"number of balls"}
+    assert chart.columns[0] == "number of balls"
+    assert "over the number of balls from 10 to" in str(render(scaling._store)["scaling.html"])
 
 
 def test_reading_calling_and_sharing_have_tables_of_their_own(beside: Scaling) -> None:  # noqa: F811

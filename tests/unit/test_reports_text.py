@@ -50,6 +50,12 @@ def test_numbers_in_prose_are_written_as_in_tables(text: str, shown: str) -> Non
     assert powers(text) == shown
 
 
+def test_units_in_prose_are_raised_and_names_that_look_like_one_are_not() -> None:
+    assert powers("armature of .004 kg m2") == "armature of 0.004 kg m\N{SUPERSCRIPT TWO}"
+    assert powers("9.81 m/s2") == "9.81 m/s\N{SUPERSCRIPT TWO}"
+    assert powers("joint m2 of arm/m/s2x") == "joint m2 of arm/m/s2x"
+
+
 def test_units_formulas_and_knobs_have_one_notation_for_powers() -> None:
     assert [unit_text(unit) for unit in ("m/s2", "kg m2", "rad/s", "1", "N m", "s-1")] == [
         "m/s²",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.findings.costs import Cost, no_worse
+from harness.findings.costs import TELLING, Cost, no_worse
 from harness.findings.tables.scaling import COLUMNS, Scaling, brief
 from harness.statistics.ratio import ratio
 from harness.store.journal import Journal
@@ -117,7 +117,7 @@ def test_what_did_not_finish_is_a_row_with_its_reason(scaling: Scaling) -> None:
 
 
 def test_rows_stand_by_size_and_name_what_was_swept(scaling: Scaling) -> None:
-    assert list(dict.fromkeys(row.where for row in scaling.costs)) == [f"n {n}" for n in SIZES]
+    assert list(dict.fromkeys(row.where for row in scaling.costs)) == [f"{n} balls" for n in SIZES]
 
 
 def test_the_exponent_is_the_one_that_the_prices_were_made_with(scaling: Scaling) -> None:
@@ -168,7 +168,7 @@ def beside(tmp_path: Path) -> Scaling:
 
 def test_reading_and_calling_stand_over_the_plain_step_of_the_same_scene(beside: Scaling) -> None:
     found = {row.where: row.to_plain for row in beside.costs if row.clocks != "work"}
-    assert found.keys() == {f"n {n}, {what}" for n in (10, 20) for what in ("step and reading", "empty call")}
+    assert found.keys() == {f"{n} balls, {what}" for n in (10, 20) for what in ("step and reading", "empty call")}
     for where, over in found.items():
         assert over is not None
         # The noise is common, so nothing is left of it.
@@ -184,7 +184,9 @@ def test_what_stands_beside_the_work_is_nobodys_best_and_no_sweep(beside: Scalin
 
 def test_efficiency_is_the_rate_of_all_over_as_many_times_the_rate_of_one(beside: Scaling) -> None:
     shared = {row.workers: row for row in beside.costs if row.efficiency is not None}
-    assert {workers: row.where for workers, row in shared.items()} == {k: f"n 10, workers {k}" for k in (1, 2, 4)}
+    assert {workers: row.where for workers, row in shared.items()} == {
+        k: f"10 balls, {k} process{'es' * (k > 1)}" for k in (1, 2, 4)
+    }
     for workers, efficiency in ((1, 1.0), (2, 1.0), (4, 0.5)):
         row = shared[workers]
         assert row.efficiency is not None
@@ -222,6 +224,40 @@ def test_rays_and_worlds_are_priced_all_together_over_their_number(
     assert (fit.unit, fit.parameter) == told
     assert (fit.start, fit.end) == pytest.approx((512, 32_768))
     assert {row.unit for row in scaling.costs} == {unit}  # the rows themselves go on pricing one
+
+
+@pytest.fixture
+def scattered(tmp_path: Path) -> Scaling:
+    """Three sizes: ours costs n^1.25 to the digit, the others stray from that at the middle one.
+
+    A logarithm off by s there leaves residuals of -s/3, 2s/3 and -s/3, so that the slope over two decades has a standard error
+    of s/(sqrt(3) ln 10), and an interval that is 6.4 s wide: a factor of 1.17 makes it 1."""
+    journal = Journal(tmp_path)
+    for n in SIZES[:3]:
+        for engine, stray in (("ours", 1.0), ("near", 1.1), ("theirs", 1.5)):
+            journal.append(record(engine, "default", n, 1e-5))
+            journal.append(timing(engine, "default", n, 1e-6 * n**EXPONENT * (stray if n == SIZES[1] else 1.0)))
+    journal.close()
+    catalogue = {
+        "cases": {"stack_pile": {"parameters": {"n": 100, "worlds": 1}, "headline": "overlap", "title": "Pile"}},
+        "engines": {name: {"name": name, "ours": name == "ours", "title": name} for name in ("ours", "near", "theirs")},
+    }
+    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    return Scaling(Store(tmp_path))
+
+
+def test_an_exponent_that_does_not_tell_linear_from_quadratic_growth_is_not_stated(scattered: Scaling) -> None:
+    widths = {fit.engine: fit.high - fit.low for fit in scattered.exponents}
+    assert widths["ours"] == pytest.approx(0, abs=1e-9)
+    for engine, stray in (("near", 1.1), ("theirs", 1.5)):
+        assert widths[engine] == pytest.approx(2 * 12.706 * np.log(stray) / (np.sqrt(3) * np.log(10)), rel=1e-3)
+    assert widths["near"] < TELLING < widths["theirs"]
+    assert {fit.engine: fit.telling for fit in scattered.exponents} == {"ours": True, "near": True, "theirs": False}
+    rows = {row["engine"]: row for row in scattered.rows() if row["row"] == "exponent"}
+    assert rows["ours"]["exponent"] == pytest.approx(EXPONENT)
+    assert rows["theirs"]["exponent"] is None
+    assert rows["theirs"]["exponent_low"] < EXPONENT < rows["theirs"]["exponent_high"]
+    assert brief(rows["theirs"])[4].startswith("exponent not known (")
 
 
 def test_flat_rows_have_all_columns_and_short_words(scaling: Scaling) -> None:

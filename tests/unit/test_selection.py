@@ -7,11 +7,14 @@ import pandas as pd
 import pytest
 
 from harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
+from harness.findings.selection.choose import EXPRESSED
 from harness.findings.selection.doubt import Turn
 from harness.findings.selection.words import headline, turn_sentences
 from harness.store.store import Store
 from harness.study.plugins import names
+from reports.pages import index, select
 from tests.conftest import Command
+from tests.run_folder import CASES
 from tests.selection_folder import Made, write_selection_folder
 
 SEEDS = [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 20))]
@@ -102,6 +105,64 @@ def test_an_engine_that_ran_in_few_of_the_cases_is_left_out_and_spoils_nothing(t
     found = choose(Store(folder), Wish(), draws=200)
     assert numbers(found) == {"mujoco": 1, "dart": 2}
     assert [(drop.engine, drop.value) for drop in found.dropped] == [("bullet", "20 %")]
+
+
+NOTHING = Made(error=0.3, cost=0.01, lacks=tuple(CASES))
+
+
+def test_where_one_engine_alone_can_express_the_scenes_there_is_no_contest_and_no_share(tmp_path: Path) -> None:
+    """An engine without an answer is beaten by nobody: its zeros made the other first in 100 % of draws."""
+    found = answer(tmp_path, {"mujoco": GOOD, "dart": NOTHING, "bullet": NOTHING}, 0)
+    assert numbers(found) == {"mujoco": 1}
+    assert found.alone == "expresses"
+    assert headline(found, str) == "mujoco is the only engine that can express these scenes, of 3 asked: there is no contest."
+    assert {drop.engine: (drop.requirement, drop.value) for drop in found.dropped} == dict.fromkeys(
+        ("dart", "bullet"), (EXPRESSED, "planted: no such thing")
+    )
+    assert all(drop.case and drop.trial for drop in found.dropped)
+    one = answer(tmp_path, {"mujoco": GOOD, "dart": NOTHING}, 1, Wish(cases={"joint_chain": 1.0}))
+    assert headline(one, str) == "mujoco is the only engine that can express this scene, of 2 asked: there is no contest."
+
+
+def test_an_engine_that_can_express_one_of_the_scenes_is_a_contestant(tmp_path: Path) -> None:
+    lacking = Made(error=0.3, cost=0.01, lacks=tuple(name for name in CASES if name != "joint_chain"))
+    found = answer(tmp_path, {"mujoco": GOOD, "dart": lacking}, 0)
+    assert found.alone == ""
+    assert numbers(found) == {"mujoco": 1, "dart": 2}
+
+
+def test_who_is_left_alone_by_requirements_or_was_asked_alone_is_not_called_first(tmp_path: Path) -> None:
+    fast = answer(tmp_path / "a", {"mujoco": GOOD, "dart": NOTHING, "bullet": BAD}, 0, Wish(max_error=1e-1, realtime=20.0))
+    assert fast.alone == "left"
+    assert headline(fast, str) == "mujoco is the only engine left, of 3 asked: there is no contest."
+    single = answer(tmp_path / "b", {"reference": GOOD, "mujoco": GOOD}, 0)
+    assert single.alone == "single"
+    assert headline(single, str) == "mujoco alone was asked: there is no contest."
+
+
+def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contest(tmp_path: Path, printed: Command) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": NOTHING, "bullet": NOTHING}, 0)
+    words = "MuJoCo is the only engine that can express these scenes, of 3 asked: there is no contest."
+    said = printed("select", folder).stdout
+    assert said.startswith(words)
+    assert "DART is left out: it can express no scene that counts (planted: no such thing, in “" in said
+    assert "100 %" not in said
+    rows = json.loads(printed("select", folder, "--json").stdout)
+    assert {row["engine"]: (row["first"], row["alone"]) for row in rows} == {
+        "mujoco": (None, words), "dart": (None, None), "bullet": (None, None)
+    }  # fmt: skip
+    store = Store(folder)
+    pages = {name: str(page.render(store)[f"{name}.html"]) for name, page in (("select", select), ("index", index))}
+    assert words in pages["select"]
+    assert "Bullet is left out: it can express no scene that counts" in pages["select"]
+    assert pages["index"].count(words) >= 3
+    assert not any("in 100 % of" in page.replace("\u00a0", " ") for page in pages.values())
+
+
+def test_a_run_of_one_engine_has_no_page_of_selection_and_no_link_to_it(tmp_path: Path) -> None:
+    store = Store(write_selection_folder(tmp_path / "run", {"reference": GOOD, "mujoco": GOOD}, 0))
+    assert not select.concerns(store)
+    assert "select.html" not in str(index.render(store)["index.html"])
 
 
 def test_few_cases_are_said_beside_the_share_that_they_give(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from harness.findings.selection.doubt import Turn, turns
 from harness.findings.selection.evidence import BOUND, Evidence, gather
@@ -10,14 +10,19 @@ from harness.findings.selection.rank import DRAWS, Rank, rank
 from harness.findings.selection.wish import Dropped, Wish
 from harness.store.store import Store
 
-__all__ = ["Answer", "choose"]
+__all__ = ["EXPRESSED", "Alone", "Answer", "choose"]
+
+EXPRESSED = "a scene that it can express"
+"""What is asked of every engine, whatever else is: of the others in a run there is no answer that could be compared."""
+Alone = Literal["", "expresses", "left", "single"]
+"""Why an engine has nobody beside it: the others express none of the scenes, or lack something else, or there are none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
     """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others.
     undecided: requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who
-    leads. draws: behind the shares."""
+    leads. draws: behind the shares. asked: how many engines could have been ranked."""
 
     wish: Wish
     evidence: Evidence
@@ -26,6 +31,16 @@ class Answer:
     undecided: tuple[Dropped, ...]
     turns: tuple[Turn, ...]
     draws: int
+    asked: int
+
+    @property
+    def alone(self) -> Alone:
+        """Why one engine is ranked beside nobody, so that it leads nothing; '' where there are more, or none."""
+        if self.rank is None or len(self.rank.places) != 1:
+            return ""
+        if self.asked == 1:
+            return "single"
+        return "expresses" if all(drop.requirement == EXPRESSED for drop in self.dropped) else "left"
 
 
 def _of_the_engine(name: str, about: Mapping[str, Any], wish: Wish) -> Dropped | None:
@@ -44,8 +59,20 @@ def _of_the_engine(name: str, about: Mapping[str, Any], wish: Wish) -> Dropped |
     return None
 
 
+CAPABILITY = "capability"
+"""The criterion that says what an engine can express."""
 LEAST_COVERED = 0.5
 """Share of the pairs of criterion and case below which an engine is left out: with it hardly anything could be compared."""
+
+
+def _by_expression(engine: str, evidence: Evidence) -> Dropped | None:
+    """An engine that can express none of the scenes that count: its zeros would make a contest of what is none."""
+    table, key = evidence.table, (CAPABILITY, engine)
+    mine = {case: datum for (criterion, case, name), datum in table.items() if (criterion, name) == key}
+    if not mine or any(datum.value > 0 for datum in mine.values()):
+        return None
+    case, datum = next(iter(mine.items()))
+    return Dropped(engine=engine, requirement=EXPRESSED, value=datum.says, case=case, trial=datum.trial)
 
 
 def _by_evidence(engine: str, evidence: Evidence) -> Dropped | None:
@@ -91,14 +118,14 @@ def _left_open(evidence: Evidence, wish: Wish, left: Sequence[str]) -> Iterator[
 def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
     """Args: draws: of scores, over cases, timings and weights."""
     if store.trials.empty:
-        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), draws=draws)
+        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), draws=draws, asked=0)
     known = store.catalogue.get("engines", {})
     present = [str(engine) for engine in dict.fromkeys(store.trials["engine"])]
     ranked = [name for name in present if wish.with_reference or not known.get(name, {}).get("ours")]
     dropped = [drop for name in ranked if (drop := _of_the_engine(name, known.get(name, {}), wish)) is not None]
     left = _without(ranked, dropped)
     evidence = gather(store, wish, left)
-    dropped += [drop for name in left if (drop := _by_evidence(name, evidence) or _by_prices(name, evidence, wish)) is not None]
+    dropped += [drop for name in left if (drop := _by_what_it_did(name, evidence, wish)) is not None]
     if len(_without(left, dropped)) < len(left):
         left = _without(left, dropped)
         evidence = gather(store, wish, left)
@@ -107,8 +134,20 @@ def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
     changes = turns(evidence, wish) if order is not None else ()
     undecided = tuple(_left_open(evidence, wish, left))
     return Answer(
-        wish=wish, evidence=evidence, rank=order, dropped=tuple(dropped), undecided=undecided, turns=changes, draws=draws
+        wish=wish,
+        evidence=evidence,
+        rank=order,
+        dropped=tuple(dropped),
+        undecided=undecided,
+        turns=changes,
+        draws=draws,
+        asked=len(ranked),
     )
+
+
+def _by_what_it_did(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
+    """The first requirement that an engine does not meet by what it did in the cases that count."""
+    return _by_expression(engine, evidence) or _by_evidence(engine, evidence) or _by_prices(engine, evidence, wish)
 
 
 def _without(engines: Sequence[str], dropped: Sequence[Dropped]) -> list[str]:

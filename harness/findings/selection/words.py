@@ -1,17 +1,30 @@
 """The answer in sentences, for a terminal and for pages."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 
-from harness.findings.selection.choose import Answer
+from harness.findings.selection.choose import EXPRESSED, Answer
 from harness.findings.selection.doubt import Turn
 from harness.findings.selection.rank import Place
 from harness.findings.selection.wish import Dropped
 
-__all__ = ["dropped_sentence", "headline", "turn_sentences", "undecided_sentence"]
+__all__ = ["FEW", "SENTENCES", "dropped_sentence", "headline", "turn_sentences", "undecided_sentence"]
 
 Titled = Callable[[str], str]
 """From a name to what people call it."""
+
+SENTENCES: Mapping[str, str] = {
+    "first": "{engine} first, in {share} of {draws} draws.",
+    "level": "{engines} are level: no order holds in 99 % of {draws} draws (first: {shares}).",
+    "expresses": "{engine} is the only engine that can express {scenes}, of {asked} asked: there is no contest.",
+    "left": "{engine} is the only engine left, of {asked} asked: there is no contest.",
+    "single": "{engine} alone was asked: there is no contest.",
+    "none": "No engine is left that there is evidence of.",
+    "unknown": "There is no evidence of these cases.",
+    "few": "It leans on {cases} alone: too few for a share to mean much.",
+    "expressed": "{engine} is left out: it can express no scene that counts.",
+}
+"""What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
 
 
 def _listed(names: list[str]) -> str:
@@ -25,25 +38,28 @@ FEW = 8
 def headline(answer: Answer, titled: Titled) -> str:
     """Who is first, how surely, who shares the place, and on how few cases, where they stand for others than the user's own.
 
+    Where there is nobody to be first of, it says so in place of a share.
+
     Args: titled: an engine's name to its title."""
     first, count = _first(answer, titled), len(answer.evidence.cases)
-    if answer.rank is None or count >= FEW or answer.evidence.cases.keys() <= answer.evidence.own:
+    if answer.rank is None or answer.alone or count >= FEW or answer.evidence.cases.keys() <= answer.evidence.own:
         return first
-    return f"{first} It leans on {count} {'case' if count == 1 else 'cases'} alone: too few for a share to mean much."
+    return f"{first} {SENTENCES['few'].format(cases='1 case' if count == 1 else f'{count} cases')}"
 
 
 def _first(answer: Answer, titled: Titled) -> str:
     if answer.rank is None:
-        return "No engine is left that there is evidence of." if answer.dropped else "There is no evidence of these cases."
+        return SENTENCES["none" if answer.dropped else "unknown"]
     groups = [list(group) for _, group in groupby(answer.rank.places, key=lambda place: place.number)]
     first = groups[0]
+    if answer.alone:
+        scenes = "this scene" if len(answer.evidence.cases) == 1 else "these scenes"
+        return SENTENCES[answer.alone].format(engine=titled(first[0].engine), scenes=scenes, asked=answer.asked)
     if len(first) == 1:
-        if len(answer.rank.places) == 1:
-            return f"{titled(first[0].engine)}, the only engine left."
-        return f"{titled(first[0].engine)} first, in {_percent(first[0])} of {answer.draws} draws."
+        return SENTENCES["first"].format(engine=titled(first[0].engine), share=_percent(first[0]), draws=answer.draws)
     names = _listed([titled(place.engine) for place in first])
     shares = ", ".join(f"{titled(place.engine)} {_percent(place)}" for place in first)
-    return f"{names} are level: no order holds in 99 % of {answer.draws} draws (first: {shares})."
+    return SENTENCES["level"].format(engines=names, draws=answer.draws, shares=shares)
 
 
 def _percent(place: Place) -> str:
@@ -71,6 +87,9 @@ def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> lis
 def dropped_sentence(drop: Dropped, titled: Titled, called: Titled) -> str:
     """Who is left out, and why. Args: called: a case's name to its title."""
     where = f" in “{called(drop.case)}”" if drop.case else ""
+    if drop.requirement == EXPRESSED:
+        shown = f"{drop.value},{where}" if where else drop.value
+        return f"{SENTENCES['expressed'].format(engine=titled(drop.engine))[:-1]} ({shown})."
     return f"{titled(drop.engine)} is left out: asked for is {drop.requirement}, it has: {drop.value}{where}."
 
 

@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 
 from harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
+from harness.findings.parameter_words import called, said
 from harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
 from harness.findings.where import differing, other_values
 from harness.statistics.order import FEWEST
@@ -49,7 +50,7 @@ COLUMNS = (
     "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
     "efficiency_high",
 )  # fmt: skip
-"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None."""
+"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, and so an exponent not known."""
 
 
 def _number(value: Any) -> float | None:
@@ -87,7 +88,7 @@ class Scaling:
         for (case, _), trials in self._store.asked.groupby(["case", "experiment"], sort=False):
             given = _given(trials)
             swept = differing(given, self._own(case))
-            where = [", ".join(_named(name, parameters.get(name)) for name in swept) for parameters in given]
+            where = [", ".join(said(str(case), name, parameters.get(name)) for name in swept) for parameters in given]
             keyed = trials.assign(
                 where=where, given=given, size=[[_size(parameters.get(name)) for name in swept] for parameters in given]
             )
@@ -202,7 +203,7 @@ class Scaling:
             whole(
                 Sweep(
                     case=case,
-                    where=", ".join(_named(n, v) for n, v in other_values(json.loads(others), self._own(case)).items()),
+                    where=", ".join(said(case, n, v) for n, v in other_values(json.loads(others), self._own(case)).items()),
                     unit=unit,
                     parameter=name,
                     rows=tuple(sorted(rows, key=lambda row: float(row.parameters[name]))),
@@ -236,9 +237,10 @@ class Scaling:
             named = {"penetration_m": cost.penetration, "residual_m_s": cost.residual, "rate_per_s": cost.rate}
             flat.append(blank | row | prices | {"row": "cost"} | named)
         for fit in self.exponents:
-            row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit", "exponent")}
-            where = ", ".join(filter(None, (fit.where, f"{fit.parameter} from {fit.start:g} to {fit.end:g}")))
-            flat.append(blank | row | {"row": "exponent", "where": where, "exponent_low": fit.low, "exponent_high": fit.high})
+            row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit")}
+            along = f"{called(fit.case, fit.parameter)} from {fit.start:g} to {fit.end:g}"
+            row |= {"where": ", ".join(filter(None, (fit.where, along))), "exponent": fit.exponent if fit.telling else None}
+            flat.append(blank | row | {"row": "exponent", "exponent_low": fit.low, "exponent_high": fit.high})
         return flat
 
 
@@ -255,7 +257,8 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
     """A flat row in short words under BRIEF."""
     scene = f"{row['case']} {row['where'] or ''}".strip()
     if row["row"] == "exponent":
-        grows = f"exponent {row['exponent']:.2f} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
+        stated = "not known" if row["exponent"] is None else f"{row['exponent']:.2f}"
+        grows = f"exponent {stated} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
         return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
     costs = ""
     if row["cpu_s"] is not None:
@@ -283,11 +286,6 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
 def _micro(value: float) -> str:
     """In millionths, three digits of it, without a power of ten while it is readable."""
     return f"{value * 1e6:,.0f}" if value >= 1e-4 else f"{value * 1e6:.3g}"
-
-
-def _named(name: str, value: Any) -> str:
-    """'n 100'; a word speaks for itself."""
-    return value if isinstance(value, str) else f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
 
 
 def _given(trials: pd.DataFrame) -> list[dict[str, Any]]:

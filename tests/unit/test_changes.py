@@ -91,6 +91,21 @@ def test_what_delays_all_engines_at_a_question_alike_is_of_none_of_them_and_hide
     assert all(abs((row.ratio or 0) - 1.3) < 0.1 for row in rows)
 
 
+def test_samples_that_fall_into_two_heaps_do_not_tell_what_their_median_seems_to(tmp_path: Path) -> None:
+    """Every second sample 1.6 times as long: the median is 1.3 times as high, and by chance 1 or 1.6. All 1.3 times is told."""
+
+    def told(name: str, every_second: float, every: float) -> set[tuple[str, str, str]]:
+        def planted(trials: pd.DataFrame, _measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+            there = samples["trial"].isin(trials.loc[cells(trials, "stack_tower", "dart"), "trial"])
+            samples.loc[there & (samples["block"] % 2 == 1), "cpu"] *= every_second
+            samples.loc[there, "cpu"] *= every
+
+        return {(row.sense, row.case, row.engine) for row in compared(tmp_path / name, planted).rows if row.kind == "price"}
+
+    assert told("heaps", 1.6, 1.0) == set()
+    assert told("all", 1.0, 1.3) == {("worse", "stack_tower", "dart")}
+
+
 def test_one_engine_alone_is_compared_over_the_canary(tmp_path: Path) -> None:
     folders = write_two_runs(tmp_path)
     for folder in folders:

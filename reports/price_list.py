@@ -145,7 +145,7 @@ def marked(store: "Store", price: Price, beside: Price | None = None) -> Entry:
 
 def _outside(price: Price) -> Entry:
     """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
-    finest, best = f"{amount(1e3 * (price.finest_dt or math.nan))} ms", amount(price.best_error, 2)
+    finest, best = f"dt {step(price.finest_dt)}", amount(price.best_error, 2)
     hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(price.track)}"
     trend = ""
     if price.foreseen_dt is not None:

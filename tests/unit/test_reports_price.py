@@ -99,7 +99,7 @@ def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
     page = texts["price.html"]
     # Lines for errors of 1e-1 to 1e-7, the first that nobody reaches, and the steps of the one engine with four of them.
     assert page.count("<tr data-status=") == 7 + 1
-    assert "not by 1 ms, best 5" in page
+    assert "not by dt 1/1000 s, best 5" in page
     prices = list(csv.DictReader(io.StringIO(texts["price.csv"])))
     assert len(prices) == 8 * 2
     assert {"profile.csv", "steps.csv", "charts/profile-factor.svg", "charts/largest-steps.svg"} <= texts.keys()
@@ -147,7 +147,7 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x10", "")
     # The other's is a bound too: of two bounds there is no ratio.
     assert first.entries["ours"].text == "≥ 100\N{MULTIPLICATION SIGN}"
-    assert lines[5].entries["dart"].text.startswith("not by 10 ms, best 5")
+    assert lines[5].entries["dart"].text.startswith("not by dt 1/100 s, best 5")
     assert heat(lines[5].entries["dart"].price) == "out"
     prices = priced(Priced(told())).prices
     bounds = sum(price.verdict == "at most" for price in prices if price.engine == "dart")

@@ -1,6 +1,5 @@
 """The command that answers which engine: requirements, weights, the rank with its doubt, the settings, the runs behind it."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -87,7 +86,7 @@ def select(
     if evidence:
         _print_evidence(answer, as_json)
     elif as_json:
-        print_json(_rows(store, answer))
+        print_json(_rows(answer))
     else:
         _print(store, answer, preset)
 
@@ -115,17 +114,8 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
     return need
 
 
-def _titles(store: "Store") -> Callable[[str], str]:
-    """From an engine's name to its title."""
-    engines = store.catalogue.get("engines", {})
-    return lambda name: str(engines.get(name, {}).get("title") or name)
-
-
-def _rows(store: "Store", answer: "Answer") -> list[dict[str, Any]]:
-    """One an engine: its place, or why it is left out; of one that nobody stands beside no share, but a sentence."""
-    from harness.findings.selection.words import headline
-
-    alone = headline(answer, _titles(store)) if answer.alone else None
+def _rows(answer: "Answer") -> list[dict[str, Any]]:
+    """One an engine: its place, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
     rows: list[dict[str, Any]] = []
     for place in answer.rank.places if answer.rank is not None else ():
         rows.append(
@@ -138,7 +128,7 @@ def _rows(store: "Store", answer: "Answer") -> list[dict[str, Any]]:
                 "high": place.high,
                 "track": answer.evidence.tracks[place.engine],
                 **{criterion: place.by_criterion.get(criterion) for criterion in _criteria()},
-                "alone": alone,
+                "alone": answer.alone or None,
                 "left_out": None,
                 "case": None,
                 "trial": None,
@@ -160,7 +150,10 @@ def _criteria() -> tuple[str, ...]:
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
 
-    titled, cases = _titles(store), store.catalogue.get("cases", {})
+    engines, cases = store.catalogue.get("engines", {}), store.catalogue.get("cases", {})
+
+    def titled(name: str) -> str:
+        return str(engines.get(name, {}).get("title") or name)
 
     def called(name: str) -> str:
         return str(cases.get(name, {}).get("title") or name)

@@ -76,7 +76,7 @@ def worlds(stage: Stage, frame: Framing, sensors: Sensed) -> "list[rrb.View | rr
 
     tracks = list(dict.fromkeys(run.track for run in stage.runs))
     look = furnishing(stage, frame)
-    # A filling that all views share is logged with the shapes: a view that need not say it is a row less, of two kibibytes.
+    # A filling that all views share is logged with the shapes: a view that need not say it is a row less.
     overlaid, by_itself = (look, look) if touching(stage) else (look | fills(stage, OVERLAID), look | fills(stage, ALONE))
     together: list[Any] = [
         space(f"All engines, {track}", [run for run in stage.runs if run.track == track], sensors, overlaid) for track in tracks

@@ -11,7 +11,7 @@ THREE = Closings((1155, 2910, 4248), (79.0, 98.0, 90.0), (1.0, 1.0, 1.0))
 """As three nights on two loaded cores."""
 
 
-def test_the_first_night_sets_a_tenth_aside_and_one_without_a_budget_nothing() -> None:
+def test_the_first_night_sets_three_twentieths_aside_and_one_without_a_budget_nothing() -> None:
     none = Closings((), (), ())
     assert none.foreseen(5000, 3.0) is None
     assert Budget(900.0, 0.0, none).closing == UNKNOWN * 900

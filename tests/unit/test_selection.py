@@ -149,7 +149,7 @@ def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contes
     assert "100 %" not in said
     rows = json.loads(printed("select", folder, "--json").stdout)
     assert {row["engine"]: (row["first"], row["alone"]) for row in rows} == {
-        "mujoco": (None, words), "dart": (None, None), "bullet": (None, None)
+        "mujoco": (None, "expresses"), "dart": (None, None), "bullet": (None, None)
     }  # fmt: skip
     store = Store(folder)
     pages = {name: str(page.render(store)[f"{name}.html"]) for name, page in (("select", select), ("index", index))}

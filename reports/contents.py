@@ -104,7 +104,7 @@ def families(store: "Store") -> list[tuple[str, list[dict[str, Any]]]]:
 
 @lru_cache(maxsize=2)
 def engines(store: "Store") -> dict[str, dict[str, Any]]:
-    """All engines that have a trial; ours first, then as the catalogue has them."""
+    """All engines that have a trial, as the catalogue has them; ours last: on a narrow screen the first columns are read."""
     catalogue = store.catalogue.get("engines", {})
     tried = list(store.trials["engine"].unique())
     names = [name for name in catalogue if name in tried or not tried] + [name for name in tried if name not in catalogue]
@@ -113,7 +113,7 @@ def engines(store: "Store") -> dict[str, dict[str, Any]]:
         engine = ENGINE | {"name": name} | catalogue.get(name, {})
         engine["title"] = engine["title"] or name
         by_name[name] = engine
-    return dict(sorted(by_name.items(), key=lambda pair: not pair[1]["ours"]))
+    return dict(sorted(by_name.items(), key=lambda pair: bool(pair[1]["ours"])))
 
 
 def titles(store: "Store") -> dict[str, str]:

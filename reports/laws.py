@@ -56,9 +56,8 @@ def _law(engine: Mapping[str, Any], feature: str, emulations: list[Made]) -> Law
 
 
 def _told(store: "Store") -> dict[str, dict[str, Any]]:
-    """The engines that tell their features, ours last: on a narrow screen the first columns are read."""
-    described = {name: engine for name, engine in engines(store).items() if engine["features"]}
-    return dict(sorted(described.items(), key=lambda pair: bool(pair[1]["ours"])))
+    """The engines that tell their features."""
+    return {name: engine for name, engine in engines(store).items() if engine["features"]}
 
 
 def _table(store: "Store", features: list[str]) -> list[tuple[str, Mapping[str, Law]]]:

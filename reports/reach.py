@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from harness.findings.emulations import whose
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["Cell", "Line", "Standing", "Tally", "lines", "maps", "marked", "standings", "tally", "worded"]
 
 Row = dict[str, Any]
+_ROOM = 64
+"""Characters that a cell has room for of why an engine broke; hovering tells the rest."""
 VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the easiest": "broke at the easy end"}
 """What a search says of an axis, in words that claim nothing of what was not tried."""
 
@@ -128,7 +131,7 @@ def cell(search: Search, law: str = "") -> Cell:
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
     hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
-    words = "; ".join(word for word in (why[:40], own, law) if word)
+    words = "; ".join(word for word in (shorten(why, _ROOM, placeholder=" …"), own, law) if word)
     return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
 
 

@@ -35,21 +35,22 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     for panel in panels:
         for number in np.flatnonzero(np.isfinite(panel.index)).tolist():
             points.append(
-                {"engine": panel.engine, "night": days[number], "index": float(panel.index[number]),
+                {"engine": panel.engine_title, "night": days[number], "index": float(panel.index[number]),
                  "version": visible(nights[number].versions.get(panel.engine, ""))}
             )  # fmt: skip
         for number, level in enumerate(panel.levels):
-            ends = {"engine": panel.engine, "level": level.value, "low": level.low, "high": level.high, "stretch": number}
+            ends = {"engine": panel.engine_title, "level": level.value, "low": level.low, "high": level.high, "stretch": number}
             # A level ends where the next begins, so that a step is upright.
             last = panel.levels[number + 1].first if number + 1 < len(panel.levels) else level.last
             stretches += [ends | {"night": days[level.first]}, ends | {"night": days[max(last, level.first)]}]
         rules += _rules(panel, nights, days)
     if not points:
         return None
-    names = list(dict.fromkeys(row["engine"] for row in points))
-    colour = channel("engine:N", title=None, scale={"domain": names, "range": [looks[name].colour for name in names]},
+    mine = {panel.engine_title: looks[panel.engine] for panel in panels if np.isfinite(panel.index).any()}
+    names = list(mine)
+    colour = channel("engine:N", title=None, scale={"domain": names, "range": [look.colour for look in mine.values()]},
                        legend=None if len(names) == 1 else {})  # fmt: skip
-    shape = channel("engine:N", title=None, scale={"domain": names, "range": [looks[name].path for name in names]},
+    shape = channel("engine:N", title=None, scale={"domain": names, "range": [look.path for look in mine.values()]},
                       legend=None if len(names) == 1 else {})  # fmt: skip
     x = channel(
         "night:T", title=None, axis={"format": "%d %b %y", "labelOverlap": "greedy", "tickCount": 6, "labelFlush": True}
@@ -71,10 +72,10 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     small = POINT | {"size": 26, "opacity": 0.75, "clip": True}
     layers.append(chart(points).marked("point", **small).encode(x=x, y=y("index"), color=colour, shape=shape, tooltip=tooltip))
     for kind, dashes in (("step", [1, 0]), ("segment", [3, 3])):
-        mine = [row for row in rules if row["kind"] == kind]
-        if mine:
+        drawn = [row for row in rules if row["kind"] == kind]
+        if drawn:
             said = [channel("what:N", title=kind), channel("night:T", format="%d %b %Y %H:%M")]
-            line = chart(mine).marked("rule", strokeDash=dashes, strokeWidth=1.4, color=NEUTRAL)
+            line = chart(drawn).marked("rule", strokeDash=dashes, strokeWidth=1.4, color=NEUTRAL)
             layers.append(line.encode(x=x, tooltip=said))
     columns = ("engine", "night", "version", "over the first level")
     cells = [[row["engine"], row["night"], row["version"], amount(row["index"], 4)] for row in points]
@@ -86,19 +87,21 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
         f"change of level; dashed: another version or machine, across which nothing is compared.{fence}"
     )
     spec = finished(layers, height=210 if len(panels) == 1 else 260)
-    return Figure(slug(f"trend-{panels[0].case}-{'-'.join(names)}"), title, caption, spec, columns, cells, how)
+    return Figure(
+        slug(f"trend-{panels[0].case}-{'-'.join(panel.engine for panel in panels)}"), title, caption, spec, columns, cells, how
+    )
 
 
 def _rules(panel: Panel, nights: Sequence[NightOf], days: Sequence[str]) -> list[Row]:
     """Where the panel steps, and where its segments begin."""
     rows: list[Row] = [
-        {"night": days[step.night], "kind": "step", "what": f"{panel.engine}: {amount(step.change.ratio)} times"}
+        {"night": days[step.night], "kind": "step", "what": f"{panel.engine_title}: {amount(step.change.ratio)} times"}
         for step in panel.steps
     ]
     for before, now in _segment_starts(panel):
         version = nights[now].versions.get(panel.engine, "")
         other = version != nights[before].versions.get(panel.engine, "")
-        what = f"{panel.engine} {version}" if other else nights[now].processor or "another machine"
+        what = f"{panel.engine_title} {version}" if other else nights[now].processor or "another machine"
         rows.append({"night": days[now], "kind": "segment", "what": visible(what)})
     return rows
 
@@ -147,11 +150,11 @@ def miniature(panel: Panel, colour: str) -> Miniature:
     dots = "".join(f"M{across(n)},{up(float(panel.index[n]))}h.01" for n in np.flatnonzero(np.isfinite(panel.index)).tolist())
     last = panel.levels[-1].value if panel.levels else math.nan
     words = (
-        f"{panel.engine}: price now {amount(last)} times that of its first level, {len(panel.steps)} changes; "
+        f"{panel.engine_title}: price now {amount(last)} times that of its first level, {len(panel.steps)} changes; "
         f"other bits on {len(panel.otherwise)} nights"
     )
     return Miniature(
-        engine=panel.engine,
+        engine=panel.engine_title,
         colour=colour,
         dots=dots,
         levels=tuple((across(x.first - 0.5), across(x.last + 0.5), up(x.value)) for x in panel.levels),

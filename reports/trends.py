@@ -3,6 +3,7 @@
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from shlex import quote
@@ -31,7 +32,7 @@ _MOST_CHARTS, _MOST_ROWS, _MOST_ANSWERS = 8, 300, 1000
 class _Case:
     """A row of miniatures. Terms: changed: does any of them have a step?"""
 
-    name: str
+    title: str
     miniatures: tuple[Miniature, ...]
     changed: bool
 
@@ -59,6 +60,7 @@ def trends_page(trends: Trends) -> tuple[str, tuple[Figure, ...]]:
         .get_template("trends.html")
         .render(
             trends=trends,
+            called=partial(_called, trends),
             figures=figures,
             families=_families(every),
             states=_STATES,
@@ -84,9 +86,14 @@ def _changed_charts(trends: Trends, every: Sequence[Panel], by_engine: Sequence[
     own = (panel for panel in (*by_engine, *every) if any(step.change.case == panel.case for step in panel.steps))
     stepped = sorted(own, key=weight)
     return [
-        index_chart([panel], trends.nights, chosen, f"{panel.case or 'All cases'} on {panel.engine}")
+        index_chart([panel], trends.nights, chosen, f"{panel.case_title} on {panel.engine_title}")
         for panel in stepped[:_MOST_CHARTS]
     ]
+
+
+def _called(trends: Trends, name: str) -> str:
+    """The title of a case or an engine; its name where no night has one."""
+    return trends.titles.get(name, name)
 
 
 def _families(every: Sequence[Panel]) -> list[_Family]:
@@ -98,7 +105,9 @@ def _families(every: Sequence[Panel]) -> list[_Family]:
     for name, mine in cases.items():
         made = tuple(miniature(panel, chosen[panel.engine].colour) for panel in mine)
         family = name.replace(":", "_").split("_")[0]
-        families.setdefault(family, []).append(_Case(name=name, miniatures=made, changed=any(panel.steps for panel in mine)))
+        families.setdefault(family, []).append(
+            _Case(title=mine[0].case_title, miniatures=made, changed=any(panel.steps for panel in mine))
+        )
     order = list(FAMILIES)
     ranked = sorted(families, key=lambda name: (order.index(name) if name in order else len(order), name))
     return [_Family(title=FAMILIES.get(name, name), cases=tuple(families[name])) for name in ranked]
@@ -131,7 +140,7 @@ def _segments(trends: Trends) -> list[tuple[str, str]]:
         if now.machine != before.machine:
             words.append(f"machine {now.machine} ({now.processor})")
         words += [
-            f"{engine} {before.versions[engine]}, now {version}"
+            f"{_called(trends, engine)} {before.versions[engine]}, now {version}"
             for engine, version in now.versions.items()
             if engine in before.versions and before.versions[engine] != version
         ]

@@ -57,7 +57,7 @@ def _print(read: "Trends", address: str) -> None:
     say(f"{len(read.nights)} nights; {len(standing)} regressions stand, of {len(read.regressions)}")
     for one in read.regressions:
         state = one.state if one.until is None else f"{one.state} {read.nights[one.until].stamp}"
-        say(f"{one.stamp}  {one.id}  {state}: {one.sentence}{f' ({one.note})' if one.note else ''}")
+        say(f"{one.stamp}  {one.id}  {state}: {one.sentence()}{f' ({one.note})' if one.note else ''}")
         if one.command and one.state == "open":
             say(f"    {one.command}")
     if standing:
@@ -72,7 +72,7 @@ def _rows(read: "Trends") -> list[dict[str, object]]:
             "kind": one.first.kind, "sense": one.first.sense,
             "case": one.first.case, "engine": one.first.engine, "track": one.first.track, "metric": one.first.metric,
             "ratio": one.first.ratio, "low": one.first.low, "high": one.first.high, "count": len(one.changes), "note": one.note,
-            "sentence": one.sentence, "command": one.command,
+            "sentence": one.sentence(), "command": one.command,
         }
         for one in read.dated
     ]  # fmt: skip
@@ -91,7 +91,9 @@ def ack(name: str, note: str, address: str) -> None:
     from harness.history.regressions import read_trends
 
     with at_hand(address) as kept:
-        known = {one.id: (one.sentence, replace(Named.of(one.first, one.stamp), id=one.id)) for one in read_trends(kept).dated}
+        known = {
+            one.id: (one.sentence(), replace(Named.of(one.first, one.stamp), id=one.id)) for one in read_trends(kept).dated
+        }
         rows = [row for night in kept.nights() for row in night.plan.get("told", ())]
         known |= {str(row["id"]): (str(row["sentence"]), Named.told(row)) for row in rows}
         matching = sorted(full for full in known if full.startswith(name))

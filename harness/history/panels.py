@@ -20,14 +20,16 @@ __all__ = ["Panel", "engine_panels", "panels"]
 class Panel:
     """A panel.
 
-    Terms: case: '' for the engine as a whole. index (n,): the price over its first level, NaN where it was not clocked.
-    segments (n,). levels: of the index, one for each stretch between steps and segments. steps: those that it took. beside:
-    what prices were divided by. series: how many prices it is made of. otherwise: nights whose answers have other bits, each
-    with the series that do: (night, how many, of how many).
+    Terms: case: '' for the engine as a whole. case_title, engine_title: what they are called. index (n,): the price over its
+    first level, NaN where it was not clocked. segments (n,). levels: of the index, one for each stretch between steps and
+    segments. steps: those that it took. beside: what prices were divided by. series: how many prices it is made of. otherwise:
+    nights whose answers have other bits, each with the series that do: (night, how many, of how many).
     """
 
     case: str
     engine: str
+    case_title: str
+    engine_title: str
     index: Floats
     segments: NDArray[np.int64]
     levels: tuple[Level, ...]
@@ -70,6 +72,8 @@ def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> P
     return Panel(
         case=case,
         engine=engine,
+        case_title=trends.titles.get(case, case) if case else "All cases",
+        engine_title=trends.titles.get(engine, engine),
         index=values / first,
         segments=segments,
         levels=tuple(

@@ -1,8 +1,8 @@
 """What changed over a history, told once: each change with its first night, who acknowledged it, and whether it lasts."""
 
 import math
-from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.findings.changes import Change
 from harness.findings.changes.weights import heaviest_first
-from harness.findings.changes.words import command_in, sentence
+from harness.findings.changes.words import command_in, sentence, titled
 from harness.history.acknowledged import Acknowledgement, acknowledged, silenced
 from harness.history.exact_changes import ExactChanges
 from harness.history.folder import History
@@ -58,11 +58,12 @@ class Dated:
         """The heaviest."""
         return self.changes[0]
 
-    @property
-    def sentence(self) -> str:
-        """In words, with how many others there are."""
+    def sentence(self, titles: Mapping[str, str] | None = None) -> str:
+        """In words, with how many others there are. Args: titles: as `titled` takes them; none where names shall be those that
+        commands take."""
         more = len(self.changes) - 1
-        return sentence(self.first) + (f" So {more} more of the same case, at other steps or parameters." if more else "")
+        first = self.first if titles is None else titled(self.first, titles)
+        return sentence(first) + (f" Likewise {more} more of this case, at other steps or parameters." if more else "")
 
     @property
     def command(self) -> str:
@@ -73,13 +74,14 @@ class Dated:
 @dataclass(frozen=True, eq=False)
 class Trends:
     """A history as people look at it. Terms: root: its folder. nights: the earliest first. series, steps: of them. dated: every
-    change, by its night."""
+    change, by its night. titles: of cases and engines by their names, as the last night that has them calls them."""
 
     root: str
     nights: tuple[NightOf, ...]
     series: tuple[Series, ...]
     steps: tuple[PriceStep, ...]
     dated: tuple[Dated, ...]
+    titles: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def regressions(self) -> tuple[Dated, ...]:
@@ -95,18 +97,20 @@ class Trends:
 def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
     readings, exact, kept = Readings(), ExactChanges(), KeptReadings(history)
+    titles: dict[str, str] = {}
     for night in history.nights():
         if night.plan.get("complete", True):  # a run folder that was put there by hand has no plan
             store = night.store()
             readings.add(kept.numbers(night, store))
             exact.add(night, kept.answers(night, store))
+            titles |= store.titles
     series = readings.series()
     steps = tuple(price_steps(series))
     nights = tuple(readings.nights)
     every = [*exact.changes, *((step.night, step.change) for step in steps)]
     plans = [night.plan for night in history.whole_nights()]
     dated = date(nights, every, acknowledged(history), named_by(plans), same_slope(steps))
-    return Trends(root=str(history.root), nights=nights, series=series, steps=steps, dated=dated)
+    return Trends(root=str(history.root), nights=nights, series=series, steps=steps, dated=dated, titles=titles)
 
 
 def named_by(plans: Iterable[Any]) -> list[Named]:

@@ -264,6 +264,12 @@ class Store:
         """Cases and engines: what was asked, of whom."""
         return read_plain(self.folder / "catalogue.json")
 
+    @property
+    def titles(self) -> dict[str, str]:
+        """What cases and engines are called, by name, where the catalogue says so."""
+        kinds = (self.catalogue.get(kind, {}) for kind in ("cases", "engines"))
+        return {name: str(about["title"]) for kind in kinds for name, about in kind.items() if about.get("title")}
+
     def described(self, kind: Literal["cases", "engines"], name: str) -> Mapping[str, Any]:
         """The entry of a case or an engine in the catalogue, for what cannot be worked out without. Raises: StoreError."""
         path, known = self.folder / "catalogue.json", self.catalogue.get(kind, {})

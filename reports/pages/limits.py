@@ -62,11 +62,8 @@ def _groups(store: "Store", shown: Sequence[Line]) -> list[tuple[str, list[Line]
 
 
 def _names(store: "Store", shown: Sequence[Search]) -> list[str]:
-    """The engines that were sought on, the yardstick last: on a narrow screen the first columns are read."""
-    known = engines(store)
-    return sorted(
-        (name for name in known if any(search.engine == name for search in shown)), key=lambda name: bool(known[name]["ours"])
-    )
+    """The engines that were sought on."""
+    return [name for name in engines(store) if any(search.engine == name for search in shown)]
 
 
 PAGE = Page(name="limits", title="Limits", order=12, render=render, concerns=concerns)

@@ -1,5 +1,6 @@
 """Does a history tell each change once, at its night, of the group that it is of; and does what was seen stay seen?"""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -178,7 +179,10 @@ def test_what_was_acknowledged_keeps_its_note_and_stands_no_more(kept: History, 
     assert page.exit_code == 0, page.output
     text = (kept.root / "report" / "index.html").read_text()
     assert "known: #12" in text
-    assert text.index("acknowledged</span>") < text.index("friction_stop on dart")
+    titles = trends.titles
+    assert text.index("acknowledged</span>") < text.index(f"{titles['friction_stop']} on {titles['dart']}")
+    prose = re.sub(r"(?s)<(code|script|style)\b.*?</\1>|<[^>]*>", " ", text)
+    assert [name for name in titles if re.search(rf"(?<!Plumbline )\b{name}\b", prose)] == []
 
 
 def test_a_night_that_is_over_is_read_once_and_again_where_its_files_are_others(

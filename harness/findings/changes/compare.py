@@ -51,14 +51,8 @@ def compare(store_a: Store, store_b: Store) -> Changes:
         same=sum(pair.same_bits for pair in pairs),
         clocked=len(clocked(pairs)),
         unread=tuple(unread),
-        titles={**_titles(store_a), **_titles(store_b)},
+        titles={**store_a.titles, **store_b.titles},
     )
-
-
-def _titles(store: Store) -> dict[str, str]:
-    """What cases and engines are called, where the folder says so."""
-    kinds = (store.catalogue.get(kind, {}) for kind in ("cases", "engines"))
-    return {name: str(about["title"]) for kind in kinds for name, about in kind.items() if about.get("title")}
 
 
 def _where_kept(read: Callable[[], Iterator[Change]], what: str, unread: list[str]) -> list[Change]:

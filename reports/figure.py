@@ -38,6 +38,7 @@ LIGHT: dict[str, Any] = {
         "titleFontWeight": 500,
         "labelFontSize": 11,
         "titleFontSize": 12,
+        "labelSeparation": 5,
     },
     "legend": {"labelColor": "#1d232c", "titleColor": "#4a5361", "titleFontWeight": 500, "labelFontSize": 12},
 }

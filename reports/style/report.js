@@ -15,7 +15,7 @@
       view: { stroke: grid },
       axis: {
         gridColor: grid, domainColor: line, tickColor: line, labelColor: soft, titleColor: ink,
-        titleFontWeight: 500, labelFontSize: 11, titleFontSize: 12,
+        titleFontWeight: 500, labelFontSize: 11, titleFontSize: 12, labelSeparation: 5,
       },
       legend: { labelColor: ink, titleColor: soft, titleFontWeight: 500, labelFontSize: 12 },
     };

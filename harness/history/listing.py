@@ -41,5 +41,5 @@ def _row(night: Night) -> dict[str, Any]:
         "worse": sum(row["regression"] for row in told),
         "better": sum(row["sense"] == "better" for row in told),
         "seconds": plan.get("seconds", {}).get("whole"),
-        "megabytes": bytes_of([night.folder]) / 2**20,
+        "megabytes": bytes_of([night.folder], shared=False) / 2**20,
     }

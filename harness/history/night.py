@@ -223,7 +223,7 @@ def _distrusted(nights: Sequence[Night], night: Night, so_far: Iterable[Record])
 
 
 def _bytes(history: History, night: Night) -> dict[str, int]:
-    """What lies on the disk, by what it is; a trajectory that the pool keeps too counts once."""
+    """What lies on the disk, by what it is; a trajectory that the pool keeps too counts there alone."""
     parts = ("trajectories", "recordings", "report", "truths")
-    sizes = {name: bytes_of([night.folder / name]) for name in parts}
-    return {"night": bytes_of([night.folder]), **sizes, "pool": bytes_of([history.pool])}
+    sizes = {name: bytes_of([night.folder / name], shared=False) for name in parts}
+    return {"night": bytes_of([night.folder], shared=False), **sizes, "pool": bytes_of([history.pool])}

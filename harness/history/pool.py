@@ -72,15 +72,23 @@ class Pool:
         disk.write_atomically(path, sealed_json(path.name, content))
 
     def keep_trajectory(self, path: Path) -> None:
-        """Keep a trajectory of a run folder: the same file under two names where the disk allows. Raises: OSError."""
+        """Keep a trajectory of a run folder: one file under two names where the disk allows, also where it is kept already.
+        Raises: OSError."""
         kept = self.trajectory_path(path.stem)
-        if kept.is_file():
-            return
-        disk.make_folder(kept.parent)
-        try:
-            os.link(path, kept)
-        except OSError:
-            disk.write_atomically(kept, disk.read(path))
+        if not kept.is_file():
+            disk.make_folder(kept.parent)
+            _lay(path, kept)
+        elif not kept.samefile(path):
+            _lay(kept, path)
+
+    def lay(self, path: Path) -> bool:
+        """Lay the trajectory that a path is named after there: is it kept? Raises: OSError."""
+        kept = self.trajectory_path(path.stem)
+        if not kept.is_file():
+            return False
+        disk.make_folder(path.parent)
+        _lay(kept, path)
+        return True
 
     def answers(self) -> Iterator[Path]:
         """The files of all answers."""
@@ -89,3 +97,14 @@ class Pool:
     def trajectories(self) -> Iterator[Path]:
         """The files of all trajectories."""
         yield from sorted(self.folder.glob("trajectories/[0-9a-f][0-9a-f]/*.npz"))
+
+
+def _lay(path: Path, other: Path) -> None:
+    """Give a file a second name, in place of what has it; a copy where the disk knows no two names."""
+    draft = other.with_name(f".{other.name}.{os.getpid()}")
+    try:
+        os.link(path, draft)
+    except OSError:
+        disk.write_atomically(other, disk.read(path))
+    else:
+        draft.replace(other)

@@ -50,7 +50,7 @@ def pruning(history: History, *, older: float | None = None, keep_nights: int | 
     readings = KeptReadings(history).of_others({night.stamp for night in nights if night not in going})
     paths = [*(night.folder for night in going), *answers, *trajectories, *readings]
     standing = tuple(night for night in old if night in needed)
-    return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths))
+    return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths, shared=False))
 
 
 def prune(what: Pruning) -> None:

@@ -4,6 +4,7 @@ import math
 import os
 import resource
 import time
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -103,9 +104,11 @@ def memory_peaks() -> dict[str, float]:
     return {name: resource.getrusage(who).ru_maxrss / 1024 for name, who in kinds.items()}
 
 
-def bytes_of(paths: Iterable[Path]) -> int:
-    """Bytes on the disk of files and of all that folders hold, each file once however many names it has."""
-    seen: dict[tuple[int, int], int] = {}
+def bytes_of(paths: Iterable[Path], *, shared: bool = True) -> int:
+    """Bytes on the disk of files and of all that folders hold, each file once however many names it has. Args: shared: also of
+    files that have a name elsewhere."""
+    seen: dict[tuple[int, int], tuple[int, int]] = {}
+    names: Counter[tuple[int, int]] = Counter()
     waiting = list(paths)
     while waiting:
         path = waiting.pop()
@@ -113,5 +116,7 @@ def bytes_of(paths: Iterable[Path]) -> int:
             waiting += [Path(entry.path) for entry in os.scandir(path)]
         elif path.exists():
             status = path.lstat()
-            seen[status.st_dev, status.st_ino] = status.st_size
-    return sum(seen.values())
+            file = status.st_dev, status.st_ino
+            seen[file] = status.st_size, status.st_nlink
+            names[file] += 1
+    return sum(size for file, (size, links) in seen.items() if shared or names[file] >= links)

@@ -3,7 +3,6 @@
 What an engine answered to a case before a night in which it gave another answer to the same digest is not recalled any more.
 """
 
-import os
 import sys
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -249,17 +248,8 @@ class Steering(Guide):
         """Lay a trajectory of the pool into the night: is it there?"""
         if self.keep == "none":
             return False
-        kept, path = self.pool.trajectory_path(trajectory_hash), self.folder / "trajectories" / f"{trajectory_hash}.npz"
-        if path.is_file():
-            return True
-        if not kept.is_file():
-            return False
-        disk.make_folder(path.parent)
-        try:
-            os.link(kept, path)
-        except OSError:
-            disk.write_atomically(path, disk.read(kept))
-        return True
+        path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
+        return path.is_file() or self.pool.lay(path)
 
     def _stays(self, trial: Trial, record: Record) -> bool:
         """Does a computed trajectory stay?"""

@@ -91,7 +91,7 @@ def in_short(plan: Mapping[str, Any]) -> str:
     return (
         f"night {plan['stamp']}: {plan['answers']} answers, {plan['recalled']} recalled, {plan['computed']} computed "
         f"({plan['again']} of them known ones again, {plan['disagreements']} otherwise), {plan['clocked']} clocked; "
-        f"{taken:.0f}{budget} s, {disk['night'] / 2**20:.0f} MB and {disk['pool'] / 2**20:.0f} in the pool, "
+        f"{taken:.0f}{budget} s, {disk['night'] / 2**20:.0f} MB of its own and {disk['pool'] / 2**20:.0f} in the pool, "
         f"{memory['own']:.0f} MB of memory and {memory['largest_child']:.0f} in the largest process"
     )
 

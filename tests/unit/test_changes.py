@@ -91,6 +91,29 @@ def test_what_delays_all_engines_at_a_question_alike_is_of_none_of_them_and_hide
     assert all(abs((row.ratio or 0) - 1.3) < 0.1 for row in rows)
 
 
+def test_what_slows_all_engines_at_a_question_but_none_like_another_is_of_none_of_them(tmp_path: Path) -> None:
+    """By how much each was slower in a night when other work filled the caches, and no engine had changed."""
+    met = {
+        "bullet": {"default": 1.85, "tuned": 1.42},
+        "dart": {"default": 2.18, "tuned": 1.95},
+        "mujoco": {"default": 1.45, "tuned": 1.49},
+        "reference": {"default": 1.15, "tuned": 1.43},
+    }
+
+    def told(name: str, dart: float) -> set[tuple[str, str, str]]:
+        def busy(trials: pd.DataFrame, _measurements: pd.DataFrame, samples: pd.DataFrame) -> None:
+            for engine, tracks in met.items():
+                for track, times in tracks.items():
+                    mine = cells(trials, "stack_tower", engine) & (trials["track"] == track)
+                    there = samples["trial"].isin(trials.loc[mine, "trial"])
+                    samples.loc[there, "cpu"] *= times * (dart if engine == "dart" else 1.0)
+
+        return {(row.sense, row.case, row.engine) for row in compared(tmp_path / name, busy).rows if row.kind == "price"}
+
+    assert told("load", 1.0) == set()
+    assert told("slower", 3.0) == {("worse", "stack_tower", "dart")}
+
+
 def test_samples_that_fall_into_two_heaps_do_not_tell_what_their_median_seems_to(tmp_path: Path) -> None:
     """Every second sample 1.6 times as long: the median is 1.3 times as high, and by chance 1 or 1.6. All 1.3 times is told."""
 

@@ -17,6 +17,7 @@ from harness.history.lock import locked
 from harness.history.pool import Pool
 from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
+from harness.history.spending import bytes_of
 from harness.history.steering import AGAIN, computed_again
 from harness.run import campaign
 from harness.store.journal import StoreError, read_journal
@@ -137,6 +138,25 @@ def test_of_what_passed_as_before_the_hash_is_kept(
     assert {path.stem for path in Pool(opened(root).pool).trajectories()} == kept
     assert {path.stem for path in (last.folder / "trajectories").glob("*.npz")} == kept
     assert [*problems_of(opened(root))] == []
+
+
+def test_what_is_computed_again_lies_on_the_disk_once(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn(monkeypatch, 1.0)
+    few = asked(LOOK, keep="all")
+    with planted() as computed:
+        _, _, first = night(root, few)
+        last, _, account = night(root, few)
+    assert len(computed) == 2 * account["answers"] == 2 * account["again"]
+    pool = Pool(opened(root).pool)
+    paths = sorted((last.folder / "trajectories").glob("*.npz"))
+    assert paths
+    assert all(path.samefile(pool.trajectory_path(path.stem)) for path in paths)
+    assert account["bytes"]["pool"] == first["bytes"]["pool"] > sum(path.stat().st_size for path in paths)
+    assert account["bytes"]["trajectories"] == 0
+    assert 0 < account["bytes"]["night"] < bytes_of([last.folder])
+    # A night that goes takes nothing along that stays under another name.
+    assert bytes_of([last.folder, pool.folder], shared=False) < bytes_of([last.folder, pool.folder])
+    assert bytes_of([root], shared=False) == bytes_of([root])
 
 
 def test_old_nights_go_and_answers_that_no_night_names_but_not_the_last_that_saw_something(root: Path) -> None:

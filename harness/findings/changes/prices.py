@@ -9,7 +9,9 @@ by the median. Where the clock ran over another part of the motion (a run too lo
 
 Whatever else wants the processor comes for seconds or minutes, and then meets all that is clocked side by side: one question,
 put to all engines in turn. So a price of one trial has to stand out from the other engines at the same question, by what
-unchanged prices stray from each other there, and from the run as a whole too; the smaller of both changes is told.
+unchanged prices stray from each other there, and from the run as a whole too; the smaller of both changes is told. Who shares a
+cache with other work is slowed the more, the more memory it walks through: where the other engines at a question were slowed
+apart from each other, as far as that says nothing of one more.
 
 Where no other engine was clocked at a question, only the canary beside each sample saw who else wanted the processor. It and an
 engine need not be slowed alike: of what the canary moved by, the engine may have taken nothing or twice as much. So a price has
@@ -102,7 +104,7 @@ class _Neighbours:
     """Unchanged prices of other engines at one question.
 
     Terms: step: logarithm of their common motion. error: its standard error. spread: of unchanged prices about the common
-    motion of their question, in logarithms.
+    motion of their question, in logarithms: over all questions, and no less than that of this one.
     """
 
     step: float
@@ -244,10 +246,11 @@ def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
     spread = float(np.median(np.abs(np.concatenate(apart)))) / _NORMAL_MAD
     # What an engine's settings have in common is that they are clocked in one process.
     engines = {question: len({price.pair.b.engine for price in asked[question]}) for question in steps}
-    return {
-        question: _Neighbours(float(np.median(of)), _MEDIAN_ERROR * spread / math.sqrt(engines[question]), spread)
-        for question, of in steps.items()
-    }
+    made = {}
+    for question, of in steps.items():
+        here = max(spread, float(np.std(of, ddof=1)))
+        made[question] = _Neighbours(float(np.median(of)), _MEDIAN_ERROR * here / math.sqrt(engines[question]), here)
+    return made
 
 
 def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue: Mapping[str, Any]) -> Change | None:

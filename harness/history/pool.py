@@ -101,10 +101,11 @@ class Pool:
 
 def _lay(path: Path, other: Path) -> None:
     """Give a file a second name, in place of what has it; a copy where the disk knows no two names."""
-    draft = other.with_name(f".{other.name}.{os.getpid()}")
+    draft = other.with_name(f".{other.name}.{os.getpid()}") if other.exists() else other
     try:
         os.link(path, draft)
     except OSError:
         disk.write_atomically(other, disk.read(path))
     else:
-        draft.replace(other)
+        if draft != other:
+            disk.put_in_place(draft, other)

@@ -191,7 +191,10 @@ class Steering(Guide):
 
     def go_on(self, sights: Sequence[Sight], records: Iterable[Record]) -> None:
         """Begin where a night was broken off. Args: sights: what it had saved. records: of its journal."""
-        self.hashes |= {record.trajectory_hash for record in records if record.trajectory_kept}
+        kept = [record for record in records if record.trajectory_kept]
+        self.hashes |= {record.trajectory_hash for record in kept}
+        new = {record.trajectory_hash for record in kept if not record.recalled and record.trajectory_hash is not None}
+        self._kept = sum(self._size(each) for each in new if not self.pool.trajectory_path(each).is_file())
         for sight in sights:
             self.tallies[sight.experiment, sight.case] = _Tally(
                 answers=sight.answers,
@@ -260,12 +263,16 @@ class Steering(Guide):
         before = self.last(trial)
         if self.keep == "changed" and record.status == "passed" and before == ("passed", record.trajectory_hash):
             return False
-        path = self.folder / "trajectories" / f"{record.trajectory_hash}.npz"
-        size = path.stat().st_size if path.is_file() else 0
+        size = self._size(str(record.trajectory_hash))
         if self._kept + size > MOST_KEPT:
             return False
         self._kept += size
         return True
+
+    def _size(self, trajectory_hash: str) -> int:
+        """Bytes of a trajectory in the night's folder, 0 where it is not there."""
+        path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
+        return path.stat().st_size if path.is_file() else 0
 
     def _tally(self, key: Key) -> _Tally:
         return self.tallies.setdefault(key, _Tally())

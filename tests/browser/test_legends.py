@@ -26,7 +26,7 @@ def test_the_legend_is_one_line_and_switches_off_a_third_track(
     page = visit(page_of(write_settings_folder(tmp_path / "run", *settings, without="newton"), "index"), viewport=WIDE).page
     assert page.evaluate(LINES) == [1, 1]
     names = page.locator(".switches").first.locator("button").evaluate_all("all => all.map((one) => one.ariaLabel)")
-    assert names == ["Plumbline reference (ours)", "MuJoCo", "Bullet", "DART", "default", "tuned", *([third] if third else [])]
+    assert names == ["MuJoCo", "Bullet", "DART", "Plumbline reference (ours)", "default", "tuned", *([third] if third else [])]
     # In two cases each, all on tuned answer.
     marks, gone = page.locator(MARKS).count(), 2 * len(settings) if third else 2 * 4
     button = page.locator("#overview-error").get_by_role("button", name=third or "tuned", exact=True)

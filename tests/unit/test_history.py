@@ -14,6 +14,7 @@ from harness.history.address import copy_of
 from harness.history.folder import created, opened
 from harness.history.listing import COLUMNS, rows
 from harness.history.lock import locked
+from harness.history.night import Asked
 from harness.history.pool import Pool
 from harness.history.retention import prune, pruning
 from harness.history.soundness import problems_of
@@ -45,9 +46,8 @@ def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for
     assert again != [name for name in names if computed_again(name, "another night")]
 
 
-def test_a_night_that_was_killed_goes_on_where_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn(monkeypatch, 0.0)
-    before = len(opened(root).nights())
+def kill_behind_three_answers(root: Path, wanted: Asked) -> None:
+    """Let a night with a fault in our engine die once it has written down three answers."""
     child = os.fork()
     if child == 0:
         with planted(Fault(engine="reference")):
@@ -60,9 +60,15 @@ def test_a_night_that_was_killed_goes_on_where_it_was(root: Path, monkeypatch: p
                         os.kill(os.getpid(), signal.SIGKILL)
 
             campaign.run_isolated = dying  # type: ignore[assignment]
-            night(root)
+            night(root, wanted)
         os._exit(0)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+
+
+def test_a_night_that_was_killed_goes_on_where_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn(monkeypatch, 0.0)
+    before = len(opened(root).nights())
+    kill_behind_three_answers(root, asked())
     history = opened(root)
     killed = history.nights()[-1]
     assert len(history.nights()) == before + 1
@@ -74,6 +80,21 @@ def test_a_night_that_was_killed_goes_on_where_it_was(root: Path, monkeypatch: p
     assert len(computed) == CELLS // 2 - 3  # three were written down before it died
     assert account["answers"] == CELLS
     assert [*problems_of(history)] == []
+
+
+def test_a_night_that_goes_on_keeps_no_more_new_trajectories_than_one_that_was_never_killed(
+    kept_nothing: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = Path(shutil.copytree(kept_nothing, tmp_path / "h"))
+    kill_behind_three_answers(root, wanted := asked(LOOK, keep="all"))
+    there = opened(root).nights()[-1].folder / "trajectories"
+    before = {path.stem: path.stat().st_size for path in there.glob("*.npz")}
+    assert before
+    monkeypatch.setattr(steering, "MOST_KEPT", sum(before.values()) + 1)
+    with planted(Fault(engine="reference")) as computed:
+        night(root, wanted)
+    assert computed
+    assert {path.stem for path in there.glob("*.npz")} == before.keys()
 
 
 def test_two_nights_never_meet_and_a_dead_one_holds_nothing(tmp_path: Path) -> None:

@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from harness.findings.limits_found import Search, amount, searches
 from harness.store.store import Store
 from harness.trial.ensemble import HELD
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["BRIEF", "COLUMNS", "Remedied", "brief", "remedied", "rows"]
 
@@ -51,17 +54,26 @@ def remedied(store: Store) -> list[Remedied]:
     """Every remedy that was tried."""
     every = searches(store)
     sick = {search.trial_broke: search for search in every if not search.remedied and search.trial_broke}
-    return [_row(search, sick[search.remedied], store) for search in every if search.remedied in sick]
-
-
-def _row(search: Search, sick: Search, store: Store) -> Remedied:
-    trials = store.trials[store.trials["trial"].eq(sick.trial_broke) | store.trials["remedied"].eq(sick.trial_broke)]
-    first = trials[(trials["remedy"] == search.remedy)].sort_values("round").iloc[0]
-    before = trials[trials["trial"] == sick.trial_broke].iloc[0]
-    shares = store.measurements[(store.measurements["trial"] == first["trial"]) & (store.measurements["metric"] == HELD)][
-        "value"
+    mine = [search for search in every if search.remedied in sick]
+    broken = store.trials[store.trials["trial"].isin({search.remedied for search in mine})]
+    tried = store.trials[store.trials["remedied"].isin(set(broken["trial"]))].sort_values("round", kind="stable")
+    before = {str(row["trial"]): row for _, row in broken.iterrows()}
+    first = {
+        (str(row["remedied"]), str(row["remedy"])): row for _, row in tried.drop_duplicates(["remedied", "remedy"]).iterrows()
+    }
+    held = store.measurements[store.measurements["metric"] == HELD].drop_duplicates("trial")
+    shares = dict(zip(held["trial"], held["value"], strict=True))
+    return [
+        _row(search, sick[search.remedied], before[search.remedied], first[search.remedied, search.remedy], shares)
+        for search in mine
     ]
-    after = float(shares.iloc[0]) if len(shares) else None
+
+
+def _row(
+    search: Search, sick: Search, before: "pd.Series[Any]", first: "pd.Series[Any]", shares: Mapping[str, Any]
+) -> Remedied:
+    """Args: before, first: rows of the trial that broke and of the first with the remedy. shares: that held, by trial."""
+    after = float(shares[first["trial"]]) if first["trial"] in shares else None
     share = sick.share or 0.0
     if after is None:
         verdict = str(first["status"])

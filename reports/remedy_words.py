@@ -20,7 +20,9 @@ _PLURAL = ("sub-steps x 4", "more iterations")
 def in_words(remedy: str) -> str:
     """What a remedy changes: 'four times the sub-steps', 'the solver sequential impulses'."""
     kind, _, value = remedy.partition(" ")
-    return _WORDS.get(remedy) or (f"the {kind} {value.replace('_', ' ')}" if kind in ("solver", "integrator") else f"a {remedy}")
+    return _WORDS.get(remedy) or (
+        f"the {kind} {value.replace('_', ' ')}" if kind in ("solver", "integrator") else f"a {remedy}"
+    )
 
 
 def helped(tally: Sequence[tuple[str, Mapping[str, Tally]]]) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from harness.findings.tables.tremble import CHANGES, CURED, findings
+from reports.contents import cases
 from reports.page import Page
 from reports.template import fill
 
@@ -23,13 +24,22 @@ HEADS = {
 
 
 def concerns(store: "Store") -> bool:
-    """Only where a machine stood at more than one stiffness."""
-    return len(findings(store)) > 0
+    """Only where a cause may be told: without more iterations nothing but that all is still can be proved."""
+    return any("iterations" in found.shares for found in findings(store))
 
 
 def render(store: "Store") -> Mapping[str, str]:
     """The page."""
-    page = fill("tremble.html", store, title="Tremble", found=findings(store), changes=CHANGES, heads=HEADS, cured=CURED)
+    page = fill(
+        "tremble.html",
+        store,
+        title="Tremble",
+        found=findings(store),
+        cases=cases(store),
+        changes=CHANGES,
+        heads=HEADS,
+        cured=CURED,
+    )
     return {"tremble.html": page}
 
 

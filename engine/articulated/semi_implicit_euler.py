@@ -34,8 +34,9 @@ from engine.memory.tables import Bodies, Joints
 __all__ = ["close_bends", "semi_implicit_euler", "take_changes"]
 
 ROUND_OFF = 1e-11
-"""The change of a rate, as a share of the largest one, that no round is made for. What it leaves out is a share of the way of
-one sub-step; momenta, which are handed on as answered, keep to round-off."""
+"""The change of a rate, as a share of the largest one, that no round is made for. It leaves out as small a share of the way of
+one sub-step; momentum, which is handed on as answered, keeps to round-off, angular momentum of a floating tree to some 1e-13 of
+itself in a sub-step of 5e-3 s."""
 
 MOST_ROUNDS = 50
 """Three are needed where h times the angular velocities is small; more than these where the step is far too long."""

@@ -3,7 +3,6 @@
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from shlex import quote
@@ -60,7 +59,6 @@ def trends_page(trends: Trends) -> tuple[str, tuple[Figure, ...]]:
         .get_template("trends.html")
         .render(
             trends=trends,
-            called=partial(_called, trends),
             figures=figures,
             families=_families(every),
             states=_STATES,
@@ -89,11 +87,6 @@ def _changed_charts(trends: Trends, every: Sequence[Panel], by_engine: Sequence[
         index_chart([panel], trends.nights, chosen, f"{panel.case_title} on {panel.engine_title}")
         for panel in stepped[:_MOST_CHARTS]
     ]
-
-
-def _called(trends: Trends, name: str) -> str:
-    """The title of a case or an engine; its name where no night has one."""
-    return trends.titles.get(name, name)
 
 
 def _families(every: Sequence[Panel]) -> list[_Family]:
@@ -140,7 +133,7 @@ def _segments(trends: Trends) -> list[tuple[str, str]]:
         if now.machine != before.machine:
             words.append(f"machine {now.machine} ({now.processor})")
         words += [
-            f"{_called(trends, engine)} {before.versions[engine]}, now {version}"
+            f"{trends.called(engine)} {before.versions[engine]}, now {version}"
             for engine, version in now.versions.items()
             if engine in before.versions and before.versions[engine] != version
         ]

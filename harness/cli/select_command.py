@@ -150,15 +150,12 @@ def _criteria() -> tuple[str, ...]:
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
 
-    engines, cases = store.catalogue.get("engines", {}), store.catalogue.get("cases", {})
-
-    def titled(name: str) -> str:
-        return str(engines.get(name, {}).get("title") or name)
+    titles = store.titles
 
     def called(name: str) -> str:
-        return str(cases.get(name, {}).get("title") or name)
+        return titles.get(name, name)
 
-    say(headline(answer, titled))
+    say(headline(answer, called))
     if answer.rank is not None:
         counted = answer.rank.counted
         columns = ["place", "engine", "settings", "first in", "score", *(f"{name} ({counted[name]})" for name in counted)]
@@ -168,14 +165,14 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
             score = f"{place.score:.2f} ({place.low:.2f} .. {place.high:.2f})"
             track = answer.evidence.tracks[place.engine]
             first = "-" if answer.alone else f"{100 * place.first:.0f} %"
-            rows.append([place.number, titled(place.engine), track, first, score, *shares])
+            rows.append([place.number, called(place.engine), track, first, score, *shares])
         title = f"of 1; in brackets the cases that each is measured on{f'; preset {preset}' if preset else ''}"
         print_table(title, columns, rows)
     for drop in answer.dropped:
-        say(dropped_sentence(drop, titled, called))
+        say(dropped_sentence(drop, called, called))
     for drop in answer.undecided:
-        say(undecided_sentence(drop, titled, called))
-    for sentence in turn_sentences(answer.turns, titled, called):
+        say(undecided_sentence(drop, called, called))
+    for sentence in turn_sentences(answer.turns, called, called):
         say(f"It would be {sentence}")
     _print_gaps(answer)
 

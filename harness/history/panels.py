@@ -72,8 +72,8 @@ def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> P
     return Panel(
         case=case,
         engine=engine,
-        case_title=trends.titles.get(case, case) if case else "All cases",
-        engine_title=trends.titles.get(engine, engine),
+        case_title=trends.called(case) if case else "All cases",
+        engine_title=trends.called(engine),
         index=values / first,
         segments=segments,
         levels=tuple(

@@ -83,6 +83,10 @@ class Trends:
     dated: tuple[Dated, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
 
+    def called(self, name: str) -> str:
+        """The title of a case or an engine; its name where no night has one."""
+        return self.titles.get(name, name)
+
     @cached_property
     def regressions(self) -> tuple[Dated, ...]:
         """What got worse, first bad night first."""

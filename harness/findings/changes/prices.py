@@ -9,9 +9,8 @@ by the median. Where the clock ran over another part of the motion (a run too lo
 
 Whatever else wants the processor comes for seconds or minutes, and then meets all that is clocked side by side: one question,
 put to all engines in turn. So a price of one trial has to stand out from the other engines at the same question, by what
-unchanged prices stray from each other there, and from the run as a whole too; the smaller of both changes is told. Who shares a
-cache with other work is slowed the more, the more memory it walks through: where the other engines at a question were slowed
-apart from each other, as far as that says nothing of one more.
+unchanged prices stray from each other there, and from the run as a whole too; the smaller of both changes is told. Other work
+does not slow all engines alike: where the others at a question strayed farther from each other, that is how far one more may.
 
 Where no other engine was clocked at a question, only the canary beside each sample saw who else wanted the processor. It and an
 engine need not be slowed alike: of what the canary moved by, the engine may have taken nothing or twice as much. So a price has

@@ -10,13 +10,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "build",
+    "changes_page",
     "open_viewer",
     "parity_page",
     "print_report",
     "recording_of",
     "serve",
     "trends_page",
-    "what_changed",
     "write_recordings",
 ]
 
@@ -92,7 +92,7 @@ def serve(folder: Path, port: int, announce: Callable[[str], None]) -> None:
     run(folder, port, announce)
 
 
-def what_changed(changes: "Changes", folder: Path, gated: Collection[str] = ()) -> Path:
+def changes_page(changes: "Changes", folder: Path, gated: Collection[str] = ()) -> Path:
     """Write the page What changed into a folder; returns its path."""
     from reports.what_changed import write_what_changed
 

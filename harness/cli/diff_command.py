@@ -74,9 +74,9 @@ def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...]
     """The files of a comparison. Returns: its page."""
     from harness.findings.changes.files import changes_files
     from harness.store.disk import make_folder, write_atomically
-    from reports.what_changed import write_what_changed  # the package's own name for it is the module, once that is imported
+    from reports import changes_page
 
     make_folder(out)
     for name, content in changes_files(changes, store, gated).items():
         write_atomically(out / name, content)
-    return write_what_changed(changes, out, gated)
+    return changes_page(changes, out, gated)

@@ -167,14 +167,14 @@ def _write_comparison(done: "Done", news: "News | None") -> None:
     """What changed, for build servers and other trackers, and as a page: before the report, whose first page leads to it."""
     from harness.findings.changes.files import changes_files
     from harness.store.disk import make_folder, write_atomically
-    from reports.what_changed import write_what_changed
+    from reports import changes_page
 
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
         for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
             write_atomically(folder / name, content)
-        write_what_changed(news.changes, folder, done.asked.gated)
+        changes_page(news.changes, folder, done.asked.gated)
 
 
 def _write_summary(

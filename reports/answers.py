@@ -27,17 +27,14 @@ def answers(store: "Store", trials: pd.DataFrame | None = None) -> pd.DataFrame:
         The columns of `trials`, and error (headline metric, NaN where there is none), unit, at_most, metric, answered,
         settings_line, said (the reason in words), and series: a name that trials share when only their step or seed differs.
     """
-    return _asked(store).copy() if trials is None else _answers(store, trials)
+    rows = _answers(store)
+    return rows[rows["trial"].isin((store.asked if trials is None else trials)["trial"])].reset_index(drop=True)
 
 
 @lru_cache(maxsize=1)
-def _asked(store: "Store") -> pd.DataFrame:
-    """Once for all that draw the trials of a store."""
-    return _answers(store, store.asked)
-
-
-def _answers(store: "Store", trials: pd.DataFrame) -> pd.DataFrame:
-    trials = trials.reset_index(drop=True)
+def _answers(store: "Store") -> pd.DataFrame:
+    """Of all trials, once for all that draw those of a store."""
+    trials = store.trials.reset_index(drop=True)
     known = cases(store)
     columns = ("trial", "metric", "value", "unit", "at_most")
     measured = {

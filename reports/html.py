@@ -5,12 +5,13 @@ import re
 import shutil
 import sys
 from collections.abc import Collection, Iterator, Mapping
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from pathlib import Path
 
 from harness.intake.safe_text import LONGEST, one_line
 from harness.store.disk import put_in_place
 from harness.store.store import Store
+from reports.drawing import Drawing
 from reports.page import Page, Rendered, asked, failed, pages
 from reports.policy import guarded
 from reports.vega import vega_bundle
@@ -20,17 +21,20 @@ __all__ = ["write_report"]
 ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js|webp)")
 
+LARGE = 4_000_000
+"""Bytes of a journal, those of a thousand trials, beyond which its pictures are so many that processes to draw them pay."""
+
 
 def rendered(store: Store) -> Mapping[str, str | bytes]:
     """The texts and pictures of all pages by file name; a page that fails is one that says so.
 
-    Pictures are drawn by libraries that let go of the interpreter, and so in a thread beside the pages that follow. Those that
-    no menu lists are the pages of cases: they have nearly all pictures, and come first.
+    Pictures are drawn beside the pages that follow. Those that no menu lists are the pages of cases: they have nearly all
+    pictures, and come first.
     """
     texts: dict[str, str | bytes] = {}
     registered = sorted(pages(), key=lambda page: page.listed)
     taken: set[str] = set()
-    with ThreadPoolExecutor(1, "pictures") as beside:
+    with Drawing(store.folder / "report", _processes(store)) as beside:
         made: list[tuple[Page, Mapping[str, _Waiting]]] = []
         for page in registered:
             if asked(page, store):
@@ -45,15 +49,22 @@ def rendered(store: Store) -> Mapping[str, str | bytes]:
     return texts
 
 
+def _processes(store: Store) -> int:
+    """How many draw the pictures of a store; its size is asked, since they start while it is read."""
+    journal = store.folder / "journal.jsonl"
+    large = journal.is_file() and journal.stat().st_size > LARGE
+    return len(os.sched_getaffinity(0)) if large else 0
+
+
 _Waiting = str | bytes | Future[str | bytes]
 
 
-def _made(page: Page, store: Store, others: Collection[str], beside: Executor) -> Mapping[str, _Waiting]:
+def _made(page: Page, store: Store, others: Collection[str], beside: Drawing) -> Mapping[str, _Waiting]:
     """The files of a page, pictures on their way."""
-    report, made = store.folder / "report", {}
+    made: dict[str, _Waiting] = {}
     try:
         for name, file in _files(page, store, others):
-            made[name] = file if isinstance(file, str | bytes) else beside.submit(file.kept, report)
+            made[name] = file if isinstance(file, str | bytes) else beside.ask(file)
     except Exception as error:
         return _instead(page, store, error)
     return made

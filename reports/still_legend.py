@@ -7,6 +7,8 @@ __all__ = ["NAMED", "with_legend"]
 
 SIGN, LETTER, BETWEEN = 24.0, 6.0, 12.0
 """Widths [px] of a symbol with its room, of a letter of the legend, and between two entries."""
+WIDE, SHORT = 7.5, 240.0
+"""Widths [px] of a letter at most, and of names that no legend cuts: to measure those takes a tenth of a drawing."""
 BESIDE, NAMED = 60, 110
 """What the axis takes of the width of a chart [px], and what it takes where lanes are named: the legend begins at the frame."""
 INK = "#1d232c"
@@ -69,4 +71,6 @@ def _laid(names: Sequence[str], room: float, above: float) -> dict[str, Any]:
     columns = next(
         (count for count in range(len(widths), 1, -1) if sum(max(widths[k::count]) for k in range(count)) <= room), 1
     )
-    return {"columns": columns, "title": None, "offset": above, "gridAlign": "each"}
+    legend = {"columns": columns, "title": None, "offset": above, "gridAlign": "each"}
+    widest = WIDE * max((len(str(name)) for name in names), default=0)
+    return legend | ({"labelLimit": 0} if widest < min(SHORT, room - BESIDE) else {})

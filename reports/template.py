@@ -64,10 +64,18 @@ def cleaned(value: Any) -> Any:
     return visible(value) if isinstance(value, str) and type(value) is not Markup else value
 
 
+class Templates(Environment):
+    """Looks into a dict before it asks for an attribute: cells of tables are such, a million in a large report."""
+
+    def getattr(self, obj: Any, attribute: str) -> Any:
+        """What `obj.attribute` stands for in a template."""
+        return obj[attribute] if type(obj) is dict and attribute in obj else super().getattr(obj, attribute)
+
+
 @cache
 def environment() -> Environment:
     """The templates of this folder, with the filters that they share."""
-    made = Environment(
+    made = Templates(
         loader=PackageLoader("reports"),
         autoescape=True,
         undefined=StrictUndefined,

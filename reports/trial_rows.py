@@ -3,6 +3,7 @@
 import csv
 import io
 import shlex
+from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -14,14 +15,28 @@ from reports.reasons import notices
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["as_csv", "in_order", "is_file", "numbered", "trial"]
+__all__ = ["as_csv", "in_order", "is_file", "measured_of", "metrics_of", "trial"]
 
 
-def numbered(measured: pd.DataFrame) -> pd.DataFrame:
-    """A metric that a case checks twice, over two windows, gets a number from the second on: no measurement hides another."""
-    again = measured.groupby(["trial", "metric"]).cumcount()
-    names = [f"{metric} #{k + 1}" if k else metric for metric, k in zip(measured["metric"], again, strict=True)]
-    return measured.assign(metric=pd.Series(names, index=measured.index, dtype=object))
+def measured_of(store: "Store", case: str) -> dict[str, dict[str, Mapping[str, Any]]]:
+    """What was measured of the trials of a case: by trial, then by metric.
+
+    A metric that a case checks twice, over two windows, gets a number from the second on: no measurement hides another.
+    """
+    measured: dict[str, dict[str, Mapping[str, Any]]] = {}
+    for row in store.tried.get(case, ()):
+        seen: Counter[str] = Counter()
+        for measurement in store.measured.get(row["trial"], ()):
+            metric = measurement["metric"]
+            name = f"{metric} #{seen[metric] + 1}" if seen[metric] else metric
+            seen[metric] += 1
+            measured.setdefault(row["trial"], {})[name] = {**measurement, "metric": name}
+    return measured
+
+
+def metrics_of(measured: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """The metrics of `measured_of`, in the order in which they were met."""
+    return list(dict.fromkeys(metric for values in measured.values() for metric in values))
 
 
 def in_order(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> pd.DataFrame:
@@ -51,7 +66,7 @@ def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> 
     """A row of the table of trials."""
     nothing = {name: None for name, value in row.items() if _missing(value)}
     values = {
-        name: {**measured, "passed": None if pd.isna(measured["passed"]) else bool(measured["passed"])}
+        name: {**measured, "passed": None if _missing(measured["passed"]) else bool(measured["passed"])}
         for name, measured in values.items()
     }
     return {
@@ -64,21 +79,17 @@ def trial(store: "Store", row: Mapping[str, Any], values: Mapping[str, Any]) -> 
     }
 
 
-def as_csv(rows: pd.DataFrame, measured: pd.DataFrame) -> str:
+def as_csv(rows: pd.DataFrame, measured: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     """Trials with one column a metric; cells that a spreadsheet would run are made text."""
     columns = [
         name for name in rows.columns if name not in ("error", "metric", "at_most", "unit", "answered", "series", "said")
     ]
     cells = [_cells(rows[name]) for name in columns]
     # A pivot and a join take longer than all else of a page.
-    values: dict[str, dict[str, Any]] = {}
-    for trial_name, metric, value in zip(measured["trial"], measured["metric"], measured["value"], strict=True):
-        of_metric = values.setdefault(str(metric), {})
-        if not _missing(value):
-            of_metric.setdefault(trial_name, value)
-    for metric, of_trial in values.items():
+    of_trials = [measured.get(name, {}) for name in rows["trial"]]
+    for metric in metrics_of(measured):
         columns.append(f"{metric} (metric)" if metric in rows.columns else metric)
-        cells.append([csv_cell(of_trial.get(name, "")) for name in rows["trial"]])
+        cells.append([_cell(values[metric]["value"]) if metric in values else "" for values in of_trials])
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([csv_cell(str(name)) for name in columns])
@@ -96,5 +107,11 @@ def _cells(column: "pd.Series[Any]") -> list[Any]:
                 words[value] = csv_cell(value)
             cells.append(words[value])
         else:
-            cells.append(csv_cell("" if _missing(value) else value))
+            cells.append(_cell(value))
     return cells
+
+
+def _cell(value: Any) -> Any:
+    if type(value) is float:  # most cells are
+        return "" if value != value else value
+    return csv_cell("" if _missing(value) else value)

@@ -33,8 +33,10 @@ def foreseen(points: "Sequence[Point]", target: float) -> Foreseen | None:
     more.
     """
     candidates: list[tuple[float, Foreseen]] = []
-    for track in dict.fromkeys(point.track for point in points):
-        mine = [point for point in points if point.track == track]
+    tracks: dict[str, list[Point]] = {}
+    for point in points:
+        tracks.setdefault(point.track, []).append(point)
+    for track, mine in tracks.items():
         fit = fit_order([point.dt for point in mine], [point.error for point in mine])
         last = min(mine, key=lambda point: point.dt)
         if fit is None or fit.floor is not None or fit.low <= 0 or fit.at_fine_end < fit.order / 2:

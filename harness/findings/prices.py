@@ -12,13 +12,15 @@ with the step, the step at which that trend would get there is foreseen.
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
@@ -232,9 +234,8 @@ class Prices:
         unit = unit_of(trials)
         here = self.by_scene.get((case, where), [])
         draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
-        lists = {
-            engine: List([p for p in here if p.engine == engine], draw, targets) for engine in dict.fromkeys(trials["engine"])
-        }
+        of_engine = {engine: [p for p in here if p.engine == engine] for engine in dict.fromkeys(trials["engine"])}
+        lists = {engine: List(mine, draw, targets) for engine, mine in of_engine.items()}
         lacking = {e: without(trials[trials["engine"] == e], here, e) for e, costs in lists.items() if costs.best is None}
         spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
@@ -245,20 +246,20 @@ class Prices:
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
                 row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
-                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in here if p.engine == engine), default=None)}
+                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in of_engine[engine]), default=None)}
                 if costs.best is None:
                     yield Price(**(row | lacking[engine]))
                     continue
                 row |= {"best_error": costs.best.error}
                 if engine not in reached:
-                    close = [p for p in here if p.engine == engine and p.error <= target]
+                    close = [p for p in of_engine[engine] if p.error <= target]
                     least = min(close, key=lambda p: p.cost, default=costs.best)
                     outcome: dict[str, Any] = (
                         {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"}
                         if close
                         else {"verdict": "not within the ladder"}
                     )
-                    trend = None if close else foreseen([p for p in here if p.engine == engine], target)
+                    trend = None if close else foreseen(of_engine[engine], target)
                     if trend is not None:
                         outcome |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
                     yield Price(**(row | outcome | {"trial": least.trial, "track": least.track, "dt": least.dt}))
@@ -311,19 +312,8 @@ class Draws:
     """
 
     def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[Block, float]]) -> None:
-        rng = np.random.default_rng(0)
         keys = sorted({key for point in points for key in samples.get(point.trial, {})})
-        processes = sorted({process for process, _ in keys})
-        blocks = {p: [index for index, key in enumerate(keys) if key[0] == p] for p in processes}
-        chosen = [
-            np.concatenate([rng.choice(blocks[p], len(blocks[p])) for p in rng.choice(processes, len(processes))])
-            for _ in range(DRAWS if keys else 0)
-        ]
-        # Processes may have given different numbers of blocks: shorter draws end in the place of a sample that nobody has.
-        places = np.full((len(chosen), max(map(len, chosen), default=0)), len(keys), dtype=np.int64)
-        for draw, drawn in enumerate(chosen):
-            places[draw, : len(drawn)] = drawn
-        self._shift = rng.uniform(-1.0, 1.0, DRAWS)
+        places, self._shift = _drawn(tuple(Counter(process for process, _ in keys).values()))
         self._costs: dict[str, Floats] = {}
         for point in points:
             taken = samples.get(point.trial, {})
@@ -339,6 +329,29 @@ class Draws:
         costs = np.stack([self._costs[p.trial] for p in points], axis=1)
         shifted = np.maximum(errors[None, :] + self._shift[:, None] * offs[None, :], LEAST)
         return prices_of_draws(shifted, costs, targets)
+
+
+@lru_cache(maxsize=64)
+def _drawn(blocks: tuple[int, ...]) -> tuple[NDArray[np.int64], Floats]:
+    """Which samples each draw takes, shape (DRAWS, m), and where in the truth's bar each lies, shape (DRAWS,).
+
+    Args: blocks: of each process, whose samples stand one process after the other. The same for all cases of a run, nearly.
+    """
+    rng = np.random.default_rng(0)
+    of_process = np.split(np.arange(sum(blocks)), np.cumsum(blocks)[:-1])
+
+    def drawn_from(count: int) -> NDArray[np.int64]:
+        return rng.integers(0, count, size=count)
+
+    chosen = [
+        np.concatenate([of_process[p][drawn_from(blocks[p])] for p in drawn_from(len(blocks))])
+        for _ in range(DRAWS if blocks else 0)
+    ]
+    # Processes may have given different numbers of blocks: shorter draws end in the place of a sample that nobody has.
+    places = np.full((len(chosen), max(map(len, chosen), default=0)), sum(blocks), dtype=np.int64)
+    for draw, drawn in enumerate(chosen):
+        places[draw, : len(drawn)] = drawn
+    return places, rng.uniform(-1.0, 1.0, DRAWS)
 
 
 class List:

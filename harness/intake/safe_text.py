@@ -74,7 +74,7 @@ def csv_cell(value: Any) -> Any:
     Source:
         OWASP, 'CSV injection': cells that start with = + - @, tab, carriage return or line feed are evaluated.
     """
-    if value is None or isinstance(value, Number):
+    if value is None or isinstance(value, (float, int, Number)):  # the first two are told at once, and are nearly all
         return value
     text = str(value)
     shown = visible(text, keep="")

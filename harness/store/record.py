@@ -102,8 +102,7 @@ class Timing:
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Timing":
         """Read back what `plain` wrote."""
-        known = {f.name for f in dataclasses.fields(cls)}
-        fields = {name: value for name, value in plain.items() if name in known}
+        fields = {name: value for name, value in plain.items() if name in cls.__dataclass_fields__}
         return cls(**{**fields, "samples": tuple(Sample(**s) for s in plain.get("samples", ()))})
 
 
@@ -209,8 +208,7 @@ class Record:
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any], schema: int = SCHEMA_VERSION) -> "Record":
         """Read back what `plain` wrote. Args: schema: of the program that wrote it."""
-        known = {f.name for f in dataclasses.fields(cls)}
-        fields = {name: value for name, value in plain.items() if name in known}
+        fields = {name: value for name, value in plain.items() if name in cls.__dataclass_fields__}
         stored = fields.get("warnings", ())
         fields["warnings"] = tuple(StoredNotice(**each) for each in stored) if schema > 2 else notices_in_sentences(stored)
         if schema < 3:

@@ -28,6 +28,7 @@ __all__ = [
     "write_tables",
 ]  # fmt: skip
 
+_JSON = json.JSONEncoder(sort_keys=True)
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 TABLES = ("trials", "measurements", "samples")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "measurements", "samples"})
@@ -63,7 +64,7 @@ def tables_of(records: Mapping[str, Record], table: Table = _in_arrow) -> dict[s
     ):
         row = {name: getattr(record, name) for name in TRIAL_COLUMNS}
         row["warnings"] = [str(notice) for notice in record.warnings]
-        row |= {name: json.dumps(row[name], sort_keys=True) for name in _JSON_COLUMNS}
+        row |= {name: _JSON.encode(row[name]) for name in _JSON_COLUMNS}
         trials.append(row)
         measurements += [{"trial": record.trial, **_plain(m, _MEASUREMENT_COLUMNS)} for m in record.measurements]
         samples += [{"trial": record.trial, **_plain(s, _SAMPLE_COLUMNS)} for s in record.samples]

@@ -6,7 +6,7 @@ Scenes of one's own, whose truth engines have to agree on, have a page of their 
 import shlex
 from collections.abc import Collection, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
 from harness.findings.tables.orders import Convergence, convergences
@@ -28,7 +28,7 @@ from reports.sights import sight, thumbnails
 from reports.status import outcome
 from reports.template import case_file, fill
 from reports.text import slug
-from reports.trial_rows import as_csv, in_order, is_file, numbered, trial
+from reports.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
 from reports.verdict import verdicts
 from reports.work_precision import scenes, work_precision
 
@@ -47,16 +47,16 @@ def render(store: "Store") -> Iterator[tuple[str, Rendered]]:
     asked, names = set(store.asked["trial"]), [name for name in known if name not in by_case(store)]
     answered = answers(store, store.trials)
     rows = {name: in_order(answered[answered["case"] == name], sides) for name in names}
-    steps = {name: chart for name in names if (chart := _by_step(store, name, rows[name], asked)) is not None}
-    yield from ((chart.path, chart) for chart in steps.values())
+    steps: dict[str, Figure] = {}
+    for name in names:
+        if (chart := _by_step(store, name, rows[name], asked)) is not None:
+            steps[name] = chart
+            yield chart.path, chart
     cells, ladders = verdicts(store), convergences(store)
     prices = price_list(store) if scenes(store) else []
     for index, name in enumerate(names):
         case, mine = known[name], rows[name]
-        measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
-        values: dict[str, dict[str, Any]] = {}
-        for row in records(measured):
-            values.setdefault(row["trial"], {})[row["metric"]] = row
+        measured = measured_of(store, name)
         plain = slug(name)
         priced = [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
         listed = [line for line in prices if line.case == name]
@@ -87,8 +87,8 @@ def render(store: "Store") -> Iterator[tuple[str, Rendered]]:
             ],
             disputes=told(store, name),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
-            metrics=list(dict.fromkeys([case["headline"], *measured["metric"]])) if len(measured) else [],
-            trials=[trial(store, row, values.get(row["trial"], {})) for row in records(mine)],
+            metrics=list(dict.fromkeys([case["headline"], *metrics_of(measured)])) if measured else [],
+            trials=[trial(store, row, measured.get(row["trial"], {})) for row in records(mine)],
             departures=departures(mine),
             setting_of=partial(setting_words, store),
             shown=outcome,

@@ -26,7 +26,7 @@ from reports.sights import sight
 from reports.status import FINITE, STATUSES, VERDICTS
 from reports.template import case_file, fill
 from reports.text import slug
-from reports.trial_rows import as_csv, in_order, is_file, numbered, trial
+from reports.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
 from reports.work_precision import scenes, work_precision
 
 if TYPE_CHECKING:
@@ -63,10 +63,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
     }
     for name, agreements in by_case(store).items():
         case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
-        measured = numbered(store.measurements[store.measurements["trial"].isin(mine["trial"])])
-        values: dict[str, dict[str, Any]] = {}
-        for row in records(measured):
-            values.setdefault(row["trial"], {})[row["metric"]] = row
+        measured = measured_of(store, name)
         ladder = mine[
             mine["trial"].isin(
                 [rung.trial for agreement in agreements for side in agreement.sides for rung in side.limit.rungs]
@@ -105,8 +102,8 @@ def render(store: "Store") -> Mapping[str, Rendered]:
             prices=listed,
             several=len({line.title for line in listed}) > 1,
             laws=laws_of_case(store, case),
-            metrics=list(dict.fromkeys(measured["metric"])) if len(measured) else [],
-            trials=[trial(store, row, values.get(row["trial"], {})) for row in records(mine)],
+            metrics=metrics_of(measured),
+            trials=[trial(store, row, measured.get(row["trial"], {})) for row in records(mine)],
             departures=departures(mine),
             shown=shown,
             meant={FINITE.name: FINITE} | {name: status for name, status in STATUSES.items() if name != "passed"},

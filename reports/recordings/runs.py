@@ -150,7 +150,7 @@ def touching(stage: Stage) -> bool:
 def stage_of(store: Store, name: str) -> Stage:
     """All that the recording of a case shows."""
     case = store.catalogue.get("cases", {}).get(name, {})
-    trials, met = store.tried.get(name, ()), store.trials["engine"]
+    trials, met = store.tried.get(name, ()), store.trials["engine"].unique()
     engines = list(store.catalogue.get("engines", {})) or sorted(set(met))
     colours = looks(dict.fromkeys([*engines, *met]))
     order = {engine: rank for rank, engine in enumerate(colours)}

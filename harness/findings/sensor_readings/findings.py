@@ -133,9 +133,6 @@ def findings(store: Store) -> tuple[Finding, ...]:
 def _findings(store: Store) -> Iterator[Finding]:
     cases = store.catalogue.get("cases", {})
     trials = concerned(store)[_READ]
-    measured: dict[str, list[Mapping[str, Any]]] = {}
-    for check in store.measurements[store.measurements["trial"].isin(trials["trial"])].to_dict("records"):
-        measured.setdefault(str(check["trial"]), []).append(check)
     for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = cases.get(case, {})
         given = other_values(json.loads(parameters), about.get("parameters", {}))
@@ -150,7 +147,7 @@ def _findings(store: Store) -> Iterator[Finding]:
             reason="" if row["status"] in ("passed", "failed") else str(row["reason"]),
             trial=str(row["trial"]),
         )
-        yield from _of_trial(store, plain, row, measured.get(row["trial"], []), _prices(runs))
+        yield from _of_trial(store, plain, row, store.measured.get(row["trial"], ()), _prices(runs))
 
 
 def _nearest(runs: pd.DataFrame, own: float | None) -> Mapping[str, Any]:

@@ -3,11 +3,10 @@
 A wanted answer is a pair of a case and an error that at least one engine reaches; its price is that of the price list.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
-
-import numpy as np
 
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
@@ -67,12 +66,9 @@ def profile(prices: Sequence[Price]) -> list[Share]:
 
 
 def _share(engine: str, limit: str, within: float, cases: Sequence[str], done: Sequence[bool]) -> Share:
-    left = {}
-    for case in dict.fromkeys(cases):
-        kept = [answered for answered, its in zip(done, cases, strict=True) if its != case]
-        if kept:
-            left[case] = float(np.mean(kept))
-    share = float(np.mean(done)) if done else 0.0
+    put, answered = Counter(cases), Counter(case for case, its in zip(cases, done, strict=True) if its)
+    left = {case: (sum(done) - answered[case]) / (len(done) - count) for case, count in put.items() if count < len(done)}
+    share = sum(done) / len(done) if done else 0.0
     least, most = min(left, key=lambda case: left[case], default=""), max(left, key=lambda case: left[case], default="")
     return Share(
         engine=engine,

@@ -1,0 +1,90 @@
+"""Pictures that processes draw are those that would have been drawn here, whatever becomes of a process."""
+
+import os
+import signal
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from reports import html
+from reports.drawing import Drawing
+from reports.figure import Figure
+from tests.run_folder import write_run_folder
+
+
+def chart(name: str, height: int) -> Figure:
+    bar = {"mark": "bar", "encoding": {"y": {"field": "y", "type": "quantitative"}}}
+    return Figure(name, "Heights", "Drawn.", {"data": {"values": [{"y": height}]}, **bar}, (), ())
+
+
+@dataclass(frozen=True)
+class Fatal:
+    """Ends a process other than this one."""
+
+    here: int
+
+    def kept(self, _: Path) -> str:
+        if os.getpid() != self.here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return "drawn here"
+
+
+@dataclass(frozen=True)
+class Faulty:
+    def kept(self, _: Path) -> str:
+        raise ValueError("no such colour")
+
+
+@dataclass(frozen=True)
+class Where:
+    def kept(self, _: Path) -> str:
+        return str(os.getpid())
+
+
+def test_a_process_draws_what_is_drawn_here_and_takes_what_is_kept(tmp_path: Path) -> None:
+    charts = [chart(f"c{k}", k) for k in range(4)]
+    kept = charts[0].svg.replace("<svg", "<svg id='kept'")
+    (tmp_path / "charts").mkdir()
+    (tmp_path / charts[0].path).write_text(kept)
+    with Drawing(tmp_path, processes=2) as drawing:
+        drawn = [drawing.ask(one).result() for one in charts]
+        elsewhere = drawing.ask(Where()).result()
+    assert drawn == [kept, *(one.svg for one in charts[1:])]
+    assert elsewhere != str(os.getpid())
+
+
+def test_without_processes_all_is_drawn_in_this_one(tmp_path: Path) -> None:
+    with Drawing(tmp_path) as drawing:
+        assert drawing.ask(Where()).result() == str(os.getpid())
+
+
+def test_a_process_that_dies_is_not_asked_again_and_its_pictures_are_drawn_here(tmp_path: Path) -> None:
+    with Drawing(tmp_path, processes=1) as drawing:
+        asked = [drawing.ask(picture) for picture in (Fatal(os.getpid()), Where(), chart("c", 1))]
+    assert [one.result() for one in asked] == ["drawn here", str(os.getpid()), chart("c", 1).svg]
+
+
+def test_what_cannot_be_handed_over_is_drawn_here_and_what_is_wrong_is_raised(tmp_path: Path) -> None:
+    class Local:
+        def kept(self, _: Path) -> bytes:
+            return b"of a class that no other process knows"
+
+    with Drawing(tmp_path, processes=1) as drawing:
+        assert drawing.ask(Local()).result() == b"of a class that no other process knows"
+        with pytest.raises(ValueError, match="no such colour"):
+            drawing.ask(Faulty()).result()
+        assert drawing.ask(Where()).result() != str(os.getpid())
+
+
+def test_a_report_is_the_same_whoever_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
+    reports = []
+    for large in (0, 10**9):
+        monkeypatch.setattr(html, "LARGE", large)
+        report = html.write_report(folder).parent
+        reports.append({path.relative_to(report): path.read_bytes() for path in report.rglob("*.*")})
+        for path in (report / "charts").iterdir():
+            path.unlink()
+    assert reports[0] == reports[1]
+    assert any(path.suffix == ".svg" for path in reports[0])

@@ -10,7 +10,7 @@ from harness.store.parity_record import ParityRecord, Side, read
 from reports.palette import looks
 from reports.policy import guarded
 from reports.template import environment
-from reports.text import amount
+from reports.text import amount, unit_text
 
 __all__ = ["write_page"]
 
@@ -104,15 +104,15 @@ def _worst(rows: Sequence[Mapping[str, Any]]) -> str:
     phrases = []
     if torques:
         row = max(torques, key=lambda candidate: float(candidate["torque"]))
-        phrases.append(f"{amount(row['torque'])} {row['torque_unit']}")
+        phrases.append(f"{amount(row['torque'])} {unit_text(row['torque_unit'])}")
     if motions:
         row = max(motions, key=lambda candidate: float(candidate["motion"]))
-        phrases.append(f"{amount(row['motion'])} {row['motion_unit']} after a second")
+        phrases.append(f"{amount(row['motion'])} {unit_text(row['motion_unit'])} after a second")
     return ", ".join(phrases)
 
 
 def _row(row: Mapping[str, Any], most: float) -> Row:
-    size = "" if row["absolute"] is None else f"{amount(row['absolute'])} {row['unit']}".strip()
+    size = "" if row["absolute"] is None else f"{amount(row['absolute'])} {unit_text(row['unit'])}".strip()
     if row["relative"] is not None:
         size += f" ({amount(row['relative'])} relative)" if size else f"{amount(row['relative'])} relative"
     followed = row["torque"] is not None
@@ -122,10 +122,10 @@ def _row(row: Mapping[str, Any], most: float) -> Row:
         element=row["element"],
         value_A=_shown(row["value_A"]),
         value_B=_shown(row["value_B"]),
-        unit=row["unit"],
+        unit=unit_text(row["unit"]),
         size=size,
-        torque=f"{amount(row['torque'])} {row['torque_unit']}" if followed else "",
-        motion="" if row["motion"] is None else f"{amount(row['motion'])} {row['motion_unit']}",
+        torque=f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if followed else "",
+        motion="" if row["motion"] is None else f"{amount(row['motion'])} {unit_text(row['motion_unit'])}",
         words="" if followed else row["words"],
         documented=row["documented"],
         bar=(row["torque"] or 0.0) / most if most > 0 else 0.0,

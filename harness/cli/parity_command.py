@@ -177,9 +177,11 @@ def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
 def _side(reading: "Reading") -> "Side":
     from harness.scene.parity.difference import plain
     from harness.store.parity_record import Side
+    from harness.study import plugins
 
+    name = f"{plugins.adapter(reading.engine).title} {reading.way}".strip()
     return Side(
-        name=reading.title, engine=reading.engine, source=reading.source, refused=reading.refused,
+        name=name, engine=reading.engine, source=reading.source, refused=reading.refused,
         rows=tuple(plain(row) for row in reading.rows), notes=reading.notes, matrix_gap=reading.matrix_gap,
     )  # fmt: skip
 

@@ -55,7 +55,8 @@ class Options:
         other, not by the solver of spheres. coordinates: of bodies held by joints, 'maximal' six of each body's own, with the
         joints as constraints; 'joint' those that the joints leave, with loops as constraints on top, and contacts under
         the soft solver and semi-implicit Euler alone; 'automatic' these where joints make trees of bodies that are no
-        points, and nothing touches, else the former (None: 'maximal' under rk4, else 'automatic').
+        points and close no loops, unless the other options know no contacts there or most bodies that may touch are loose,
+        else the former (None: 'maximal' under rk4, else 'automatic').
     """
 
     dt: float = 1 / 240

@@ -27,10 +27,11 @@ Deviations:
       not pushed out. One that forces move must be closed, and its collision is not swept: else it is `Unsupported`.
       With the option 'level_of_detail' a mesh collides, and meets rays, as its sphere, box, hull or convex pieces; an
       open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
-    * Trees of joints that nothing touches are solved in joint coordinates on both tracks. Semi-implicit Euler moves them as it
-      does bodies with coordinates of their own. The option 'coordinates' as 'joint' takes them beside contacts and loops too,
-      under the soft solver and semi-implicit Euler alone, which 'automatic' leaves in the bodies' own. A joint that closes a
-      loop has no law there: limits, springs, drives, rotors and friction of its own are `Unsupported`.
+    * Trees of joints are solved in joint coordinates on both tracks, where no more loose bodies stand beside them than they have
+      links. Semi-implicit Euler moves trees that nothing touches as it does bodies with coordinates of their own. With contacts
+      the soft solver and semi-implicit Euler alone know them, and 'tuned' takes both, in four sub-steps. With loops the option
+      'coordinates' as 'joint' takes them, and 'automatic' leaves them in the bodies' own. A joint that closes a loop has no law
+      there: limits, springs, drives, rotors and friction of its own are `Unsupported`.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart
@@ -132,7 +133,7 @@ ADAPTER = ReferenceAdapter(
             options={"coordinates": "automatic"},
             source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (more "
             "sub-steps rather than more iterations); exact contacts where few bodies of unlike masses stand on each other, "
-            "split impulses (Catto, GDC 2006) where bodies start inside each other; joint coordinates where joints alone act "
+            "split impulses (Catto, GDC 2006) where bodies start inside each other; joint coordinates for trees of joints "
             "(Featherstone, Rigid Body Dynamics Algorithms, 2008)",
         ),
     },

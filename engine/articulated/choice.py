@@ -1,7 +1,7 @@
 """Whether a world is solved in joint coordinates: as its options choose, where its joints make trees.
 
-Where bodies may touch, or joints close loops, they are taken if they are asked for by name alone: they were not measured to be
-at least as good there in every scene.
+Where joints close loops they are taken if they are asked for by name alone. Where bodies may touch they are taken unless most
+bodies are loose: those have nothing of a tree, and a sweep over both costs more than over bodies alone.
 """
 
 from collections.abc import Sequence
@@ -24,11 +24,13 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     Args: touching: whether two bodies may touch.
     Raises: NotSupported where joint coordinates are asked for, and nothing else will do.
     """
-    if options.used_coordinates == MAXIMAL or not joints or (touching and options.coordinates != JOINT):
+    if options.used_coordinates == MAXIMAL or not joints:
         return None
     found = forest_of(bodies, joints)
-    if isinstance(found, Forest) and found.closing and options.coordinates != JOINT:
-        return None
+    if options.coordinates != JOINT and isinstance(found, Forest):
+        loose = sum(bodies[i].motion == "dynamic" for i in found.others)
+        if found.closing or (touching and loose > len(found.links)):
+            return None
     if options.integrator not in INTEGRATORS:
         found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
     elif isinstance(found, Forest) and (touching or found.closing):

@@ -61,12 +61,28 @@ def test_checks_of_joints_are_solved_in_joint_coordinates_and_tell_so() -> None:
         assert "coordinates" not in OWN.build(scene, OWN.tracks[track]).resolved.options
 
 
-def test_loops_and_contacts_keep_their_bodies_own_coordinates_unless_asked_for_under_semi_implicit_euler() -> None:
-    for name, what in (("joint_fourbar", "joint '.*'"), ("stand_quadruped", "contacts")):
-        scene = plugins.case(name).scene()
-        for settings in ADAPTER.tracks.values():
-            assert "coordinates" not in ADAPTER.build(scene, settings).resolved.options
-        asked = replace(ADAPTER.tracks["default"], options={"coordinates": "joint"})
-        assert ADAPTER.build(scene, asked).resolved.options["coordinates"] == "joint"
-        with pytest.raises(Unsupported, match=f"{what} under the integrator 'rk4'"):
-            ADAPTER.build(scene, replace(ADAPTER.tracks["tuned"], options={"coordinates": "joint"}))
+def used(name: str, settings: Settings) -> Settings:
+    """What the engine makes of the settings in a case's scene."""
+    return ADAPTER.build(plugins.case(name).scene(), settings).resolved
+
+
+def test_loops_keep_their_bodies_own_coordinates_unless_asked_for_under_semi_implicit_euler() -> None:
+    for settings in ADAPTER.tracks.values():
+        assert "coordinates" not in used("joint_fourbar", settings).options
+    asked = replace(ADAPTER.tracks["default"], options={"coordinates": "joint"})
+    assert used("joint_fourbar", asked).options["coordinates"] == "joint"
+    with pytest.raises(Unsupported, match="joint '.*' under the integrator 'rk4'"):
+        used("joint_fourbar", replace(ADAPTER.tracks["tuned"], options={"coordinates": "joint"}))
+
+
+def test_trees_in_contact_take_joint_coordinates_under_semi_implicit_euler_unless_most_bodies_are_loose() -> None:
+    for settings in ADAPTER.tracks.values():
+        told = used("stand_quadruped", settings)
+        assert (told.options["coordinates"], told.integrator, told.substeps) == ("joint", "semi_implicit_euler", 4)
+        assert used("stand_quadruped", told) == told
+        assert "coordinates" not in used("stand_quadruped", in_coordinates(settings, "maximal")).options
+        assert "coordinates" not in used("system_far_origin", settings).options
+    soft = replace(ADAPTER.tracks["tuned"], solver="tgs_soft")
+    assert "coordinates" not in used("stand_quadruped", soft).options
+    with pytest.raises(Unsupported, match="contacts under the integrator 'rk4'"):
+        used("stand_quadruped", in_coordinates(soft, "joint"))

@@ -338,6 +338,19 @@ def test_a_world_that_grows_and_one_that_is_restored_go_on_to_the_bit() -> None:
     assert np.array_equal(batch.state()[1], one.state())
 
 
+def test_trees_that_touch_are_taken_by_themselves_unless_most_bodies_are_loose() -> None:
+    assert chain(2, 0.04, coordinates="automatic").in_joint_coordinates
+    assert chain(2, 0.04, coordinates=None).in_joint_coordinates
+    assert not chain(2, 0.04, coordinates="maximal").in_joint_coordinates
+    shapes = [engine.Placed(engine.Sphere(0.1))]
+    link, *loose = [
+        engine.Body(name=f"b{k}", mass=1.0, inertia=0.1 * np.eye(3), p_WB=(k, 0.0, 1.0), shapes=shapes) for k in range(3)
+    ]
+    hook = engine.Revolute(name="hook", parent=engine.WORLD, child=link.name, anchor_W=(0, 0, 1.5), axis_W=(0, 1, 0))
+    for others, joint in ((loose[:1], True), (loose, False)):
+        assert engine.World([link, *others], [hook]).in_joint_coordinates == joint
+
+
 def test_what_contacts_and_loops_lack_in_joint_coordinates_is_refused_with_the_reason() -> None:
     for options, reason in (
         ({"solver": "exact"}, "contacts under the solver 'exact'"),
@@ -348,7 +361,8 @@ def test_what_contacts_and_loops_lack_in_joint_coordinates_is_refused_with_the_r
     ):
         with pytest.raises(engine.NotSupported, match=reason):
             chain(2, 0.04, **options)
-        assert not chain(2, 0.04, coordinates="automatic").in_joint_coordinates
+    for options in ({"solver": "exact"}, {"integrator": "rk4"}, {"sleeping": True}):  # which know joints beside contacts
+        assert not chain(2, 0.04, **options, coordinates="automatic").in_joint_coordinates
     with pytest.raises(engine.NotSupported, match="joint 'rocker_pin' under the integrator 'rk4'"):
         Linkage().world("rk4", coordinates="joint")
     with pytest.raises(engine.NotSupported, match="closes a loop with a spring"):

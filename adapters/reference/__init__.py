@@ -27,8 +27,8 @@ Deviations:
       not pushed out. One that forces move must be closed, and its collision is not swept: else it is `Unsupported`.
       With the option 'level_of_detail' a mesh collides, and meets rays, as its sphere, box, hull or convex pieces; an
       open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
-    * Trees of joints are solved in joint coordinates on both tracks, where no more loose bodies stand beside them than they have
-      links. Semi-implicit Euler moves trees that nothing touches as it does bodies with coordinates of their own. With contacts
+    * Trees of joints are solved in joint coordinates on both tracks, those in contact unless more bodies are loose than they
+      have links. Semi-implicit Euler moves trees that nothing touches as it does bodies with coordinates of their own. With contacts
       the soft solver and semi-implicit Euler alone know them, and 'tuned' takes both, in four sub-steps. With loops the option
       'coordinates' as 'joint' takes them, and 'automatic' leaves them in the bodies' own. A joint that closes a loop has no law
       there: limits, springs, drives, rotors and friction of its own are `Unsupported`.

@@ -71,7 +71,7 @@ def test_loops_keep_their_bodies_own_coordinates_unless_asked_for_under_semi_imp
         assert "coordinates" not in used("joint_fourbar", settings).options
     asked = replace(ADAPTER.tracks["default"], options={"coordinates": "joint"})
     assert used("joint_fourbar", asked).options["coordinates"] == "joint"
-    with pytest.raises(Unsupported, match="joint '.*' under the integrator 'rk4'"):
+    with pytest.raises(Unsupported, match=r"joint '.*' under the integrator 'rk4'"):
         used("joint_fourbar", replace(ADAPTER.tracks["tuned"], options={"coordinates": "joint"}))
 
 

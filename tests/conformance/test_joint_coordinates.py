@@ -82,7 +82,9 @@ def test_trees_in_contact_take_joint_coordinates_under_semi_implicit_euler_unles
         assert used("stand_quadruped", told) == told
         assert "coordinates" not in used("stand_quadruped", in_coordinates(settings, "maximal")).options
         assert "coordinates" not in used("system_far_origin", settings).options
-    soft = replace(ADAPTER.tracks["tuned"], solver="tgs_soft")
+    tuned = ADAPTER.tracks["tuned"]
+    assert [used("stand_quadruped", replace(tuned, substeps=parts)).substeps for parts in (1, 2, 4, 16)] == [1, 1, 2, 8]
+    soft = replace(tuned, solver="tgs_soft")
     assert "coordinates" not in used("stand_quadruped", soft).options
     with pytest.raises(Unsupported, match="contacts under the integrator 'rk4'"):
         used("stand_quadruped", in_coordinates(soft, "joint"))

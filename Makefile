@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
+# Tests wait a fifth of their time, for browsers and for processes that they start: three share two cores.
+TEST_WORKERS ?= 3
 TESTS ?= tests
 MARKED ?= not slow
 OUT ?= build/compare
@@ -37,11 +39,11 @@ screenshots: $(STAMP)  ## pictures of pages for the README: of the report in OUT
 
 test: $(STAMP)     ## all tests but the long ones, or those under TESTS=folder
 	$(if $(filter tests,$(TESTS)),$(BIN)/python -m tests.warm_up --workers $(WORKERS))
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile -m "$(MARKED)" $(TESTS)
+	$(BIN)/python -m pytest -n $(TEST_WORKERS) --dist loadfile -m "$(MARKED)" $(TESTS)
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m tests.warm_up --workers $(WORKERS)
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
+	$(BIN)/python -m pytest -n $(TEST_WORKERS) --dist loadfile
 
 test-nojit: $(STAMP) ## the engine's unit tests as plain Python, each for a share of time
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -rs -m "not slow" --timeout 900 tests/unit/test_engine_*.py

@@ -23,6 +23,8 @@ FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|cs
 
 LARGE = 4_000_000
 """Bytes of a journal, those of a thousand trials, beyond which its pictures are so many that processes to draw them pay."""
+MOST = 4
+"""Processes that draw: pages ask for pictures no faster than so many draw them."""
 
 
 def rendered(store: Store) -> Mapping[str, str | bytes]:
@@ -53,7 +55,7 @@ def _processes(store: Store) -> int:
     """How many draw the pictures of a store; its size is asked, since they start while it is read."""
     journal = store.folder / "journal.jsonl"
     large = journal.is_file() and journal.stat().st_size > LARGE
-    return len(os.sched_getaffinity(0)) if large else 0
+    return min(MOST, os.cpu_count() or 1) if large else 0
 
 
 _Waiting = str | bytes | Future[str | bytes]

@@ -26,7 +26,7 @@ class Drawing:
 
     def __init__(self, report: Path, processes: int = 0) -> None:
         """Args: report: an earlier report of the folder, whose pictures are taken where they show the same. processes: that
-        draw; 0 for a thread of this one, which is there at once where another process takes as long as some ten charts."""
+        draw; 0 for a thread of this one, which is there at once."""
         self._report = report
         self._idle: SimpleQueue[_Process | None] = SimpleQueue()
         self._all: list[_Process] = []
@@ -98,7 +98,7 @@ def main(descriptor: int) -> None:
     """Draw what comes until nobody asks any more. Args: descriptor: of the connection."""
     connection = Connection(descriptor)
     first = Figure("", "", "", {"data": {"values": [{}]}, "mark": "point"}, (), ())
-    first.kept(Path(os.devnull))  # takes ten times as long as the next: nobody waits for it yet
+    first.kept(Path(os.devnull))  # brings the JavaScript engine, while nobody waits for it yet
     while True:
         try:
             content = connection.recv_bytes()

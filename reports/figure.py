@@ -94,7 +94,7 @@ class Figure:
         spec = with_legend(
             deepcopy({key: value for key, value in shown.items() if key != "datasets"}) | {"datasets": rows}, width
         )
-        # Numbers are cut nowhere: without a limit they are not measured, which takes a tenth of a drawing.
+        # Numbers are cut nowhere. What has no limit is not measured: here and in the legend together a seventh of a drawing.
         still = {"axis": LIGHT["axis"] | {"labelLimit": 0}, "aria": False}
         config = LIGHT | still | {"legend": LIGHT["legend"] | self.spec.get("config", {}).get("legend", {})}
         return spec | {"config": config}

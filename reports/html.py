@@ -22,9 +22,9 @@ ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js|webp)")
 
 LARGE = 4_000_000
-"""Bytes of a journal, those of a thousand trials, beyond which its pictures are so many that processes to draw them pay."""
+"""Bytes of a journal, those of a thousand trials, beyond which processes of their own draw its pictures."""
 MOST = 4
-"""Processes that draw: pages ask for pictures no faster than so many draw them."""
+"""Processes that draw: each brings a JavaScript engine."""
 
 
 def rendered(store: Store) -> Mapping[str, str | bytes]:

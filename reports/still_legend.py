@@ -8,7 +8,7 @@ __all__ = ["NAMED", "with_legend"]
 SIGN, LETTER, BETWEEN = 24.0, 6.0, 12.0
 """Widths [px] of a symbol with its room, of a letter of the legend, and between two entries."""
 WIDE, SHORT = 7.5, 240.0
-"""Widths [px] of a letter at most, and of names that no legend cuts: to measure those takes a tenth of a drawing."""
+"""Widths [px] of a letter at most, and of names that no legend cuts, and that need no measuring."""
 BESIDE, NAMED = 60, 110
 """What the axis takes of the width of a chart [px], and what it takes where lanes are named: the legend begins at the frame."""
 INK = "#1d232c"

@@ -25,8 +25,8 @@ _RIGID = Advantage(
 )
 _HANDED_ON = Advantage(
     by="construction",
-    why="links hand on their momenta as they are in the world, and what holds them is equal and opposite: one sub-step loses "
-    "1.3e-6; the others integrate the rates of joint coordinates, in which momentum is kept to the order of the step alone",
+    why="links hand on their momenta as they are in the world from step to step: one sub-step loses 1.3e-6; the others "
+    "integrate the rates of joint coordinates",
 )
 _AHEAD = Advantage(
     by="solver",

@@ -36,7 +36,7 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     of the same order, at a fraction of the time (docs/decisions/0020 says where its constants are larger).
 
     Trees of joints that touch something: joint coordinates know contacts under semi-implicit Euler alone. There the error of a
-    stand is least at a sub-step of about 1/500 s, and grows with the number of sub-steps below it: half as many as are
+    stand is least at a sub-step of 1/360 to 1/480 s, and grows with the number of sub-steps below it: half as many as are
     asked for, so that the track has four as 'default' does, where no masses are as unlike as above.
 
     Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
@@ -48,7 +48,7 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     if settings.integrator == "rk4" and any(getattr(joint, law, None) for joint in scene.joints for law in laws):
         settings = replace(settings, integrator="semi_implicit_euler")
     springs = replace(settings, solver=SOFT)
-    if (Effect.CONTACT | Effect.JOINTS) in effects and settings.integrator == "rk4":
+    if (Effect.CONTACT | Effect.JOINTS) in effects and settings.integrator in ("rk4", "semi_implicit_euler"):
         half = settings.substeps and max(1, settings.substeps // 2)
         unlike = _mass_ratio(scene) > (half or UNSUBSTEPPED) ** 2
         feet = replace(springs, integrator="semi_implicit_euler", substeps=settings.substeps if unlike else half)

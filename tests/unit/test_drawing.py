@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.store.store import Store
 from reports import html
 from reports.drawing import Drawing
 from reports.figure import Figure
@@ -80,11 +81,20 @@ def test_what_cannot_be_handed_over_is_drawn_here_and_what_is_wrong_is_raised(tm
 def test_a_report_is_the_same_whoever_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
     reports = []
-    for large in (0, 10**9):
-        monkeypatch.setattr(html, "LARGE", large)
+    for processes in (2, 0):
+        monkeypatch.setattr(html, "_processes", lambda _, count=processes: count)
         report = html.write_report(folder).parent
         reports.append({path.relative_to(report): path.read_bytes() for path in report.rglob("*.*")})
         for path in (report / "charts").iterdir():
             path.unlink()
     assert reports[0] == reports[1]
     assert any(path.suffix == ".svg" for path in reports[0])
+
+
+def test_the_size_of_a_journal_says_whether_processes_draw(tmp_path: Path) -> None:
+    journal = tmp_path / "journal.jsonl"
+    journal.write_bytes(b"")
+    store = Store(tmp_path)
+    assert html._processes(store) == 0
+    os.truncate(journal, html.LARGE + 1)
+    assert html._processes(store) == min(html.MOST, os.cpu_count() or 1)

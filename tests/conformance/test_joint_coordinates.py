@@ -84,6 +84,9 @@ def test_trees_in_contact_take_joint_coordinates_under_semi_implicit_euler_unles
         assert "coordinates" not in used("system_far_origin", settings).options
     tuned = ADAPTER.tracks["tuned"]
     assert [used("stand_quadruped", replace(tuned, substeps=parts)).substeps for parts in (1, 2, 4, 16)] == [1, 1, 2, 8]
+    scene = plugins.case("stand_quadruped").scene()
+    rubs = replace(scene, joints=tuple(replace(joint, friction_loss=0.01) for joint in scene.joints))
+    assert ADAPTER.build(rubs, tuned).resolved.substeps == 4
     soft = replace(tuned, solver="tgs_soft")
     assert "coordinates" not in used("stand_quadruped", soft).options
     with pytest.raises(Unsupported, match="contacts under the integrator 'rk4'"):

@@ -12,10 +12,10 @@ __all__ = ["ReferenceBatch"]
 
 
 class ReferenceBatch:
-    """Equal worlds of the engine, advanced in one call on one thread."""
+    """Equal worlds of the engine, advanced in one call on one thread. Args: steps: of the engine in one dt."""
 
-    def __init__(self, batch: "engine.Batch", resolved: Settings) -> None:
-        self._batch, self._resolved = batch, resolved
+    def __init__(self, batch: "engine.Batch", resolved: Settings, steps: int) -> None:
+        self._batch, self._resolved, self._steps = batch, resolved, steps
 
     @property
     def resolved(self) -> Settings:
@@ -32,7 +32,7 @@ class ReferenceBatch:
         import engine
 
         try:
-            self._batch.step(count)
+            self._batch.step(count * self._steps)
         except engine.Diverged as error:
             raise Diverged(str(error)) from error
         except engine.NotSupported as error:

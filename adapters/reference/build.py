@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from adapters.reference.batch import ReferenceBatch
-from adapters.reference.options import SUITED, engine_options, resolved_settings
+from adapters.reference.options import SUITED, engine_options, resolved_settings, steps_in
 from adapters.reference.simulation import ReferenceSimulation
 from adapters.reference.suited import suited
 from adapters.reference.world import make_world
@@ -19,7 +19,7 @@ __all__ = ["build", "build_batch", "compile_for"]
 def build(scene: Scene, settings: Settings) -> ReferenceSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
     world, options = _world(scene, settings)
-    return ReferenceSimulation(world, scene, resolved_settings(settings, options, world))
+    return ReferenceSimulation(world, scene, resolved_settings(settings, options, world), steps_in(settings, options))
 
 
 def build_batch(scene: Scene, settings: Settings, count: int) -> ReferenceBatch | None:
@@ -31,7 +31,8 @@ def build_batch(scene: Scene, settings: Settings, count: int) -> ReferenceBatch 
 
     world, options = _world(scene, settings)
     try:
-        return ReferenceBatch(engine.Batch.replicate(world, count), resolved_settings(settings, options, world))
+        worlds = engine.Batch.replicate(world, count)
+        return ReferenceBatch(worlds, resolved_settings(settings, options, world), steps_in(settings, options))
     except (engine.NotSupported, ValueError):
         return None
 

@@ -10,7 +10,18 @@ from harness.scene import Effect, Scene
 if TYPE_CHECKING:
     import engine
 
-__all__ = ["EXACT", "SEQUENTIAL", "SOFT", "SOFT_OPTIONS", "SUITED", "UNSET", "engine_options", "resolved_settings"]
+__all__ = [
+    "EXACT",
+    "SEQUENTIAL",
+    "SOFT",
+    "SOFT_OPTIONS",
+    "SUITED",
+    "UNSET",
+    "WHOLE_STEPS",
+    "engine_options",
+    "resolved_settings",
+    "steps_in",
+]
 
 SOFT = "tgs_soft"
 EXACT = "exact"
@@ -19,6 +30,7 @@ SUITED = "suited"
 """Not a solver but the choice of one by the scene: exact contacts for few bodies of very unlike masses, sequential impulses for
 bodies that start inside each other, else soft contacts."""
 OPTIONS: Mapping[str, type] = {
+    "steps": int,
     "relaxations": int,
     "step_tolerance": float,
     "broad_phase": str,
@@ -38,6 +50,8 @@ OPTIONS: Mapping[str, type] = {
     "effort": float,
 }
 
+WHOLE_STEPS = "steps"
+"""An option of the adapter's own: the steps of the engine that make one dt. Each finds contacts anew, as sub-steps do not."""
 CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
 SOFT_OPTIONS = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
@@ -77,6 +91,10 @@ def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
         if isinstance(value, bool) != (kind is bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
+    steps = chosen.pop(WHOLE_STEPS, 1)
+    if steps < 1:
+        raise SettingsError(f"settings: option '{WHOLE_STEPS}' is {steps}, expected at least 1")
+    chosen["dt"] /= steps
     effects = scene.effects
     if chosen["continuous"] not in CONTINUOUS:
         raise SettingsError(f"settings: option 'continuous' is {chosen['continuous']!r}, expected {' or '.join(CONTINUOUS)}")
@@ -92,11 +110,18 @@ def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
         raise SettingsError(str(error)) from error
 
 
+def steps_in(settings: Settings, used: "engine.Options") -> int:
+    """How many steps of the engine make one dt."""
+    return round(settings.dt / used.dt)
+
+
 def resolved_settings(settings: Settings, used: "engine.Options", world: "engine.World") -> Settings:
     """What the engine uses, defaults filled in."""
     soft, exact = used.solver == SOFT, used.solver == EXACT
     others = (() if soft else SOFT_OPTIONS) + (() if exact else EXACT_OPTIONS)
-    filled = {name: getattr(used, name) for name in OPTIONS if name not in others}
+    filled = {name: getattr(used, name) for name in OPTIONS if name not in (*others, WHOLE_STEPS)}
+    steps = steps_in(settings, used)
+    filled[WHOLE_STEPS] = steps if steps > 1 else None
     filled["broad_phase"] = world.broad_phase
     if soft:
         stiffest = replace(used, substeps=world.substeps).stiffest_hertz
@@ -109,7 +134,7 @@ def resolved_settings(settings: Settings, used: "engine.Options", world: "engine
         del filled["continuous"]
     return replace(
         settings,
-        substeps=world.substeps,
+        substeps=world.substeps * steps,
         iterations=None if exact else used.iterations,
         integrator=used.integrator,
         solver=used.solver,

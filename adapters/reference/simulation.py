@@ -20,10 +20,10 @@ __all__ = ["ReferenceSimulation"]
 
 
 class ReferenceSimulation:
-    """One world of the engine."""
+    """One world of the engine. Args: resolved: what it uses; steps: of the engine in one dt."""
 
-    def __init__(self, world: "engine.World", scene: Scene, resolved: Settings) -> None:
-        self._world, self._scene, self._resolved = world, scene, resolved
+    def __init__(self, world: "engine.World", scene: Scene, resolved: Settings, steps: int) -> None:
+        self._world, self._scene, self._resolved, self._steps = world, scene, resolved, steps
         acting = scene.joints if Effect.DRIVES in scene.effects else ()
         self._shifts = {
             j.name: shift_of_target(j.drive) for j in acting if isinstance(j, Revolute | Prismatic) and j.drive is not None
@@ -42,7 +42,7 @@ class ReferenceSimulation:
     def force_lead(self) -> float:
         """Euler's methods go x + v dt + (1 +- 1/k)/2 f dt^2 in k sub-steps, + semi-implicit, - explicit; the rest is exact."""
         used = self._world.options
-        share = {"semi_implicit_euler": -1.0, "explicit_euler": 1.0}.get(used.integrator, 0.0) / used.substeps
+        share = {"semi_implicit_euler": -1.0, "explicit_euler": 1.0}.get(used.integrator, 0.0) / (self._steps * used.substeps)
         return 0.5 * (1.0 + share)
 
     def step(self, count: int = 1) -> None:
@@ -50,7 +50,7 @@ class ReferenceSimulation:
         import engine
 
         try:
-            self._world.step(count)
+            self._world.step(count * self._steps)
         except engine.Diverged as error:
             raise Diverged(str(error)) from error
         except engine.NotSupported as error:
@@ -61,7 +61,7 @@ class ReferenceSimulation:
         import engine
 
         try:
-            self._world.retime(dt)
+            self._world.retime(dt / self._steps)
         except engine.NotSupported as error:
             raise Unsupported(error.what, error.why) from error
 

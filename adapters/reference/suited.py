@@ -1,14 +1,15 @@
 """The solver that suits a scene: what the track 'tuned' chooses."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, engine_options
+from adapters.reference.foresight import half_width, heap_gives_way, mass_ratio, quickest_turn, way_through
+from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, WHOLE_STEPS, engine_options
 from adapters.reference.world import make_world
 from harness.adapter import Settings
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
+from harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
     import engine
@@ -21,6 +22,8 @@ FEW = 16
 """Movable bodies up to which `SUITED` takes exact contacts: their cost grows with the cube of the number of contacts."""
 UNSUBSTEPPED = 4
 """Sub-steps of the soft solver where the settings leave them open."""
+TURNING = 2**0.5
+"""Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 
 
 def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | None]":
@@ -29,6 +32,12 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     Unlike masses: a soft contact of a body of mass m is a spring of stiffness m w^2, w h = pi/2 in each of n sub-steps h of
     dt. Under a body r times heavier it gives by r g/w^2 = 4 r/(pi n)^2 g dt^2, and Gauss-Seidel sweeps need the more steps to
     load it the larger r is. Up to r = n^2 that is less than half of g dt^2, one step of falling; above, contacts are exact.
+
+    Soft springs: where a step is long or gravity strong they give way under what rests on them, and a tower topples
+    (`heap_gives_way`); there too contacts are exact.
+
+    Whole steps: sub-steps divide the response to contacts alone. Where a body turns farther in dt than Runge-Kutta is trusted
+    with, or without continuous collision goes through what it may meet, each sub-step is made a step of its own.
 
     Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does.
 
@@ -50,17 +59,21 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     springs = replace(settings, solver=SOFT)
     if (Effect.CONTACT | Effect.JOINTS) in effects and settings.integrator in ("rk4", "semi_implicit_euler"):
         half = settings.substeps and max(1, settings.substeps // 2)
-        unlike = _mass_ratio(scene) > (half or UNSUBSTEPPED) ** 2
+        unlike = mass_ratio(scene) > (half or UNSUBSTEPPED) ** 2
         feet = replace(springs, integrator="semi_implicit_euler", substeps=settings.substeps if unlike else half)
         world = make_world(scene, engine_options(scene, feet))
         if world.in_joint_coordinates:
             return feet, world
     kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
+    substeps = settings.substeps or UNSUBSTEPPED
+    if _outpaced(scene, settings):
+        springs = replace(springs, substeps=1, options={**springs.options, WHOLE_STEPS: substeps})
     if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:
         return springs, None
-    if _exact_knows(scene) and (ratio := _mass_ratio(scene)) > (settings.substeps or UNSUBSTEPPED) ** 2:
+    ratio = mass_ratio(scene)
+    if _exact_knows(scene) and (ratio > substeps**2 or heap_gives_way(scene, settings.dt / substeps)):
         # Impulses are known to rounding of the heaviest load; the residual is relative to the light body's.
-        tolerance = settings.tolerance or max(1e-11, 1e-15 * ratio)
+        tolerance = settings.tolerance or max(1e-11, 1e-14 * ratio)
         return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept), None
     world = make_world(scene, engine_options(scene, springs))
     start = world.save()
@@ -75,11 +88,11 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     return springs, world
 
 
-def _mass_ratio(scene: Scene) -> float:
-    """The greatest ratio of the masses of two movable bodies that can touch; 1 where none can."""
-    bodies = [body for body in scene.bodies if body.movable]
-    pairs = ((a.mass, b.mass) for k, a in enumerate(bodies) for b in bodies[k + 1 :] if scene.collides(a, b))
-    return max((max(pair) / min(pair) for pair in pairs), default=1.0)
+def _outpaced(scene: Scene, settings: Settings) -> bool:
+    """Whether a step of dt is too long for how fast a body turns or, without continuous collision, goes."""
+    if Effect.CONTACT not in scene.effects:
+        return settings.integrator == "rk4" and quickest_turn(scene) * settings.dt > TURNING
+    return Effect.CONTINUOUS_COLLISION not in scene.effects and way_through(scene) * settings.dt > 1.0
 
 
 def _exact_knows(scene: Scene) -> bool:
@@ -87,25 +100,6 @@ def _exact_knows(scene: Scene) -> bool:
     return sum(body.movable for body in scene.bodies) <= FEW and not any(
         law.static_friction > law.kinetic_friction or law.rolling_friction or law.torsional_friction for law in scene.surfaces
     )
-
-
-def _half_width(shape: Shape) -> float:
-    """Half of the least width of a shape along its own axes [m]; infinite for what bounds no solid."""
-    match shape:
-        case Sphere() | Capsule():
-            return shape.radius
-        case Box():
-            return min(shape.half_extents)
-        case Ellipsoid():
-            return min(shape.semi_axes)
-        case Cylinder():
-            return min(shape.radius, shape.half_length)
-        case ConvexHull():
-            return float(np.ptp(np.array(shape.vertices), axis=0).min()) / 2
-        case Plane() | TriangleMesh():
-            return float("inf")
-        case _:
-            assert_never(shape)
 
 
 def _overlaps(scene: Scene, world: "engine.World") -> bool:
@@ -116,6 +110,6 @@ def _overlaps(scene: Scene, world: "engine.World") -> bool:
         world.step(1)
     except (engine.Diverged, engine.NotSupported):
         return False
-    thin = [min((_half_width(placed.shape) for placed in body.collision), default=float("inf")) for body in scene.bodies]
+    thin = [half_width(body) for body in scene.bodies]
     contacts = world.contacts()
     return any(-gap > DEEP * min(thin[a], thin[b]) for gap, (a, b) in zip(contacts.gap, contacts.bodies, strict=True))

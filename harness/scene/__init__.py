@@ -31,6 +31,7 @@ from harness.scene.shape import (
     Shape,
     Sphere,
     TriangleMesh,
+    outer_radius,
     polyhedron_of,
     width,
 )
@@ -95,6 +96,7 @@ __all__ = [
     "cylinder_inertia",
     "ellipsoid_inertia",
     "multiply",
+    "outer_radius",
     "polyhedron_of",
     "principal_inertia",
     "rotate",

@@ -18,6 +18,7 @@ __all__ = [
     "Shape",
     "Sphere",
     "TriangleMesh",
+    "outer_radius",
     "polyhedron_of",
     "width",
 ]
@@ -135,6 +136,25 @@ def width(shape: "Shape") -> float:
             return 2 * min(half)
         case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
             return float(min(max(axis) - min(axis) for axis in zip(*vertices, strict=True)))
+        case Plane():
+            return math.inf
+
+
+def outer_radius(shape: "Shape") -> float:
+    """Radius [m] of a ball about the origin of S that holds the shape; infinite for a half space."""
+    match shape:
+        case Sphere(radius=radius):
+            return radius
+        case Box(half_extents=half):
+            return math.hypot(*half)
+        case Ellipsoid(semi_axes=semi_axes):
+            return max(semi_axes)
+        case Capsule(radius=radius, half_length=length):
+            return radius + length
+        case Cylinder(radius=radius, half_length=length):
+            return math.hypot(radius, length)
+        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
+            return max(math.hypot(*vertex) for vertex in vertices)
         case Plane():
             return math.inf
 

@@ -12,7 +12,20 @@ from itertools import product as pairs_of
 
 import numpy as np
 
-from harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Scene, Sphere, TriangleMesh, width
+from harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Ellipsoid,
+    Plane,
+    Scene,
+    Sphere,
+    TriangleMesh,
+    outer_radius,
+    width,
+)
 from harness.scene.shape import Shape
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import product, rotate
@@ -135,30 +148,13 @@ def _ways(a: _Solid, b: _Solid) -> Iterator[Floats]:
     yield b.centre - a.centre
 
 
-def _radius(shape: Shape) -> float:
-    """Radius [m] of a ball about the origin of S that holds the shape; infinite for a half space."""
-    match shape:
-        case Sphere(radius=radius):
-            return radius
-        case Box(half_extents=half):
-            return float(np.linalg.norm(half))
-        case Ellipsoid(semi_axes=semi_axes):
-            return max(semi_axes)
-        case Capsule(radius=radius, half_length=length):
-            return radius + length
-        case Cylinder(radius=radius, half_length=length):
-            return float(np.hypot(radius, length))
-        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
-            return float(np.max(np.linalg.norm(np.array(vertices), axis=1)))
-        case Plane():
-            return float(np.inf)
-
-
 def touches(scene: Scene) -> list[Touch]:
     """All touches of bodies that can collide, at least one of which can move; meshes touch as their convex hulls do."""
     solid = [(place, body) for place, body in enumerate(scene.bodies) if body.collision]
     centres = np.array([body.p_WB for _, body in solid]).reshape(-1, 3)
-    reaches = np.array([max(float(np.linalg.norm(s.p_BS)) + _radius(s.shape) for s in body.collision) for _, body in solid])
+    reaches = np.array(
+        [max(float(np.linalg.norm(s.p_BS)) + outer_radius(s.shape) for s in body.collision) for _, body in solid]
+    )
     thin = np.array([min(width(placed.shape) for placed in body.collision) for _, body in solid])
     touching = []
     for i, (first, a) in enumerate(solid):

@@ -4,17 +4,64 @@ Contacts that share no dynamic body share no block. Blocks above the diagonal ar
 last bit.
 """
 
+import math
+
 import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.maths.vec import Floats, Ints, axpy, cross, dot, load3, load6, scale, store3, sub, sym_vec
-from engine.memory.arena import BODY, INV_MASS, LAW, MANIFOLD, NORMAL_IMPULSE, POINT, STATE, TANGENT_IMPULSE, TURNED, V, W
-from engine.memory.carve import floats_of
+from engine.memory.arena import (
+    ARM_A,
+    ARM_B,
+    BODY,
+    BODY_A,
+    BODY_B,
+    COUNT,
+    INV_MASS,
+    LAW,
+    MANIFOLD,
+    MANIFOLD_KEY,
+    MANIFOLDS,
+    NORMAL,
+    NORMAL_IMPULSE,
+    POINT,
+    POINTS,
+    STATE,
+    TANGENT_IMPULSE,
+    TURNED,
+    V,
+    W,
+)  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["BROUGHT", "FRICTION", "VELOCITY", "give_impulses", "write_problem"]
+__all__ = ["BROUGHT", "FRICTION", "VELOCITY", "give_impulses", "write_frames", "write_problem"]
 
 VELOCITY, BROUGHT, FRICTION = 0, 3, 6
 """Columns of what is written of a contact: J v (3) m/s, the impulse (3) N s that it brings, and Coulomb's coefficient."""
+
+
+@entry
+def write_frames(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats) -> int:
+    """Write rows, bodies, frames and arms of all present contacts. Args: as of `ContactFrames`. Returns: how many there are.
+
+    Source of the frames: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6, 2017.
+    """
+    point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
+    key, k = ints_of(ints, MANIFOLD_KEY), 0
+    for m in range(ints_of(ints, COUNT)[0, MANIFOLDS]):
+        x, y, z = load3(manifold, m, NORMAL)
+        sign = 1.0 if z >= 0.0 else -1.0
+        a = -1.0 / (sign + z)
+        b = x * y * a
+        for p in range(4 * m, 4 * m + key[m, POINTS]):
+            rows[k], bodies[k, 0], bodies[k, 1] = p, key[m, BODY_A], key[m, BODY_B]
+            frame[k, 0, 0], frame[k, 1, 0], frame[k, 2, 0] = x, y, z
+            frame[k, 0, 1], frame[k, 1, 1], frame[k, 2, 1] = 1.0 + sign * x * x * a, sign * b, -sign * x
+            frame[k, 0, 2], frame[k, 1, 2], frame[k, 2, 2] = b, sign + y * y * a, -y
+            for c in range(3):
+                arm[k, 0, c], arm[k, 1, c] = point[p, ARM_A + c], point[p, ARM_B + c]
+            k += 1
+    return k
 
 
 @kernel
@@ -26,11 +73,14 @@ def turn_of(frame: Floats, arm: Floats, i: int, end: int, c: int) -> tuple[float
 @entry
 def write_problem(
     floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, w: Floats, out: Floats
-) -> None:
-    """Write W (3k, 3k), and of each contact `out` (k, 7). Args: rows, bodies, frame, arm: as of `ContactFrames`."""
+) -> float:
+    """Write W (3k, 3k), and of each contact `out` (k, 7). Args: rows, bodies, frame, arm: as of `ContactFrames`.
+
+    Returns: the largest of the velocities [m/s]; no number where one is none.
+    """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
-    k = len(rows)
+    k, square = len(rows), 0.0
     angular, reach = np.empty((k, 2, 3, 3)), np.empty((k, 2, 3, 3))
     for i in range(k):
         for end in range(2):
@@ -45,6 +95,7 @@ def write_problem(
         at_a = axpy(1.0, load3(state, a, V), cross(load3(state, a, W), arm_a))
         at_b = axpy(1.0, load3(state, b, V), cross(load3(state, b, W), arm_b))
         u = sub(at_b, at_a)
+        square = max(square, dot(u, u)) if dot(u, u) >= 0.0 else math.nan
         normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
         impulse = axpy(point[p, NORMAL_IMPULSE], normal, load3(point, p, TANGENT_IMPULSE))
         for c in range(3):
@@ -73,6 +124,7 @@ def write_problem(
             for c in range(3):
                 for d in range(c + 1 if i == j else 3):
                     w[3 * j + d, 3 * i + c] = w[3 * i + c, 3 * j + d]
+    return math.sqrt(square)
 
 
 @entry

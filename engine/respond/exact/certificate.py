@@ -3,30 +3,40 @@ it."""
 
 import math
 
-from engine.compile.jit import entry
+import numpy as np
+
+from engine.compile.jit import entry, kernel
 from engine.maths.vec import Floats
 
-__all__ = ["largest_breach"]
+__all__ = ["after", "breach", "largest_breach"]
 
 
-@entry
-def largest_breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
+@kernel
+def after(w: Floats, q: Floats, r: Floats) -> Floats:
+    """W r + q, (k, 3): W is symmetric, and its rows are added one after the other."""
+    moved = np.zeros(q.size)
+    for j in range(len(q)):
+        for c in range(3):
+            a = r[j, c]
+            if a != 0.0:
+                for i in range(q.size):
+                    moved[i] += w[3 * j + c, i] * a
+    u = np.empty_like(q)
+    for i in range(len(q)):
+        for c in range(3):
+            u[i, c] = q[i, c] + moved[3 * i + c]
+    return u
+
+
+@kernel
+def breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
     """The largest |F| / m [m/s] of a contact; NaN where anything is none.
 
     Args: w (3k, 3k) 1/kg, q (k, 3) m/s, friction (k,): of the problem; r (k, 3) N s.
     """
-    worst = 0.0
+    worst, u = 0.0, after(w, q, r)
     for i in range(len(q)):
-        u0, u1, u2 = 0.0, 0.0, 0.0
-        for j in range(len(q)):
-            for c in range(3):
-                a = r[j, c]
-                if a != 0.0:
-                    # W is symmetric: its rows lie side by side.
-                    u0 += w[3 * j + c, 3 * i] * a
-                    u1 += w[3 * j + c, 3 * i + 1] * a
-                    u2 += w[3 * j + c, 3 * i + 2] * a
-        u0, u1, u2 = q[i, 0] + u0, q[i, 1] + u1, q[i, 2] + u2
+        u0, u1, u2 = u[i, 0], u[i, 1], u[i, 2]
         mu = friction[i]
         m = 3.0 / (w[3 * i, 3 * i] + w[3 * i + 1, 3 * i + 1] + w[3 * i + 2, 3 * i + 2])
         t0, t1, t2 = r[i, 0] - m * (u0 + mu * math.hypot(u1, u2)), r[i, 1] - m * u1, r[i, 2] - m * u2
@@ -42,3 +52,9 @@ def largest_breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
             return math.nan
         worst = max(worst, breach)
     return worst
+
+
+@entry
+def largest_breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
+    """As `breach`, from Python."""
+    return breach(w, q, friction, r)

@@ -25,6 +25,17 @@ class Effort:
     def __init__(self, most: float, unknowns: int) -> None:
         self.left, self.matrices, self.over, self._cube = most, 0, False, (unknowns / 100) ** 3
 
+    def most(self, wanted: int) -> int:
+        """How many of so many matrices in doubles may still be factorised."""
+        return int(min(wanted, self.left / (PLAIN[0] + PLAIN[1] * self._cube)))
+
+    def took(self, matrices: int, wanted: bool) -> None:
+        """Count matrices in doubles. Args: wanted: whether one more would have been factorised, had the effort been there."""
+        for _ in range(matrices):
+            self.take()
+        if wanted and self.most(1) == 0:
+            self.over = True
+
     def take(self, cost: tuple[float, float] = PLAIN) -> bool:
         """Whether one more matrix may be factorised, which then counts. Args: cost: as of `PLAIN`."""
         price = cost[0] + cost[1] * self._cube

@@ -1,4 +1,4 @@
-"""Newton on Coulomb's law itself, without convexity: the last steps from near a solution.
+"""Newton on Coulomb's law itself, without convexity: the last steps from near a solution, compiled.
 
 With mu = 1 in scaled variables and tau = x - (W x + q), the law of Alart and Curnier reads
 
@@ -10,38 +10,157 @@ converge quadratically.
 Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991.
 """
 
+import math
+
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import get_lapack_funcs
 
-__all__ = ["finishing_step"]
+from engine.compile.jit import entry, kernel
+from engine.maths.vec import Floats
+from engine.respond.exact.certificate import after, breach
+from engine.respond.exact.elimination import eliminate
+from engine.respond.exact.scaling import scale_problem
 
-FloatArray = NDArray[np.float64]
+__all__ = ["finish_brought", "finish_from"]
 
-(gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
+SHORTER = (1.0, 0.5, 0.2, 0.05, 0.01)
+"""How much shorter a step may be made."""
 
 
-def finishing_step(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray) -> FloatArray | None:
-    """The impulses (k, 3) after one step, or None where the system is singular.
+@kernel
+def impulses_of(x: Floats, scale: Floats, unit: float) -> Floats:
+    """The impulses (k, 3) N s of scaled ones."""
+    r = np.empty_like(x)
+    for i in range(len(x)):
+        for c in range(3):
+            r[i, c] = x[i, c] * unit / scale[i, c]
+    return r
 
-    Args: w (3k, 3k), regularised, and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; x (k, 3).
+
+@kernel
+def residual_of(problem: tuple[Floats, Floats, Floats, float], x: Floats, scale: Floats, unit: float) -> float:
+    """The relative residual of scaled impulses x (k, 3); inf where anything is no number."""
+    w, q, friction, speed = problem
+    worst = breach(w, q, friction, impulses_of(x, scale, unit)) / speed
+    return worst if math.isfinite(worst) else math.inf
+
+
+@kernel
+def newton_step(
+    w: Floats, q: Floats, friction: Floats, x: Floats, weight: float, proximal: float, matrix: Floats, step: Floats
+) -> bool:
+    """Write what one step changes into `step` (3k,). Args: w, q, x: scaled. Returns: whether the system was regular."""
+    k, added, y = len(x), weight * proximal - 1.0, after(w, q, x)
+    for i in range(k):
+        tau0, tau1, tau2 = x[i, 0] - weight * y[i, 0], x[i, 1] - weight * y[i, 1], x[i, 2] - weight * y[i, 2]
+        normal, size = max(tau0, 0.0), math.hypot(tau1, tau2)
+        rubs, slips, t1, t2 = friction[i] > 0.0, size > normal, tau1 / max(size, 1e-300), tau2 / max(size, 1e-300)
+        share = 0.0
+        if rubs:
+            share = normal / max(size, 1e-300) if slips else 1.0
+        s00, s10, s20, s11, s12, s22 = 1.0 if tau0 > 0.0 else 0.0, 0.0, 0.0, share, 0.0, share
+        if rubs and slips and tau0 > 0.0:
+            s10, s20 = t1, t2
+            s11, s12, s22 = share - share * t1 * t1, -share * t1 * t2, share - share * t2 * t2
+        for j in range(3 * k):
+            w0, w1, w2 = weight * w[3 * i, j], weight * w[3 * i + 1, j], weight * w[3 * i + 2, j]
+            matrix[3 * i, j] = s00 * w0
+            matrix[3 * i + 1, j] = s10 * w0 + s11 * w1 + s12 * w2
+            matrix[3 * i + 2, j] = s20 * w0 + s12 * w1 + s22 * w2
+        matrix[3 * i, 3 * i] += 1.0 + added * s00
+        matrix[3 * i + 1, 3 * i] += added * s10
+        matrix[3 * i + 1, 3 * i + 1] += 1.0 + added * s11
+        matrix[3 * i + 1, 3 * i + 2] += added * s12
+        matrix[3 * i + 2, 3 * i] += added * s20
+        matrix[3 * i + 2, 3 * i + 1] += added * s12
+        matrix[3 * i + 2, 3 * i + 2] += 1.0 + added * s22
+        step[3 * i], step[3 * i + 1], step[3 * i + 2] = normal - x[i, 0], share * tau1 - x[i, 1], share * tau2 - x[i, 2]
+    return eliminate(matrix, step)
+
+
+@kernel
+def finish(
+    problem: tuple[Floats, Floats, Floats, float],
+    scaled: tuple[Floats, Floats, Floats, float],
+    x: Floats,
+    weights: tuple[float, float],
+    aims: tuple[float, float, float],
+    most: int,
+) -> tuple[float, int, bool]:
+    """A few steps from scaled impulses x (k, 3), which become the best that were met.
+
+    Args:
+        problem: W, q, friction and speed; scaled: W and q of order one, scale and unit, as of `Scaled`; weights: of velocities
+        against impulses, and of the distance to the last impulses; aims: residuals: the tolerance, what is aimed at while
+        steps help, and the one below which steps are tried; most: steps.
+    Returns: the residual, how many matrices were factorised, and whether one more was wanted.
     """
-    k = len(x)
-    tau = x - q - (w @ x.ravel()).reshape(-1, 3)
-    normal, size = np.maximum(tau[:, 0], 0.0), np.hypot(tau[:, 1], tau[:, 2])
-    slips = size > normal
-    share = np.where(rubs, np.where(slips, normal / np.maximum(size, 1e-300), 1.0), 0.0)
-    tangent = tau[:, 1:] / np.maximum(size, 1e-300)[:, None]
-    law = np.concatenate([normal[:, None], share[:, None] * tau[:, 1:]], axis=1)
-    slope = np.zeros((k, 3, 3))
-    slope[:, 0, 0] = tau[:, 0] > 0.0
-    slides = rubs & slips & (tau[:, 0] > 0.0)
-    slope[:, 1, 1] = slope[:, 2, 2] = share
-    slope[slides, 1:, 0] = tangent[slides]
-    slope[slides, 1:, 1:] -= share[slides, None, None] * tangent[slides, :, None] * tangent[slides, None, :]
-    matrix = (slope @ (w - np.eye(3 * k)).reshape(k, 3, 3 * k)).reshape(3 * k, 3 * k)
-    matrix[np.arange(3 * k), np.arange(3 * k)] += 1.0
-    _, _, step, status = gesv(matrix, (law - x).ravel())
-    if status != 0 or not np.isfinite(step).all():
-        return None
-    return x + np.asarray(step, np.float64).reshape(-1, 3)
+    friction, (scaled_w, scaled_q, scale, unit) = problem[2], scaled
+    tolerance, aim, near = aims
+    k, (weight, proximal) = len(x), weights
+    for i in range(k):
+        if not friction[i] > 0.0:
+            x[i, 1], x[i, 2] = 0.0, 0.0
+    lowest, idle = residual_of(problem, x, scale, unit), 0
+    if not aim < lowest < near:
+        return lowest, 0, False
+    at, tried, matrix, step = x.copy(), np.empty_like(x), np.empty((3 * k, 3 * k)), np.empty(3 * k)
+    for used in range(most):
+        if not newton_step(scaled_w, scaled_q, friction, at, weight, proximal, matrix, step):
+            return lowest, used + 1, False
+        now = math.inf
+        for shorter in SHORTER:
+            for i in range(k):
+                for c in range(3):
+                    tried[i, c] = at[i, c] + shorter * step[3 * i + c]
+            now = residual_of(problem, tried, scale, unit)
+            if now < lowest:
+                break
+        if not now < lowest:
+            # None helps: the whole step is taken, from whose end the next ones may.
+            for i in range(k):
+                for c in range(3):
+                    tried[i, c] = at[i, c] + step[3 * i + c]
+        at[:] = tried
+        idle = 0 if now < 0.9 * lowest else idle + 1
+        if now < lowest:
+            x[:] = at
+            lowest = now
+        if lowest <= aim or idle > (0 if lowest <= tolerance else 2):
+            return lowest, used + 1, False
+    return lowest, most, True
+
+
+@entry
+def finish_from(
+    problem: tuple[Floats, Floats, Floats, float],
+    scaled: tuple[Floats, Floats, Floats, float],
+    x: Floats,
+    weights: tuple[float, float],
+    aims: tuple[float, float, float],
+    most: int,
+) -> tuple[float, int, bool]:
+    """As `finish`, from Python."""
+    return finish(problem, scaled, x, weights, aims, most)
+
+
+@entry
+def finish_brought(
+    problem: tuple[Floats, Floats, Floats, float],
+    r: Floats,
+    weights: tuple[float, float],
+    aims: tuple[float, float, float],
+    most: int,
+) -> tuple[float, int, bool]:
+    """A few steps from impulses r (k, 3) N s, which become the best that were met. Args, Returns: as `finish`."""
+    w, q, friction, speed = problem
+    lowest = breach(w, q, friction, r) / speed
+    if lowest <= aims[1]:
+        return lowest, 0, False
+    scaled_w, scaled_q, scale, x = np.empty_like(w), np.empty_like(q), np.empty_like(q), np.zeros_like(r)
+    unit = scale_problem(w, q, friction, scaled_w, scaled_q, scale)
+    for i in range(len(r)):
+        for c in range(3):
+            x[i, c] = r[i, c] * scale[i, c] / unit
+    lowest, used, wanted = finish(problem, (scaled_w, scaled_q, scale, unit), x, weights, aims, most)
+    r[:] = impulses_of(x, scale, unit)
+    return lowest, used, wanted

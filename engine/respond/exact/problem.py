@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
-from engine.respond.exact.assembly import BROUGHT, FRICTION, VELOCITY, write_problem
+from engine.respond.exact.assembly import BROUGHT, FRICTION, VELOCITY, write_frames, write_problem
 from engine.respond.exact.law import Problem
 
 __all__ = [
@@ -66,20 +66,6 @@ class Movers:
     half: FloatArray
 
 
-def frames_of(normal: FloatArray) -> FloatArray:
-    """Right-handed frames (k, 3, 3), the normal in the first column.
-
-    Source: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6, 2017.
-    """
-    x, y, z = normal.T
-    sign = np.where(z >= 0.0, 1.0, -1.0)
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    one = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
-    two = np.stack([b, sign + y * y * a, -y], axis=1)
-    return np.stack([normal, one, two], axis=2)
-
-
 def symmetric(six: FloatArray) -> FloatArray:
     """Matrices (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
     return six[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
@@ -96,12 +82,11 @@ def cross_product(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
     """Frames and arms of all present contacts."""
-    key, count = int_table(ints, at.MANIFOLD_KEY), int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
-    rows = np.array([4 * m + k for m in range(count) for k in range(key[m, at.POINTS])], np.int64)
-    point, manifold = float_table(floats, ints, at.POINT)[rows], float_table(floats, ints, at.MANIFOLD)[rows // 4]
-    arm = np.stack([point[:, at.ARM_A : at.ARM_A + 3], point[:, at.ARM_B : at.ARM_B + 3]], axis=1)
-    bodies = np.ascontiguousarray(key[rows // 4][:, [at.BODY_A, at.BODY_B]])
-    return ContactFrames(rows, bodies, frames_of(manifold[:, at.NORMAL : at.NORMAL + 3]), arm)
+    most = 4 * int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    rows, bodies = np.empty(most, np.int64), np.empty((most, 2), np.int64)
+    frame, arm = np.empty((most, 3, 3)), np.empty((most, 2, 3))
+    k = write_frames(floats, ints, rows, bodies, frame, arm)
+    return ContactFrames(rows[:k], bodies[:k], frame[:k], arm[:k])
 
 
 def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
@@ -137,9 +122,9 @@ def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, li
     """
     k = len(made.rows)
     w, out = np.empty((3 * k, 3 * k)), np.empty((k, 7))
-    write_problem(floats, ints, made.rows, made.bodies, made.frame, made.arm, w, out)
+    pace = write_problem(floats, ints, made.rows, made.bodies, made.frame, made.arm, w, out)
     q = out[:, VELOCITY : VELOCITY + 3].copy()
-    speed = max(pace_of(q), float((-lift).max(initial=0.0)))
+    speed = max(pace, -float(lift.min(initial=0.0)))
     q[:, 0] += lift
     return Problem(w, q, out[:, FRICTION].copy(), speed), out[:, BROUGHT : BROUGHT + 3]
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from engine.respond.exact.blocks import FineArray, positive_part
 from engine.respond.exact.law import Problem
 from engine.respond.exact.residual import relative_residual
+from engine.respond.exact.scaling import write_scaled
 
 __all__ = ["Scaled", "scale_problem"]
 
@@ -55,12 +56,6 @@ def scale_problem(problem: Problem) -> Scaled:
     k, rubs = problem.size, problem.friction > 0.0
     kept = np.ones((k, 3), np.bool_)
     kept[~rubs, 1:] = False
-    stretch = np.ones((k, 3))
-    stretch[rubs, 0] = problem.friction[rubs]
-    blocks = np.where(kept, np.diagonal(problem.inverse_mass).reshape(-1, 3) / stretch**2, 0.0)
-    scale = stretch * np.sqrt(blocks.sum(axis=1) / kept.sum(axis=1))[:, None]
-    flat = np.where(kept, 1.0 / scale, 0.0)
-    q = problem.velocity * flat
-    unit = float(np.abs(q).max()) or 1.0
-    w = problem.inverse_mass * flat.ravel()[:, None] * flat.ravel()[None, :]
-    return Scaled(problem, w, q / unit, rubs, kept, scale, unit)
+    w, q, scale = np.empty((3 * k, 3 * k)), np.empty((k, 3)), np.empty((k, 3))
+    unit = float(write_scaled(problem.inverse_mass, problem.velocity, problem.friction, w, q, scale))
+    return Scaled(problem, w, q, rubs, kept, scale, unit)

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.respond.exact.effort import UNBOUNDED, Effort
-from engine.respond.exact.finish import finishing_step
+from engine.respond.exact.finish import finish_brought, finish_from
 from engine.respond.exact.fixed_point import rounds, sliding
 from engine.respond.exact.follow import follow_path
 from engine.respond.exact.law import Problem
@@ -49,8 +49,8 @@ PLAIN = (1.0, 1e-8)
 """What it weighs velocities with against impulses, and the distance to the last impulses, which vanishes with the step."""
 SHARPER = ((1e4, 1e-8), (1e6, 1e-11), (1e2, 1e-8), (1e6, 1e-8), (1e4, 1e-11))
 """The same where contacts slip so slowly beside their impulses that they are taken for sticking."""
-MOST_STEPS, SHORTER = 12, (1.0, 0.5, 0.2, 0.05, 0.01)
-"""How many steps it is given, and how much shorter they may be made."""
+MOST_STEPS = 12
+"""How many steps it is given."""
 SETTLED = 0.1
 """Share of the tolerance down to which impulses that are brought along are made better. What velocities err by is made up for
 by the impulses of the next step, which then are wrong for the one after: accepted, they would have to be solved for in
@@ -86,7 +86,6 @@ class Solution:
     matrices: int
 
 
-@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # a method that fails is seen by its residual
 def solve(
     problem: Problem,
     tolerance: float = 1e-11,
@@ -100,14 +99,28 @@ def solve(
         effort [ms]: what may be spent, counted as `Effort` does.
     Returns: the best impulses found, whether or not they meet the tolerance: their residual says.
     """
-    if guess is not None and (brought := relative_residual(problem, guess)) <= SETTLED * tolerance:
-        return Solution(guess, brought, 0)
+    spent, near, brought = Effort(effort, 3 * problem.size), np.zeros((problem.size, 3)), np.inf
+    if guess is not None and problem.speed > 0.0:
+        near, aims = np.array(guess), (tolerance, SETTLED * tolerance, NEAR)
+        brought, used, wanted = finish_brought(told(problem), near, PLAIN, aims, spent.most(MOST_STEPS))
+        spent.took(used, wanted)
+        if brought <= tolerance:
+            return Solution(near, brought, spent.matrices)
+    return search(problem, tolerance, most, (near, brought), spent)
+
+
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # a method that fails is seen by its residual
+def search(problem: Problem, tolerance: float, most: int, near: Answer, spent: Effort) -> Solution:
+    """By one method after the other. Args: near: impulses (k, 3) N s, and their residual; the others as of `solve`."""
     best = np.zeros((problem.size, 3))
     lowest = relative_residual(problem, best)
     if lowest <= tolerance or problem.speed == 0.0:
-        return Solution(best, lowest, 0)
-    scaled, spent = scale_problem(problem), Effort(effort, 3 * problem.size)
-    for x, residual in answers(Search(scaled, tolerance, spent), most, guess):
+        return Solution(best, lowest, spent.matrices)
+    scaled = scale_problem(problem)
+    begun: Answer = (np.where(scaled.kept, near[0] * scaled.scale / scaled.unit, 0.0), near[1])
+    if begun[1] < lowest:
+        best, lowest = begun
+    for x, residual in () if spent.over else answers(Search(scaled, tolerance, spent), most, begun):
         if residual < lowest:
             best, lowest = x, residual
         if lowest <= tolerance or spent.over:
@@ -124,13 +137,14 @@ class Search:
     effort: Effort
 
 
-def answers(search: Search, most: int, guess: FloatArray | None) -> Iterator[Answer]:
-    """The answer of each method in turn. Args: most, guess: as `solve`."""
+def told(problem: Problem) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """A problem as compiled code takes it."""
+    return problem.inverse_mass, problem.velocity, problem.friction, problem.speed
+
+
+def answers(search: Search, most: int, near: Answer) -> Iterator[Answer]:
+    """The answer of each method in turn. Args: most: as `solve`; near: what the impulses of the last solve led to."""
     scaled = search.scaled
-    near: Answer = (np.zeros_like(scaled.q), np.inf)
-    if guess is not None:
-        near = finish(search, guess * scaled.scale / scaled.unit, share=SETTLED)
-        yield near
     for power in POWERS:
         found = trace(search, power)
         yield found
@@ -243,31 +257,16 @@ def settle(search: Search, near: FloatArray, mode: IntArray) -> Iterator[Answer]
         yield best, lowest
 
 
-def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN, share: float = 1.0) -> Answer:
-    """By a few Newton steps on Coulomb's law from x. Args: share: of the tolerance that is aimed at while steps help."""
-    scaled, tolerance = search.scaled, search.tolerance
-    x = np.where(scaled.kept, x, 0.0)
-    best, lowest, idle = x, scaled.residual(x), 0
-    if not share * tolerance < lowest < NEAR:
-        return best, lowest
-    weight, proximal = weights
-    regular = weight * (scaled.w + proximal * np.eye(scaled.w.shape[0]))
-    for _ in range(MOST_STEPS):
-        if not search.effort.take():
-            break
-        made = finishing_step(regular, weight * (scaled.q - proximal * x), scaled.rubs, x)
-        if made is None:
-            break
-        size, now = 1.0, np.inf
-        for shorter in SHORTER:
-            now = scaled.residual(x + shorter * (made - x))
-            if now < lowest:
-                size = shorter
-                break
-        x = x + size * (made - x)
-        idle = 0 if now < 0.9 * lowest else idle + 1
-        if now < lowest:
-            best, lowest = x, now
-        if lowest <= share * tolerance or idle > (0 if lowest <= tolerance else 2):
-            break
+def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN) -> Answer:
+    """By a few Newton steps on Coulomb's law from x."""
+    scaled, best = search.scaled, np.array(x)
+    lowest, used, wanted = finish_from(
+        told(scaled.problem),
+        (scaled.w, scaled.q, scaled.scale, scaled.unit),
+        best,
+        weights,
+        (search.tolerance, search.tolerance, NEAR),
+        search.effort.most(MOST_STEPS),
+    )
+    search.effort.took(used, wanted)
     return best, lowest

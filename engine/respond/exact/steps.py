@@ -91,7 +91,12 @@ class ExactSteps:
         self._bounces = any(law.restitution > 0.0 for law in surfaces)
         self._h, self._substeps = options.dt / options.substeps, options.substeps
         self._tolerance, self._effort = options.tolerance, options.effort
-        self.certificate = Certificate()
+        self._residual, self._solves, self._missed, self._crowded, self._lessened = 0.0, 0, 0, 0, 0
+
+    @property
+    def certificate(self) -> Certificate:
+        """What was certified so far."""
+        return Certificate(self._residual, self._solves, self._missed, self._crowded, self._lessened)
 
     def retime(self, dt: float) -> None:
         """The length [s] of the steps to come."""
@@ -153,7 +158,7 @@ class ExactSteps:
         lift = closing(floats, ints, made, left)
         if self._bounces and (struck := np.isfinite(time_to_blow(floats, ints, made, left, slow))).any():
             lift = np.where(struck, rebound(floats, ints, made, struck), lift)
-            self.certificate = replace(self.certificate, crowded=self.certificate.crowded + 1)
+            self._crowded += 1
         self._respond(floats, ints, made, lift, left, pace)
         return bool(drift_touched(floats, ints, h - passed, last))
 
@@ -172,10 +177,10 @@ class ExactSteps:
             problem = replace(problem, speed=max(problem.speed, pace))
         else:
             problem, brought = assemble_problem(floats, ints, made, lift)
-        if not np.isfinite(problem.velocity).all():
+        if not math.isfinite(problem.speed):
             return
-        solution = self._solve(problem, brought if brought.any() else None)
-        if (lift < 0.0).any():
+        solution = self._solve(problem, brought)
+        if self._bounces and (lift < 0.0).any():
             blow = without_gain(problem, lift, solution, self._solve)
             solution, lessened = blow.solution, blow.lessened
         if self._jointed:
@@ -183,14 +188,10 @@ class ExactSteps:
         else:
             impulse = np.ascontiguousarray(solution.impulse)
             give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, impulse)
-        past = self.certificate
-        self.certificate = replace(
-            past,
-            residual=max(past.residual, solution.residual),
-            solves=past.solves + 1,
-            missed=past.missed + int(solution.residual > self._tolerance),
-            lessened=past.lessened + lessened,
-        )
+        self._residual = max(self._residual, solution.residual)
+        self._solves += 1
+        self._missed += int(solution.residual > self._tolerance)
+        self._lessened += lessened
 
     def _solve(self, problem: Problem, guess: FloatArray | None = None) -> Solution:
         """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""

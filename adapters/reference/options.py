@@ -17,6 +17,7 @@ __all__ = [
     "SOFT_OPTIONS",
     "SUITED",
     "UNSET",
+    "UNSUBSTEPPED",
     "WHOLE_STEPS",
     "engine_options",
     "resolved_settings",
@@ -51,7 +52,10 @@ OPTIONS: Mapping[str, type] = {
 }
 
 WHOLE_STEPS = "steps"
-"""An option of the adapter's own: the steps of the engine that make one dt. Each finds contacts anew, as sub-steps do not."""
+"""An option of the adapter's own: the steps of the engine that make one dt, a divisor of its sub-steps. Each finds contacts
+anew, as sub-steps do not, and divides what Runge-Kutta would take whole."""
+UNSUBSTEPPED = 4
+"""Sub-steps of the soft solver where the settings leave them open."""
 CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
 SOFT_OPTIONS = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
@@ -91,10 +95,10 @@ def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
         if isinstance(value, bool) != (kind is bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
-    steps = chosen.pop(WHOLE_STEPS, 1)
-    if steps < 1:
-        raise SettingsError(f"settings: option '{WHOLE_STEPS}' is {steps}, expected at least 1")
-    chosen["dt"] /= steps
+    steps, substeps = chosen.pop(WHOLE_STEPS, 1), chosen.get("substeps", UNSUBSTEPPED)
+    if steps < 1 or substeps % steps:
+        raise SettingsError(f"settings: option '{WHOLE_STEPS}' is {steps}, expected a divisor of the {substeps} sub-steps")
+    chosen["dt"], chosen["substeps"] = settings.dt / steps, substeps // steps
     effects = scene.effects
     if chosen["continuous"] not in CONTINUOUS:
         raise SettingsError(f"settings: option 'continuous' is {chosen['continuous']!r}, expected {' or '.join(CONTINUOUS)}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adapters.reference.foresight import half_width, heap_gives_way, mass_ratio, quickest_turn, way_through
-from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, WHOLE_STEPS, engine_options
+from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, UNSUBSTEPPED, WHOLE_STEPS, engine_options
 from adapters.reference.world import make_world
 from harness.adapter import Settings
 from harness.scene import Effect, Scene
@@ -20,8 +20,6 @@ DEEP = 0.05
 """Share of the half width of the thinner body [1] beyond which an overlap at the start is worked off by `SEQUENTIAL`."""
 FEW = 16
 """Movable bodies up to which `SUITED` takes exact contacts: their cost grows with the cube of the number of contacts."""
-UNSUBSTEPPED = 4
-"""Sub-steps of the soft solver where the settings leave them open."""
 TURNING = 2**0.5
 """Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 
@@ -67,7 +65,7 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
     substeps = settings.substeps or UNSUBSTEPPED
     if _outpaced(scene, settings):
-        springs = replace(springs, substeps=1, options={**springs.options, WHOLE_STEPS: substeps})
+        springs = replace(springs, options={**springs.options, WHOLE_STEPS: substeps})
     if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:
         return springs, None
     ratio = mass_ratio(scene)

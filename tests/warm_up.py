@@ -110,9 +110,13 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
                     "kernels.begin_step",
                     "kernels.kick_touched",
                     "kernels.drift_touched",
+                    "assembly.write_frames",
                     "assembly.write_problem",
                     "assembly.give_impulses",
                     "certificate.largest_breach",
+                    "finish.finish_brought",
+                    "finish.finish_from",
+                    "scaling.write_scaled",
                     "look.look_at",
                 )
             ),

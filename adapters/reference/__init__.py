@@ -58,7 +58,10 @@ Deviations:
     * Rasterised pictures have neither shadows nor mirrors nor glass: what does not scatter shows the sky. In ray-traced ones
       all bodies, clear ones too, keep the sun off what lies behind them, and the whole sky lights every surface.
     * On the track 'tuned' the scene decides ('suited', see `suited`): contacts are exact where few bodies of unlike masses
-      have weight (some 20 times the cost of a soft step), sequential impulses where bodies start inside each other.
+      have weight or springs would give way under them (four to eight times the cost of a soft step), sequential impulses where
+      bodies start inside each other.
+    * Sub-steps find no contacts, and Runge-Kutta takes dt whole where nothing touches. With the option 'steps' so many of them
+      are steps of their own; 'tuned' asks for it where a body turns far in dt, or without continuous collision goes far.
 """
 
 from dataclasses import dataclass
@@ -132,7 +135,8 @@ ADAPTER = ReferenceAdapter(
             solver=SUITED,
             options={"coordinates": "automatic"},
             source="Hairer, Norsett, Wanner I, section II.1 (order four for smooth motion); Catto, Solver2D, 2024 (more "
-            "sub-steps rather than more iterations); exact contacts where few bodies of unlike masses stand on each other, "
+            "sub-steps rather than more iterations); exact contacts where few bodies of unlike masses, or too many for soft "
+            "springs, stand on each other, "
             "split impulses (Catto, GDC 2006) where bodies start inside each other; joint coordinates for trees of joints "
             "(Featherstone, Rigid Body Dynamics Algorithms, 2008)",
         ),

@@ -5,6 +5,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
+import numpy as np
+
 from adapters.reference.joints import shift_of_target
 from adapters.reference.sensing import picture
 from harness.adapter import Diverged, Notice, Settings, Unsupported
@@ -24,6 +26,7 @@ class ReferenceSimulation:
 
     def __init__(self, world: "engine.World", scene: Scene, resolved: Settings, steps: int) -> None:
         self._world, self._scene, self._resolved, self._steps = world, scene, resolved, steps
+        self._watched, self._touched = False, list["engine.Contacts"]()
         acting = scene.joints if Effect.DRIVES in scene.effects else ()
         self._shifts = {
             j.name: shift_of_target(j.drive) for j in acting if isinstance(j, Revolute | Prismatic) and j.drive is not None
@@ -49,8 +52,13 @@ class ReferenceSimulation:
         """Advance by count * dt. Raises: Diverged, Unsupported."""
         import engine
 
+        told = self._steps if self._watched and count > 0 else 1
         try:
-            self._world.step(count * self._steps)
+            self._world.step(count * self._steps - (told - 1))
+            self._touched = []
+            for _ in range(told - 1):
+                self._touched.append(self._world.contacts())
+                self._world.step(1)
         except engine.Diverged as error:
             raise Diverged(str(error)) from error
         except engine.NotSupported as error:
@@ -81,11 +89,16 @@ class ReferenceSimulation:
         return states
 
     def contacts(self) -> Contacts:
-        """The contacts of the last step."""
-        manifold = self._world.contacts()
-        return Contacts.of(
-            manifold.bodies[:, 0], manifold.bodies[:, 1], manifold.point, manifold.normal, manifold.gap, manifold.force
+        """The contacts of the last dt, of each of its steps those that it found, with the share of their forces in the mean."""
+        self._watched = self._steps > 1
+        parts = [*self._touched, self._world.contacts()]
+        if len(parts) == 1:
+            found = parts[0]
+            return Contacts.of(found.bodies[:, 0], found.bodies[:, 1], found.point, found.normal, found.gap, found.force)
+        bodies, point, normal, gap, force = (
+            np.concatenate([getattr(part, name) for part in parts]) for name in ("bodies", "point", "normal", "gap", "force")
         )
+        return Contacts.of(bodies[:, 0], bodies[:, 1], point, normal, gap, force / len(parts))
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hit of each ray, see `Simulation.cast`."""

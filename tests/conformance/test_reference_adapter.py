@@ -161,6 +161,11 @@ def test_whole_steps_are_steps_of_a_part_of_dt() -> None:
     parts.retime(by_parts.dt / 2)
     last = _end(whole, scene, 10)
     assert np.array_equal(last.p_WB, _end(parts, scene, 40).p_WB)
+    assert len(whole.contacts().gap) == len(parts.contacts().gap)  # from the first question on each step is listened to
+    before, after = _end(whole, scene, 0), _end(whole, scene, 1)
+    lift = sum(force[2] for force in whole.contacts().force_W[whole.contacts().body_A == 0])
+    gained = (after.v_WB[1:, 2] - before.v_WB[1:, 2]).sum()
+    assert lift * four.dt / 2 == pytest.approx(gained + 3 * 9.81 * four.dt / 2, rel=1e-9)
     batch = ADAPTER.build_batch(scene, four, 2)
     batch.step(30)
     state = State.initial(scene)

@@ -288,7 +288,16 @@ def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.
 
         monkeypatch.setattr(place, name, watch)
 
-    entries = {"write_problem": "problem", "give_impulses": "steps", "largest_breach": "residual", "look_at": "trace"}
+    entries = {
+        "write_frames": "problem",
+        "write_problem": "problem",
+        "give_impulses": "steps",
+        "largest_breach": "residual",
+        "write_scaled": "scaled",
+        "finish_brought": "solver",
+        "finish_from": "solver",
+        "look_at": "trace",
+    }
     for name, module in entries.items():
         watched(module, name)
     world = world_of([ball(p_WB=(0, 0, 5.0))], surface(0.5, 0.5))

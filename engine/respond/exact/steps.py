@@ -108,7 +108,7 @@ class ExactSteps:
         made = made.of(np.zeros(len(made.rows), np.bool_))
         assemble_problem(floats, ints, made, np.zeros(0))
         give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, np.zeros((0, 3)))
-        solve(Problem(np.eye(3), np.array([[-1.0, 0.0, 0.0]]), np.ones(1), 1.0))
+        solve(Problem(np.eye(3), np.array([[-1.0, 0.0, 0.0]]), np.ones(1), 1.0), guess=np.zeros((1, 3)))
 
     def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""

@@ -114,7 +114,6 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
                     "assembly.write_problem",
                     "assembly.give_impulses",
                     "certificate.largest_breach",
-                    "finish.finish_brought",
                     "finish.finish_from",
                     "scaling.write_scaled",
                     "look.look_at",

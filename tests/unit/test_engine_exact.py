@@ -294,7 +294,6 @@ def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.
         "give_impulses": "steps",
         "largest_breach": "residual",
         "write_scaled": "scaled",
-        "finish_brought": "solver",
         "finish_from": "solver",
         "look_at": "trace",
     }

@@ -21,7 +21,7 @@ def after(w: Floats, q: Floats, r: Floats) -> Floats:
             if a != 0.0:
                 for i in range(q.size):
                     moved[i] += w[3 * j + c, i] * a
-    u = np.empty_like(q)
+    u = np.empty((len(q), 3))
     for i in range(len(q)):
         for c in range(3):
             u[i, c] = q[i, c] + moved[3 * i + c]

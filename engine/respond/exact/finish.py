@@ -20,28 +20,16 @@ from engine.respond.exact.certificate import after, breach
 from engine.respond.exact.elimination import eliminate
 from engine.respond.exact.scaling import scale_problem
 
-__all__ = ["finish_brought", "finish_from"]
+__all__ = ["finish_from"]
 
 SHORTER = (1.0, 0.5, 0.2, 0.05, 0.01)
 """How much shorter a step may be made."""
 
 
 @kernel
-def impulses_of(x: Floats, scale: Floats, unit: float) -> Floats:
-    """The impulses (k, 3) N s of scaled ones."""
-    r = np.empty_like(x)
-    for i in range(len(x)):
-        for c in range(3):
-            r[i, c] = x[i, c] * unit / scale[i, c]
-    return r
-
-
-@kernel
-def residual_of(problem: tuple[Floats, Floats, Floats, float], x: Floats, scale: Floats, unit: float) -> float:
-    """The relative residual of scaled impulses x (k, 3); inf where anything is no number."""
-    w, q, friction, speed = problem
-    worst = breach(w, q, friction, impulses_of(x, scale, unit)) / speed
-    return worst if math.isfinite(worst) else math.inf
+def relative(worst: float, speed: float) -> float:
+    """The relative residual of a largest breach [m/s]; inf where that is no number."""
+    return worst / speed if math.isfinite(worst) else math.inf
 
 
 @kernel
@@ -77,90 +65,58 @@ def newton_step(
     return eliminate(matrix, step)
 
 
-@kernel
-def finish(
-    problem: tuple[Floats, Floats, Floats, float],
-    scaled: tuple[Floats, Floats, Floats, float],
-    x: Floats,
-    weights: tuple[float, float],
-    aims: tuple[float, float, float],
-    most: int,
-) -> tuple[float, int, bool]:
-    """A few steps from scaled impulses x (k, 3), which become the best that were met.
-
-    Args:
-        problem: W, q, friction and speed; scaled: W and q of order one, scale and unit, as of `Scaled`; weights: of velocities
-        against impulses, and of the distance to the last impulses; aims: residuals: the tolerance, what is aimed at while
-        steps help, and the one below which steps are tried; most: steps.
-    Returns: the residual, how many matrices were factorised, and whether one more was wanted.
-    """
-    friction, (scaled_w, scaled_q, scale, unit) = problem[2], scaled
-    tolerance, aim, near = aims
-    k, (weight, proximal) = len(x), weights
-    for i in range(k):
-        if not friction[i] > 0.0:
-            x[i, 1], x[i, 2] = 0.0, 0.0
-    lowest, idle = residual_of(problem, x, scale, unit), 0
-    if not aim < lowest < near:
-        return lowest, 0, False
-    at, tried, matrix, step = x.copy(), np.empty_like(x), np.empty((3 * k, 3 * k)), np.empty(3 * k)
-    for used in range(most):
-        if not newton_step(scaled_w, scaled_q, friction, at, weight, proximal, matrix, step):
-            return lowest, used + 1, False
-        now = math.inf
-        for shorter in SHORTER:
-            for i in range(k):
-                for c in range(3):
-                    tried[i, c] = at[i, c] + shorter * step[3 * i + c]
-            now = residual_of(problem, tried, scale, unit)
-            if now < lowest:
-                break
-        if not now < lowest:
-            # None helps: the whole step is taken, from whose end the next ones may.
-            for i in range(k):
-                for c in range(3):
-                    tried[i, c] = at[i, c] + step[3 * i + c]
-        at[:] = tried
-        idle = 0 if now < 0.9 * lowest else idle + 1
-        if now < lowest:
-            x[:] = at
-            lowest = now
-        if lowest <= aim or idle > (0 if lowest <= tolerance else 2):
-            return lowest, used + 1, False
-    return lowest, most, True
-
-
 @entry
 def finish_from(
-    problem: tuple[Floats, Floats, Floats, float],
-    scaled: tuple[Floats, Floats, Floats, float],
-    x: Floats,
-    weights: tuple[float, float],
-    aims: tuple[float, float, float],
-    most: int,
-) -> tuple[float, int, bool]:
-    """As `finish`, from Python."""
-    return finish(problem, scaled, x, weights, aims, most)
-
-
-@entry
-def finish_brought(
     problem: tuple[Floats, Floats, Floats, float],
     r: Floats,
     weights: tuple[float, float],
     aims: tuple[float, float, float],
     most: int,
 ) -> tuple[float, int, bool]:
-    """A few steps from impulses r (k, 3) N s, which become the best that were met. Args, Returns: as `finish`."""
+    """A few steps from impulses r (k, 3) N s, which become the best that were met.
+
+    Args:
+        problem: W, q, friction and speed, as of `Problem`; weights: of velocities against impulses, and of the distance to the
+        last impulses; aims: residuals: the tolerance, what is aimed at while steps help, and the one below which steps are
+        tried; most: steps.
+    Returns: the residual, how many matrices were factorised, and whether one more was wanted.
+    """
     w, q, friction, speed = problem
-    lowest = breach(w, q, friction, r) / speed
-    if lowest <= aims[1]:
+    (weight, proximal), (tolerance, aim, near), k = weights, aims, len(r)
+    for i in range(k):
+        if not friction[i] > 0.0:
+            r[i, 1], r[i, 2] = 0.0, 0.0
+    lowest, idle = relative(breach(w, q, friction, r), speed), 0
+    if not aim < lowest < near:
         return lowest, 0, False
-    scaled_w, scaled_q, scale, x = np.empty_like(w), np.empty_like(q), np.empty_like(q), np.zeros_like(r)
+    scaled_w, scaled_q, scale, x = np.empty((3 * k, 3 * k)), np.empty((k, 3)), np.empty((k, 3)), np.empty((k, 3))
     unit = scale_problem(w, q, friction, scaled_w, scaled_q, scale)
-    for i in range(len(r)):
+    for i in range(k):
         for c in range(3):
             x[i, c] = r[i, c] * scale[i, c] / unit
-    lowest, used, wanted = finish(problem, (scaled_w, scaled_q, scale, unit), x, weights, aims, most)
-    r[:] = impulses_of(x, scale, unit)
-    return lowest, used, wanted
+    tried, matrix, step = np.empty((k, 3)), np.empty((3 * k, 3 * k)), np.empty(3 * k)
+    for used in range(most):
+        if not newton_step(scaled_w, scaled_q, friction, x, weight, proximal, matrix, step):
+            return lowest, used + 1, False
+        size, now = 1.0, math.inf
+        for shorter in SHORTER:
+            for i in range(k):
+                for c in range(3):
+                    tried[i, c] = (x[i, c] + shorter * step[3 * i + c]) * unit / scale[i, c]
+            now = relative(breach(w, q, friction, tried), speed)
+            if now < lowest:
+                size = shorter
+                break
+        # Where none helps the whole step is taken, from whose end the next ones may.
+        for i in range(k):
+            for c in range(3):
+                x[i, c] += size * step[3 * i + c]
+        idle = 0 if now < 0.9 * lowest else idle + 1
+        if now < lowest:
+            for i in range(k):
+                for c in range(3):
+                    r[i, c] = tried[i, c]
+            lowest = now
+        if lowest <= aim or idle > (0 if lowest <= tolerance else 2):
+            return lowest, used + 1, False
+    return lowest, most, True

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.respond.exact.effort import UNBOUNDED, Effort
-from engine.respond.exact.finish import finish_brought, finish_from
+from engine.respond.exact.finish import finish_from
 from engine.respond.exact.fixed_point import rounds, sliding
 from engine.respond.exact.follow import follow_path
 from engine.respond.exact.law import Problem
@@ -102,7 +102,7 @@ def solve(
     spent, near, brought = Effort(effort, 3 * problem.size), np.zeros((problem.size, 3)), np.inf
     if guess is not None and problem.speed > 0.0:
         near, aims = np.array(guess), (tolerance, SETTLED * tolerance, NEAR)
-        brought, used, wanted = finish_brought(told(problem), near, PLAIN, aims, spent.most(MOST_STEPS))
+        brought, used, wanted = finish_from(told(problem), near, PLAIN, aims, spent.most(MOST_STEPS))
         spent.took(used, wanted)
         if brought <= tolerance:
             return Solution(near, brought, spent.matrices)
@@ -125,7 +125,8 @@ def search(problem: Problem, tolerance: float, most: int, near: Answer, spent: E
             best, lowest = x, residual
         if lowest <= tolerance or spent.over:
             break
-    return Solution(scaled.impulse(best), lowest, spent.matrices)
+    impulse = scaled.impulse(best)
+    return Solution(impulse, relative_residual(problem, impulse), spent.matrices)
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,14 +260,8 @@ def settle(search: Search, near: FloatArray, mode: IntArray) -> Iterator[Answer]
 
 def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN) -> Answer:
     """By a few Newton steps on Coulomb's law from x."""
-    scaled, best = search.scaled, np.array(x)
-    lowest, used, wanted = finish_from(
-        told(scaled.problem),
-        (scaled.w, scaled.q, scaled.scale, scaled.unit),
-        best,
-        weights,
-        (search.tolerance, search.tolerance, NEAR),
-        search.effort.most(MOST_STEPS),
-    )
+    scaled, r = search.scaled, search.scaled.impulse(x)
+    aims = (search.tolerance, search.tolerance, NEAR)
+    lowest, used, wanted = finish_from(told(scaled.problem), r, weights, aims, search.effort.most(MOST_STEPS))
     search.effort.took(used, wanted)
-    return best, lowest
+    return r * scaled.scale / scaled.unit, lowest

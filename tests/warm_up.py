@@ -110,6 +110,7 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
                     "kernels.begin_step",
                     "kernels.kick_touched",
                     "kernels.drift_touched",
+                    "assembly.write_closing",
                     "assembly.write_frames",
                     "assembly.write_problem",
                     "assembly.give_impulses",

@@ -8,7 +8,7 @@ from harness.scene import Body, Plane, Scene, TriangleMesh, outer_radius, width
 
 __all__ = ["half_width", "heap_gives_way", "mass_ratio", "quickest_turn", "way_through"]
 
-STEADY = 0.25
+STEADY = 0.08
 """Share of half a body's width by which springs under a heap may sink, times the number of its bodies, while it stands."""
 
 

@@ -289,6 +289,7 @@ def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.
         monkeypatch.setattr(place, name, watch)
 
     entries = {
+        "write_closing": "problem",
         "write_frames": "problem",
         "write_problem": "problem",
         "give_impulses": "steps",

@@ -26,6 +26,7 @@ from engine.memory.arena import (
     NORMAL_IMPULSE,
     POINT,
     POINTS,
+    SEPARATION,
     STATE,
     TANGENT_IMPULSE,
     TURNED,
@@ -34,10 +35,21 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
 
-__all__ = ["BROUGHT", "FRICTION", "VELOCITY", "give_impulses", "write_frames", "write_problem"]
+__all__ = [
+    "BROUGHT",
+    "COLUMNS",
+    "FRICTION",
+    "LIFT",
+    "VELOCITY",
+    "give_impulses",
+    "write_closing",
+    "write_frames",
+    "write_problem",
+]
 
-VELOCITY, BROUGHT, FRICTION = 0, 3, 6
-"""Columns of what is written of a contact: J v (3) m/s, the impulse (3) N s that it brings, and Coulomb's coefficient."""
+VELOCITY, BROUGHT, FRICTION, LIFT, COLUMNS = 0, 3, 6, 7, 8
+"""Columns of what is said of a contact: what the law sees at no impulse (3) m/s, the impulse (3) N s that it brings, Coulomb's
+coefficient, and, told, what is added to J v along the normal [m/s]."""
 
 
 @entry
@@ -64,6 +76,14 @@ def write_frames(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Fl
     return k
 
 
+@entry
+def write_closing(floats: Floats, ints: Ints, rows: Ints, touching: float, h: float, lift: Floats) -> None:
+    """Write the velocities (k,) m/s at which gaps beyond `touching` [m] close in h seconds; 0 for the others."""
+    point = floats_of(floats, ints, POINT)
+    for i in range(len(rows)):
+        lift[i] = max(point[rows[i], SEPARATION] - touching, 0.0) / h
+
+
 @kernel
 def turn_of(frame: Floats, arm: Floats, i: int, end: int, c: int) -> tuple[float, float, float]:
     """The arm of an end of contact i across axis c of its frame."""
@@ -74,9 +94,9 @@ def turn_of(frame: Floats, arm: Floats, i: int, end: int, c: int) -> tuple[float
 def write_problem(
     floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, w: Floats, out: Floats
 ) -> float:
-    """Write W (3k, 3k), and of each contact `out` (k, 7). Args: rows, bodies, frame, arm: as of `ContactFrames`.
+    """Write W (3k, 3k), and of each contact `out` (k, COLUMNS). Args: rows, bodies, frame, arm: as of `ContactFrames`.
 
-    Returns: the largest of the velocities [m/s]; no number where one is none.
+    Returns: the largest of the velocities J v and of the rebounds [m/s]; no number where one is none.
     """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
@@ -101,6 +121,8 @@ def write_problem(
         for c in range(3):
             axis = (frame[i, 0, c], frame[i, 1, c], frame[i, 2, c])
             out[i, VELOCITY + c], out[i, BROUGHT + c] = dot(axis, u), dot(axis, impulse)
+        out[i, VELOCITY] += out[i, LIFT]
+        square = max(square, min(out[i, LIFT], 0.0) ** 2)
         out[i, FRICTION] = manifold[p // 4, LAW + 1]
     w[:] = 0.0
     for i in range(k):

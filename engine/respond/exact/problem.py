@@ -21,7 +21,16 @@ from numpy.typing import NDArray
 
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
-from engine.respond.exact.assembly import BROUGHT, FRICTION, VELOCITY, write_frames, write_problem
+from engine.respond.exact.assembly import (
+    BROUGHT,
+    COLUMNS,
+    FRICTION,
+    LIFT,
+    VELOCITY,
+    write_closing,
+    write_frames,
+    write_problem,
+)
 from engine.respond.exact.law import Problem
 
 __all__ = [
@@ -91,8 +100,9 @@ def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
 
 def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
     """The velocities (k,) m/s at which gaps close in h seconds; 0 for what touches."""
-    gap = float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION]
-    return np.asarray(np.maximum(gap - TOUCHING, 0.0) / h)
+    lift = np.empty(len(made.rows))
+    write_closing(floats, ints, made.rows, TOUCHING, h, lift)
+    return lift
 
 
 def rebound(floats: FloatArray, ints: IntArray, made: ContactFrames, struck: NDArray[np.bool_]) -> FloatArray:
@@ -121,12 +131,11 @@ def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, li
     Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
     """
     k = len(made.rows)
-    w, out = np.empty((3 * k, 3 * k)), np.empty((k, 7))
-    pace = write_problem(floats, ints, made.rows, made.bodies, made.frame, made.arm, w, out)
-    q = out[:, VELOCITY : VELOCITY + 3].copy()
-    speed = max(pace, -float(lift.min(initial=0.0)))
-    q[:, 0] += lift
-    return Problem(w, q, out[:, FRICTION].copy(), speed), out[:, BROUGHT : BROUGHT + 3]
+    w, out = np.empty((3 * k, 3 * k)), np.empty((k, COLUMNS))
+    out[:, LIFT] = lift
+    speed = write_problem(floats, ints, made.rows, made.bodies, made.frame, made.arm, w, out)
+    problem = Problem(w, out[:, VELOCITY : VELOCITY + 3].copy(), out[:, FRICTION].copy(), speed)
+    return problem, out[:, BROUGHT : BROUGHT + 3]
 
 
 def pace_of(u: FloatArray) -> float:

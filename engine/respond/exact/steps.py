@@ -106,7 +106,7 @@ class ExactSteps:
         """Compile what a step with contacts runs beyond one without, on none and on one: for a world to be thrown away."""
         made = contact_frames(floats, ints)
         made = made.of(np.zeros(len(made.rows), np.bool_))
-        assemble_problem(floats, ints, made, np.zeros(0))
+        assemble_problem(floats, ints, made, closing(floats, ints, made, 1.0))
         give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, np.zeros((0, 3)))
         solve(Problem(np.eye(3), np.array([[-1.0, 0.0, 0.0]]), np.ones(1), 1.0), guess=np.zeros((1, 3)))
 

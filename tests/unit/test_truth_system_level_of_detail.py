@@ -90,7 +90,7 @@ def test_the_inner_ball_is_the_least_that_a_face_rests_at_and_its_gap_falls_four
 
 
 def test_a_follower_pressed_by_a_spring_goes_as_the_closed_form_says() -> None:
-    """The centre's way c' = w x c, and the face of 1 kg on a damped contact of 1e7 N/m over it, by an eighth-order method.
+    """The centre's way c' = w x c, and the face of 1 kg on a damped contact of 1e7 N/m over it, by a stiff method.
 
     The contact gives way by (g + e W^2)/k, 1e-6 m, and as much again while it takes up the load.
     """
@@ -104,7 +104,7 @@ def test_a_follower_pressed_by_a_spring_goes_as_the_closed_form_says() -> None:
 
     truth = expected(TIME)
     start = [ECCENTRICITY, 0.0, truth.p_WB[0, 1, 2] - HALF[2], truth.v_WB[0, 1, 2]]
-    found = solve_ivp(rates, (0.0, TIME[-1]), start, method="DOP853", t_eval=TIME, rtol=1e-9, atol=1e-12, max_step=2e-4)
+    found = solve_ivp(rates, (0.0, TIME[-1]), start, method="LSODA", t_eval=TIME, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(found.y[2], truth.p_WB[:, 1, 2] - HALF[2], atol=2e-6)
 
 

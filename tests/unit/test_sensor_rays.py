@@ -47,15 +47,19 @@ def _distance(shape: Shape, p: Floats) -> Floats:
 
 
 def _traced(shape: Shape, origins: Floats, directions: Floats, max_range: float) -> tuple[Floats, Floats]:
-    """Distance to the surface, and the smallest signed distance met on the way, by marching as far as is free."""
+    """Distance to the surface, and the smallest signed distance met on the way, by marching as far as is free.
+
+    That of a ray which grazes for so long that it has not arrived is not a number.
+    """
     travelled, closest = np.zeros(len(origins)), np.full(len(origins), np.inf)
     going = np.arange(len(origins))
-    for _ in range(3000):
+    for _ in range(300):
         before = travelled[going]
         free = _distance(shape, origins[going] + before[:, None] * directions[going])
         closest[going] = np.minimum(closest[going], free)
         travelled[going] = np.minimum(before + np.maximum(free, 0.0), max_range)
         going = going[travelled[going] != before]
+    closest[going] = np.nan
     return travelled, closest
 
 

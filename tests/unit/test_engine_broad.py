@@ -3,9 +3,9 @@
 import math
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -14,11 +14,12 @@ from hypothesis import strategies as st
 
 import engine
 from engine.broad.choice import FEW, choose_broad_phase
-from engine.build import solids
 from engine.build.assembly import grow
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.options import BROAD_PHASES
+
+pytestmark = pytest.mark.usefixtures("solids_found_once")
 
 Motion = Literal["dynamic", "static", "kinematic"]
 
@@ -31,22 +32,6 @@ OCTAHEDRON = engine.ConvexHull(
 CLOUD = np.random.default_rng(8).normal(size=(8, 3))
 """The corners [1] of a hull without symmetry."""
 SEARCHES = tuple(name for name in BROAD_PHASES if name != "brute_force")
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _hulls_found_once() -> Iterator[None]:
-    """Worlds of the same bodies are built for each search: the faces of equal hulls are found once."""
-    find, found = solids.hull_polyhedron, dict[bytes, Any]()
-
-    def once(vertices: Any) -> Any:
-        key = np.asarray(vertices, float).tobytes()
-        if key not in found:
-            found[key] = find(vertices)
-        return found[key]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solids, "hull_polyhedron", once)
-        yield
 
 
 def _random_bodies(seed: int, number: int, spread: float, ratio: float, planes: int) -> list[engine.Body]:
@@ -143,10 +128,24 @@ def _all_find_the_same(seed: int, number: int, spread: float, ratio: float, plan
             assert _found(world) == expected, world.broad_phase
 
 
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.1, 0.5, 3.0]), planes=st.integers(0, 2))
+OVERLAPS = given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.1, 0.5, 3.0]), planes=st.integers(0, 2))
+
+
+@settings(max_examples=12, deadline=None)
+@OVERLAPS
 def test_the_pairs_are_those_of_overlapping_bounds(seed: int, spread: float, planes: int) -> None:
     """Against a comparison of the boxes written out here."""
+    _pairs_are_those_of_bounds(seed, spread, planes)
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@OVERLAPS
+def test_the_pairs_are_those_of_overlapping_bounds_in_forty_crowds(seed: int, spread: float, planes: int) -> None:
+    _pairs_are_those_of_bounds(seed, spread, planes)
+
+
+def _pairs_are_those_of_bounds(seed: int, spread: float, planes: int) -> None:
     bodies = _random_bodies(seed, FEW + 10, spread, 10.0, planes)
     (world,) = _worlds(bodies, ("bvh",))
     found = set(_found(world))

@@ -11,6 +11,8 @@ from engine.contact.measure_triangles import measure_triangles
 from engine.narrow.triangle_triangle import APART
 from tests.solid_meshes import box, mesh_body, nut, ring, sag, together
 
+pytestmark = pytest.mark.usefixtures("solids_found_once")
+
 G = 9.81
 SINK = sag(1 / 240)
 """4.3 um; several points that share a weight give way by less, each being tuned for the whole body."""

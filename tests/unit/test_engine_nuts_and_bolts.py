@@ -14,6 +14,8 @@ from scipy.spatial.transform import Rotation
 import engine
 from tests.solid_meshes import bolt, bowl, deepest, mass_properties, mesh_body, nut, sag, scattered, volume
 
+pytestmark = pytest.mark.usefixtures("solids_found_once")
+
 Array = NDArray[np.float64]
 G, STEEL = 9.81, 7850.0
 ROUGH = {("steel", "steel"): engine.Surface(static_friction=0.5, kinetic_friction=0.5)}

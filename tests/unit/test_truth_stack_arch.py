@@ -1,8 +1,8 @@
 """The truth of stack_arch: its least thickness by limit analysis against the literature, its geometry, its checks."""
 
 import math
-from functools import cache
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest

@@ -68,11 +68,11 @@ def scene(n: float = LINKS, angle: float = ANGLE) -> Scene:
 @lru_cache(maxsize=8)
 def _masses(n: int, length: float, inertia: float) -> tuple[Floats, Floats]:
     """A (n, n) kg m2 and m g L (n - i - 1/2) (n,) of `acceleration`."""
-    link = np.arange(n)
-    below = n - 0.5 - np.maximum(link[:, None], link[None, :]).astype(np.float64)
-    coupling = np.multiply(MASS * length**2, below)
+    link = np.arange(n, dtype=np.float64)
+    coupling: Floats = MASS * length**2 * (n - 0.5 - np.maximum(link[:, None], link[None, :]))
     np.fill_diagonal(coupling, inertia + MASS * length**2 * (n - 1 - link + 0.25))
-    return coupling, MASS * G * length * (n - 0.5 - link)
+    weight: Floats = MASS * G * length * (n - 0.5 - link)
+    return coupling, weight
 
 
 def acceleration(theta: Floats, rate: Floats) -> Floats:
@@ -84,8 +84,7 @@ def acceleration(theta: Floats, rate: Floats) -> Floats:
     coupling, weight = _masses(len(theta), LENGTH, INERTIA)
     apart = theta[:, None] - theta[None, :]
     push = -(coupling * np.sin(apart)) @ rate**2 - weight * np.sin(theta)
-    accelerations: Floats = np.linalg.solve(coupling * np.cos(apart), push)
-    return accelerations
+    return np.asarray(np.linalg.solve(coupling * np.cos(apart), push), dtype=np.float64)
 
 
 def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:

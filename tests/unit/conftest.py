@@ -17,6 +17,8 @@ from typing import Any
 
 import pytest
 
+from tests.forks import Fork, forks
+
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 SECONDS, LEAST = 3.5, 0.3
 """Processor time [s] for all parameters of a test together, and the least for each: a quarter of an hour at most for all."""
@@ -76,6 +78,13 @@ def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(defaults, "coordinates", request.param)
     chosen: str = request.param
     return chosen
+
+
+@pytest.fixture(scope="session")
+def fork() -> Iterator[Fork]:
+    """Programs in processes of their own, for what they load."""
+    with forks() as run:
+        yield run
 
 
 @pytest.fixture(scope="module")

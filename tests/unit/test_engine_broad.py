@@ -1,8 +1,6 @@
 """Broad phases: all find the pairs that testing every pair finds, in one order, whatever the shapes."""
 
 import math
-import subprocess
-import sys
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Literal
@@ -18,6 +16,7 @@ from engine.build.assembly import grow
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.options import BROAD_PHASES
+from tests.forks import Fork
 
 pytestmark = pytest.mark.usefixtures("solids_found_once")
 
@@ -231,7 +230,7 @@ def test_any_number_of_threads_gives_the_same_bits(first: engine.Shape | None) -
     assert states[0] == states[1] == states[2]
 
 
-def test_a_world_of_one_thread_loads_no_parallel_search() -> None:
+def test_a_world_of_one_thread_loads_no_parallel_search(fork: Fork) -> None:
     program = (
         "import sys, engine\n"
         "ball = engine.Placed(engine.Sphere(0.1))\n"
@@ -240,8 +239,7 @@ def test_a_world_of_one_thread_loads_no_parallel_search() -> None:
         "    engine.World(bodies, options=engine.Options(threads=threads))\n"
         "    print('engine.broad.parallel' in sys.modules)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["False", "True"]
+    assert fork(program).split() == ["False", "True"]
     with pytest.raises(ValueError, match="threads 0, expected a whole number of at least 1"):
         engine.Options(threads=0)
 
@@ -326,7 +324,7 @@ def test_the_choice_follows_the_wish_and_else_the_number_of_shapes() -> None:
         engine.Options(broad_phase="quadtree")
 
 
-def test_only_the_chosen_broad_phase_is_loaded() -> None:
+def test_only_the_chosen_broad_phase_is_loaded(fork: Fork) -> None:
     """A module that is not imported is not compiled."""
     program = (
         "import sys, numpy as np, engine\n"
@@ -336,8 +334,7 @@ def test_only_the_chosen_broad_phase_is_loaded() -> None:
         "names = ('uniform_grid', 'octree', 'sweep_and_prune', 'bvh', 'brute_force')\n"
         "print([name for name in names if 'engine.broad.' + name in sys.modules])\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "['octree']"
+    assert fork(program).strip() == "['octree']"
 
 
 def test_widened_bounds_are_found_anew_only_when_left() -> None:

@@ -19,6 +19,7 @@ from engine.compile import compilers
 from engine.compile.jit import cache_directory
 from engine.compile.kernel_cache import read_checked
 from engine.steps import smooth
+from tests.forks import forks
 
 pytestmark = pytest.mark.compiler
 
@@ -27,7 +28,7 @@ import numpy as np
 import engine
 world = engine.World([engine.Body(name="b", inertia=np.diag([1.0, 2.0, 3.0]), w_WB=(0.01, 5.0, 0.02), v_WB=(1.0, 0.5, 3.0))])
 world.step(240)
-print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()), flush=True)
+print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """
 """The bits of a body that falls and tumbles for a second, and how many compiled functions came from the cache."""
 ROLL = """
@@ -75,20 +76,11 @@ import numpy as np
 from engine.made.sink import sink
 state = np.zeros(13)
 state[9] = sink(3.0, 240)
-print(state.tobytes().hex(), sum(sink.stats.cache_hits.values()), flush=True)
+print(state.tobytes().hex(), sum(sink.stats.cache_hits.values()))
 """
 """As TUMBLE, of that step."""
-FORKS = """
-import os, sys, numba
-numba.njit(lambda x: x)(1.0)
-for line in sys.stdin:
-    if os.fork() == 0:
-        exec(bytes.fromhex(line).decode())
-        os._exit(0)
-    if os.wait()[1]:
-        break
-"""
-"""Runs programs, each in a process of its own that knows Numba and nothing of the engine."""
+COMPILER = "import numba; numba.njit(lambda x: x)(1.0)"
+"""What all processes do that compile."""
 FEW = (
     "test_engine_motion.py::test_damping_decays_exponentially",
     "test_engine_motion.py::test_without_the_gyroscopic_effect_the_spin_is_constant",
@@ -105,14 +97,15 @@ def _copied(root: Path) -> Path:
     return root
 
 
-def _environment(root: Path) -> dict[str, str]:
-    return os.environ | {"PYTHONPATH": str(root), "PLUMBLINE_KERNEL_CACHE": str(root / "cache"), "NUMBA_DISABLE_JIT": "0"}
-
-
 def _run(root: Path, script: str) -> tuple[str, int]:
     """Run the copy in a process of its own. Returns: the bits of the state that it ends in, hits of the cache."""
     said = subprocess.run(
-        [sys.executable, "-B", "-c", script], cwd=root, env=_environment(root), check=True, capture_output=True, text=True
+        [sys.executable, "-B", "-c", script],
+        cwd=root,
+        env=os.environ | {"PYTHONPATH": str(root), "PLUMBLINE_KERNEL_CACHE": str(root / "cache"), "NUMBA_DISABLE_JIT": "0"},
+        check=True,
+        capture_output=True,
+        text=True,
     ).stdout.split()
     return said[0], int(said[1])
 
@@ -148,19 +141,14 @@ Program = Callable[[str], tuple[str, int]]
 
 @pytest.fixture(scope="module")
 def run(fallen: Path) -> Iterator[Program]:
-    """As `_run` of the copy, in processes that have imported Numba already."""
-    command, pipe = [sys.executable, "-B", "-c", FORKS], subprocess.PIPE
-    with subprocess.Popen(command, cwd=fallen, env=_environment(fallen), stdin=pipe, stdout=pipe, text=True) as forks:
-        assert forks.stdin is not None
-        assert forks.stdout is not None
-        asked, answers = forks.stdin, forks.stdout
+    """As `_run` of the copy, in processes that have compiled something already."""
+    with forks(COMPILER) as fork:
 
-        def forked(script: str) -> tuple[str, int]:
-            print(script.encode().hex(), file=asked, flush=True)
-            state, hits = answers.readline().split()
+        def answer(script: str) -> tuple[str, int]:
+            state, hits = fork(script, str(fallen), PLUMBLINE_KERNEL_CACHE=str(fallen / "cache")).split()
             return state, int(hits)
 
-        yield forked
+        yield answer
 
 
 @pytest.fixture(scope="module")

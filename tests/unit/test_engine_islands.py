@@ -15,6 +15,7 @@ from engine.build.assembly import wants_islands
 from engine.islands.islands import connected_components
 from engine.memory import arena as at
 from engine.steps.contact_jointed import step_contact_jointed
+from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 
@@ -119,7 +120,7 @@ sys.path.insert(0, sys.argv[1])
 from test_engine_islands import stacks
 for threads in (1, 2, 4):
     world = stacks(30, float(sys.argv[2]), sys.argv[3] == "True", threads=threads)
-    world.step(500)
+    world.step(int(sys.argv[4]))
     print(hashlib.sha256(world.state().tobytes() + world.contacts().force.tobytes()).hexdigest())
 """
 
@@ -127,23 +128,25 @@ for threads in (1, 2, 4):
 @pytest.mark.timeout(1200)
 @pytest.mark.compiler
 @pytest.mark.parametrize(
-    ("restitution", "tied"),
-    [(0.4, False), *(pytest.param(*slow, marks=pytest.mark.slow) for slow in ((0.0, False), (0.4, True)))],
+    ("restitution", "tied", "steps"),
+    [
+        (0.4, False, 150),
+        *(pytest.param(*slow, 500, marks=pytest.mark.slow) for slow in ((0.4, False), (0.0, False), (0.4, True))),
+    ],
 )
-def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool) -> None:
+def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool, steps: int) -> None:
     """Four threads exist in a process that is told so, however many cores there are."""
     told = os.environ | {"NUMBA_NUM_THREADS": "4"}
-    given = [sys.executable, "-c", THREADS, str(Path(__file__).parent), str(restitution), str(tied)]
+    given = [sys.executable, "-c", THREADS, str(Path(__file__).parent), str(restitution), str(tied), str(steps)]
     said = subprocess.run(given, check=True, capture_output=True, text=True, env=told).stdout.split()
     assert len(said) == 3
     assert len(set(said)) == 1
 
 
-def test_one_thread_compiles_nothing_parallel() -> None:
+def test_one_thread_compiles_nothing_parallel(fork: Fork) -> None:
     """A world of one thread never loads the module of islands."""
     code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('engine.steps.islands' in sys.modules)"
-    given = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}"]
-    assert subprocess.run(given, check=True, capture_output=True, text=True).stdout.split() == ["False"]
+    assert fork(f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}").split() == ["False"]
 
 
 def test_options_of_islands_are_checked() -> None:

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from tests.forks import Fork, forks
+from tests.forks import NUMBA, Fork, forks
 
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 SECONDS, LEAST = 3.5, 0.3
@@ -82,8 +82,8 @@ def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyP
 
 @pytest.fixture(scope="session")
 def fork() -> Iterator[Fork]:
-    """Programs in processes of their own, for what they load."""
-    with forks() as run:
+    """Programs in processes of their own, with room for four threads, however many cores there are."""
+    with forks("import os; os.environ['NUMBA_NUM_THREADS'] = '4'; " + NUMBA) as run:
         yield run
 
 

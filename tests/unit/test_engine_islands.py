@@ -1,8 +1,5 @@
 """Islands: connected components as another program finds them, and solved on threads with the same bits."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -116,11 +113,11 @@ def test_more_machines_than_one_are_solved_apart(joints: list[tuple[str, str]], 
 
 THREADS = """
 import hashlib, sys
-sys.path.insert(0, sys.argv[1])
+sys.path.insert(0, {folder!r})
 from test_engine_islands import stacks
 for threads in (1, 2, 4):
-    world = stacks(30, float(sys.argv[2]), sys.argv[3] == "True", threads=threads)
-    world.step(int(sys.argv[4]))
+    world = stacks(30, {restitution}, {tied}, threads=threads)
+    world.step({steps})
     print(hashlib.sha256(world.state().tobytes() + world.contacts().force.tobytes()).hexdigest())
 """
 
@@ -134,11 +131,11 @@ for threads in (1, 2, 4):
         *(pytest.param(*slow, 500, marks=pytest.mark.slow) for slow in ((0.4, False), (0.0, False), (0.4, True))),
     ],
 )
-def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool, steps: int) -> None:
+def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(
+    restitution: float, tied: bool, steps: int, fork: Fork
+) -> None:
     """Four threads exist in a process that is told so, however many cores there are."""
-    told = os.environ | {"NUMBA_NUM_THREADS": "4"}
-    given = [sys.executable, "-c", THREADS, str(Path(__file__).parent), str(restitution), str(tied), str(steps)]
-    said = subprocess.run(given, check=True, capture_output=True, text=True, env=told).stdout.split()
+    said = fork(THREADS.format(folder=str(Path(__file__).parent), restitution=restitution, tied=tied, steps=steps)).split()
     assert len(said) == 3
     assert len(set(said)) == 1
 

@@ -1,6 +1,8 @@
 """Bounding volumes: none drops a pair of shapes that touch, and the choice among them changes no motion."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,12 +84,19 @@ def _points(world: engine.World, shape: engine.Shape, s: int, rng: np.random.Gen
     return np.asarray(pose[:3] + points @ pose[3:].reshape(3, 3).T)
 
 
-@pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
-@settings(max_examples=60, deadline=None)
-@given(
-    seed=st.integers(0, 2**32 - 1), kinds=st.tuples(st.integers(0, 4), st.integers(0, 4)),
-    far=st.sampled_from([0.0, 1e3, 1e6]), aligned=st.booleans(),
+VOLUMES = pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
+SEEDS = st.integers(0, 2**32 - 1)
+NEAR = given(
+    seed=SEEDS, kinds=st.tuples(st.integers(0, 4), st.integers(0, 4)), far=st.sampled_from([0.0, 1e3, 1e6]),
+    aligned=st.booleans(),
 )  # fmt: skip
+MEETING = given(seed=SEEDS, kind=st.integers(0, 4))
+ON_A_PLANE = given(seed=SEEDS, kind=st.integers(0, 4), below=st.booleans())
+
+
+@VOLUMES
+@settings(max_examples=25, deadline=None)
+@NEAR
 @example(seed=0, kinds=(1, 1), far=0.0, aligned=True)
 def test_shapes_with_points_near_each_other_are_a_pair(
     volume: str, seed: int, kinds: tuple[int, int], far: float, aligned: bool
@@ -114,9 +123,9 @@ def test_shapes_with_points_near_each_other_are_a_pair(
     assert _pairs(world) == {(0, 1)}
 
 
-@pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), kind=st.integers(0, 4))
+@VOLUMES
+@settings(max_examples=20, deadline=None)
+@MEETING
 def test_what_meets_within_a_step_is_a_pair_before_it(volume: str, seed: int, kind: int) -> None:
     """Two bodies that fly and spin are put where two of their points meet at the end of a step: the widening covers the way."""
     rng = np.random.default_rng(seed)
@@ -143,9 +152,9 @@ def test_what_meets_within_a_step_is_a_pair_before_it(volume: str, seed: int, ki
     assert _pairs(world) == {(0, 1)}
 
 
-@pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), kind=st.integers(0, 4), below=st.booleans())
+@VOLUMES
+@settings(max_examples=20, deadline=None)
+@ON_A_PLANE
 def test_what_reaches_a_plane_is_a_pair_with_it(volume: str, seed: int, kind: int, below: bool) -> None:
     """The lowest of the sampled points is put within the margin of a plane, on either side, whichever shape is the first."""
     rng = np.random.default_rng(seed)
@@ -160,6 +169,28 @@ def test_what_reaches_a_plane_is_a_pair_with_it(volume: str, seed: int, kind: in
         gap = -0.5 if below else 0.9 * world.options.margin
         world.state()[b, :3] += (plane.p_WB @ n + gap - lowest.min()) * n
         assert _pairs(world) == {(0, 1)}
+
+
+@pytest.mark.slow
+@VOLUMES
+@pytest.mark.parametrize(
+    ("test", "draws"),
+    [
+        (test_shapes_with_points_near_each_other_are_a_pair, NEAR),
+        (test_what_meets_within_a_step_is_a_pair_before_it, MEETING),
+        (test_what_reaches_a_plane_is_a_pair_with_it, ON_A_PLANE),
+    ],
+    ids=["near", "meeting", "on a plane"],
+)
+def test_so_it_is_in_sixty_draws(volume: str, test: Any, draws: Callable[[Any], Any]) -> None:
+    """Each of the three above, for longer."""
+
+    @settings(max_examples=60, deadline=None)
+    @draws
+    def longer(**drawn: Any) -> None:
+        test.hypothesis.inner_test(volume, **drawn)
+
+    longer()
 
 
 def test_each_volume_drops_what_only_a_looser_one_keeps() -> None:

@@ -53,7 +53,7 @@ LESS_THIN = [
 
 @TREES
 @TRACKS
-@lasts(2.0, 5.0)
+@lasts(1.0, 5.0)
 @pytest.mark.parametrize(("kind", "inertia"), [*THIN, *LESS_THIN])
 def test_a_pendulum_of_hardly_any_inertia_stays_on_its_anchor(
     kind: str, inertia: float, integrator: str, seconds: float
@@ -160,7 +160,7 @@ def test_a_slider_of_hardly_any_inertia_stays_on_its_rail(integrator: str) -> No
 
 @TREES
 @TRACKS
-@lasts(3.0, 10.0)
+@lasts(2.0, 10.0)
 def test_lines_of_10_km_and_links_under_heavy_bobs_hold(integrator: str, seconds: float) -> None:
     """A centimetre's ball on a line of 10 km, and a link of 1e-6 kg under a bob of 1e6 kg: round-off of 1e4 m is 2e-12 m."""
     line = [engine.Body(name="ball", inertia=0.4e-4 * np.eye(3), p_WB=(6000.0, 0.0, -8000.0))]
@@ -193,7 +193,7 @@ def _cranks(inertia: float) -> tuple[list[engine.Body], list[engine.Joint]]:
     return bodies, joints
 
 
-@lasts(1.0, 2.5)
+@lasts(0.7, 2.5)
 @pytest.mark.parametrize("inertia", [1e-2, 1e-14])
 def test_a_loop_with_a_crank_too_many_turns_through_its_flat_pose_with_its_energy(inertia: float, seconds: float) -> None:
     """Runge-Kutta at w dt = 7e-3: (w dt)^4 / 120 = 2e-11 a radian of some 15; singular poses cost digits, not all."""
@@ -215,7 +215,7 @@ def test_a_loop_with_a_crank_too_many_turns_through_its_flat_pose_with_its_energ
 
 
 @TRACKS
-@lasts(0.5, 1.5)
+@lasts(0.3, 1.5)
 @pytest.mark.parametrize("inertia", [pytest.param(1e-10, marks=pytest.mark.slow), 1e-18])
 def test_a_four_bar_of_thin_links_stays_closed(inertia: float, integrator: str, seconds: float) -> None:
     """Its three redundant rows are left out and no other; as in the pendulum, round-off is 1e-14 m."""

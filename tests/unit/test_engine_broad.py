@@ -94,7 +94,7 @@ CROWDS = given(
 )
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @CROWDS
 def test_every_search_finds_what_testing_all_pairs_finds(
     seed: int, number: int, spread: float, ratio: float, planes: int
@@ -191,7 +191,7 @@ SPREADS = given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.0, 0.5
 
 
 @pytest.mark.parametrize("name", BROAD_PHASES)
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @SPREADS
 def test_any_number_of_threads_finds_the_same_pairs(name: str, seed: int, spread: float) -> None:
     """Order included, in the arena's rows, from step to step, also where there are fewer shapes than threads would like."""

@@ -83,7 +83,7 @@ def _explicit(dt: float, gyroscopic: bool) -> Trajectory:
     return answer
 
 
-@pytest.mark.parametrize("dt", [1 / 60, 1 / 480])
+@pytest.mark.parametrize("dt", [1 / 60, pytest.param(1 / 480, marks=pytest.mark.slow)])
 def test_the_first_order_method_passes_and_a_dropped_gyroscopic_term_fails(dt: float) -> None:
     scene = CASE.scene(**CASE.parameters)
     for gyroscopic in (True, False):

@@ -65,20 +65,26 @@ def scene(n: float = LINKS, angle: float = ANGLE) -> Scene:
     return Scene(bodies=rods, joints=hinges, narrow=Effect.GYROSCOPIC)
 
 
+@lru_cache(maxsize=8)
+def _masses(n: int, length: float, inertia: float) -> tuple[Floats, Floats]:
+    """A (n, n) kg m2 and m g L (n - i - 1/2) (n,) of `acceleration`."""
+    link = np.arange(n, dtype=np.float64)
+    coupling: Floats = MASS * length**2 * (n - 0.5 - np.maximum(link[:, None], link[None, :]))
+    np.fill_diagonal(coupling, inertia + MASS * length**2 * (n - 1 - link + 0.25))
+    weight: Floats = MASS * G * length * (n - 0.5 - link)
+    return coupling, weight
+
+
 def acceleration(theta: Floats, rate: Floats) -> Floats:
     """theta'' (n,) rad/s2 of Lagrange's equations for equal rods with angles counted from the vertical.
 
     sum_j A_ij cos(theta_i - theta_j) theta_j'' + A_ij sin(theta_i - theta_j) theta_j'^2 = -m g L (n - i - 1/2) sin(theta_i);
     A_ij = m L^2 (n - max(i, j) - 1/2) off the diagonal and A_ii = I + m L^2/4 + m L^2 (n - 1 - i), i from 0.
     """
-    link = np.arange(len(theta))
-    below = len(theta) - 0.5 - np.maximum(link[:, None], link[None, :]).astype(np.float64)
-    coupling = np.multiply(MASS * LENGTH**2, below)
-    np.fill_diagonal(coupling, INERTIA + MASS * LENGTH**2 * (len(theta) - 1 - link + 0.25))
+    coupling, weight = _masses(len(theta), LENGTH, INERTIA)
     apart = theta[:, None] - theta[None, :]
-    push = -(coupling * np.sin(apart)) @ rate**2 - MASS * G * LENGTH * (len(theta) - 0.5 - link) * np.sin(theta)
-    accelerations: Floats = np.linalg.solve(coupling * np.cos(apart), push)
-    return accelerations
+    push = -(coupling * np.sin(apart)) @ rate**2 - weight * np.sin(theta)
+    return np.asarray(np.linalg.solve(coupling * np.cos(apart), push), dtype=np.float64)
 
 
 def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:

@@ -133,8 +133,10 @@ def pytest_configure() -> None:
 
     And a process keeps the memory that it frees: each of a thousand worlds of Bullet would ask the system for 29 MB anew.
     Threads for products of small matrices do little but wait for the next one, and take a core from the process beside this.
+    Those of OpenMP, which step worlds on several threads, spin while they wait: for seconds, where others have the cores.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy is loaded later
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     with suppress(AttributeError):  # another C library
         for what, size in ((M_TRIM_THRESHOLD, 256 * 2**20), (M_MMAP_THRESHOLD, 32 * 2**20)):
             ctypes.CDLL(None).mallopt(what, size)

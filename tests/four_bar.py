@@ -1,5 +1,6 @@
 """A four-bar linkage in a vertical plane: as a world of bodies and joints, and as one angle on its own."""
 
+import cmath
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -23,9 +24,8 @@ START = ((0.0, 0.0), (0.06, 0.1), (0.33, 0.19), (0.3, 0.0))
 MASSES = (0.2, 0.4, 0.4)
 
 
-def moment_of(k: int) -> float:
-    """Of link k, a rod, about its middle [kg m2]."""
-    return MASSES[k] * math.dist(START[k], START[k + 1]) ** 2 / 12
+MOMENTS = tuple(m * math.dist(one, two) ** 2 / 12 for m, one, two in zip(MASSES, START, START[1:], strict=False))
+"""Of the links, rods, about their middles [kg m2]."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Linkage:
         names = (engine.WORLD, "crank", "coupler", "rocker", engine.WORLD)
         bodies = [
             engine.Body(
-                name=names[k + 1], mass=MASSES[k], inertia=moment_of(k) * np.eye(3), p_WB=corners[k : k + 2].mean(axis=0),
+                name=names[k + 1], mass=MASSES[k], inertia=MOMENTS[k] * np.eye(3), p_WB=corners[k : k + 2].mean(axis=0),
                 shapes=self.shapes if k == 1 else (),
             )
             for k in range(3)
@@ -96,41 +96,46 @@ def widest_gap(world: engine.World) -> float:
 
 @dataclass(frozen=True)
 class Pose:
-    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m], the coupler's middle [m]."""
+    """At a crank angle: turns [rad], inertia about the crank [kg m2], masses times heights [kg m]."""
 
     coupler: float
     rocker: float
     inertia: float
     height: float
-    middle: Floats
 
 
-def turned_by(arm: Floats, start: Floats) -> float:
-    """How far an arm (x, z) has turned about +y [rad]."""
-    return math.atan2(start[1] * arm[0] - start[0] * arm[1], float(arm @ start))
+A, B, C, D = (complex(*corner) for corner in START)
+"""The pins as x + i z [m]: a turn by an angle about +y is a product with exp(-i angle), one with -i a rate per rad."""
 
 
-def pose_at(angle: float, before: Floats) -> tuple[Pose, Floats]:
-    """By two circles that meet, the meeting nearest to the one before. Returns: the pose, and that meeting (x, z)."""
-    a, b0, c0, d = (np.array(corner) for corner in START)
-    coupler, rocker = float(np.linalg.norm(c0 - b0)), float(np.linalg.norm(c0 - d))
-    s, c = math.sin(angle), math.cos(angle)
-    b = np.array(((b0 - a) @ (c, s), (b0 - a) @ (-s, c)))
-    far = float(np.linalg.norm(d - b))
+def dot(one: complex, other: complex) -> float:
+    return (one * other.conjugate()).real
+
+
+def turned_by(arm: complex, start: complex) -> float:
+    """How far an arm has turned about +y [rad]."""
+    return cmath.phase(start * arm.conjugate())
+
+
+def pose_at(angle: float, before: complex) -> tuple[Pose, complex]:
+    """By two circles that meet, the meeting nearest to the one before. Returns: the pose, and that meeting."""
+    coupler, rocker = abs(C - B), abs(C - D)
+    b = (B - A) * cmath.exp(-1j * angle)
+    far = abs(D - b)
     along = (coupler**2 - rocker**2 + far**2) / (2 * far)
-    off, way = math.sqrt(coupler**2 - along**2), (d - b) / far
-    foot, across = b + along * way, np.array((-way[1], way[0]))
-    end = min((foot + off * across, foot - off * across), key=lambda one: float(np.linalg.norm(one - before)))
-    b_rate = np.array((b[1], -b[0]))
-    c_rate = np.linalg.solve(np.array((end - b, end - d)), np.array(((end - b) @ b_rate, 0.0)))
+    off, way = math.sqrt(coupler**2 - along**2), (D - b) / far
+    foot = b + along * way
+    end = min((foot + off * 1j * way, foot - off * 1j * way), key=lambda one: abs(one - before))
+    # The end goes across the rocker, and along the coupler as fast as its other end.
+    b_rate, across = -1j * b, -1j * (end - D)
+    turns = dot(end - b, b_rate) / dot(end - b, across)
+    c_rate = turns * across
 
-    def spin(arm: Floats, rate: Floats) -> float:
-        return float(arm[1] * rate[0] - arm[0] * rate[1]) / float(arm @ arm)
-
-    rates, spins = (b_rate / 2, (b_rate + c_rate) / 2, c_rate / 2), (1.0, spin(end - b, c_rate - b_rate), spin(end - d, c_rate))
-    inertia = sum(m * float(v @ v) + moment_of(k) * w * w for k, (m, v, w) in enumerate(zip(MASSES, rates, spins, strict=True)))
-    height = MASSES[0] * b[1] / 2 + MASSES[1] * (b[1] + end[1]) / 2 + MASSES[2] * end[1] / 2
-    return Pose(turned_by(end - b, c0 - b0), turned_by(end - d, c0 - d), inertia, float(height), (b + end) / 2), end
+    rates = (b_rate / 2, (b_rate + c_rate) / 2, c_rate / 2)
+    spins = (1.0, dot(c_rate - b_rate, -1j * (end - b)) / coupler**2, turns)
+    inertia = sum(m * abs(v) ** 2 + J * w * w for m, J, v, w in zip(MASSES, MOMENTS, rates, spins, strict=True))
+    height = MASSES[0] * b.imag / 2 + MASSES[1] * (b + end).imag / 2 + MASSES[2] * end.imag / 2
+    return Pose(turned_by(end - b, C - B), turned_by(end - D, C - D), inertia, height), end
 
 
 Torque = Callable[[float, float, Pose], float]
@@ -156,7 +161,7 @@ def _fallen(
 
     Returns: crank angle, time [s] and pose after so many seconds, or where a limit is met.
     """
-    meeting, limits = np.array(START[2]), dict(limited)
+    meeting, limits = C, dict(limited)
 
     def slope(_: float, y: Floats) -> list[float]:
         nonlocal meeting

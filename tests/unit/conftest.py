@@ -10,11 +10,14 @@ import os
 import signal
 import time
 from collections import Counter
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import pytest
+
+from tests.forks import NUMBA, Fork, forks
 
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 SECONDS, LEAST = 3.5, 0.3
@@ -75,6 +78,37 @@ def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(defaults, "coordinates", request.param)
     chosen: str = request.param
     return chosen
+
+
+@pytest.fixture(scope="session")
+def fork() -> Iterator[Fork]:
+    """Programs in processes of their own, with room for four threads, however many cores there are."""
+    with forks("import os; os.environ['NUMBA_NUM_THREADS'] = '4'; " + NUMBA) as run:
+        yield run
+
+
+@pytest.fixture(scope="module")
+def solids_found_once() -> Iterator[None]:
+    """Worlds of the same bodies are built again and again: what equal hulls and triangles are made of is worked out once."""
+    import numpy as np
+
+    from engine.build import solids
+
+    def once(work: Callable[..., Any]) -> Callable[..., Any]:
+        found = dict[tuple[object, ...], Any]()
+
+        def kept(*given: Any) -> Any:
+            key = tuple((one.dtype.str, one.shape, one.tobytes()) if isinstance(one, np.ndarray) else one for one in given)
+            if key not in found:
+                found[key] = work(*given)
+            return found[key]
+
+        return kept
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("hull_polyhedron", "inner_edges", "_triangle"):
+            patch.setattr(solids, name, once(getattr(solids, name)))
+        yield
 
 
 def name_of(test: pytest.Item) -> str:

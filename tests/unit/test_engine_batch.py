@@ -1,9 +1,6 @@
 """Batches: each world ends with the bits it would have alone, on any number of threads."""
 
-import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +11,7 @@ import engine
 from engine.compile.jit import cache_directory
 from engine.integrate import explicit_euler
 from engine.steps import many_worlds
+from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 ROUGH = {("default", "default"): engine.Surface(static_friction=0.5, kinetic_friction=0.5, restitution=0.3)}
@@ -191,9 +189,9 @@ def test_batches_refuse_what_they_cannot_advance() -> None:
             engine.Batch([engine.World(touching, options=options)])
 
 
-THREADS = """
+THREADS = f"""
 import hashlib, sys
-sys.path.insert(0, sys.argv[1])
+sys.path.insert(0, {str(Path(__file__).parent)!r})
 import engine
 from test_engine_batch import _free, _hulls, _pile
 for build in (_free, _pile, _hulls):
@@ -205,30 +203,26 @@ for build in (_free, _pile, _hulls):
 
 
 @pytest.mark.compiler
-def test_no_number_of_threads_changes_a_bit() -> None:
+def test_no_number_of_threads_changes_a_bit(fork: Fork) -> None:
     """Four threads exist in a process that is told so, however many cores there are; seven worlds do not divide evenly."""
-    told = os.environ | {"NUMBA_NUM_THREADS": "4"}
-    given = [sys.executable, "-c", THREADS, str(Path(__file__).parent)]
-    said = subprocess.run(given, check=True, capture_output=True, text=True, env=told).stdout.split()
+    said = fork(THREADS).split()
     assert len(said) == 9
     assert [len(set(said[k : k + 3])) for k in (0, 3, 6)] == [1, 1, 1]
 
 
-ALONE_AND_BESIDE = """
-import sys, engine
+MADE = """
+import engine
 def made(): return engine.World([engine.Body(p_WB=(0, 0, 1))], options=engine.Options(integrator="explicit_euler"))
-engine.Batch([made(), made()]).step() if sys.argv[1] == "batch" else made().step()
 """
 
 
 @pytest.mark.compiler
-def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path) -> None:
+def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path, fork: Fork) -> None:
     """Each in a process of its own; asked for under another signature, the same step would be compiled and kept twice."""
     engine.Batch([engine.World([engine.Body()], options=engine.Options(integrator="explicit_euler"))]).step()
     for module in (many_worlds, explicit_euler):
         kept = cache_directory(Path(module.__file__))
         shutil.copytree(kept, tmp_path / kept.name)
-    told = os.environ | {"PLUMBLINE_KERNEL_CACHE": str(tmp_path)}
-    for kind in ("batch", "world"):
-        subprocess.run([sys.executable, "-c", ALONE_AND_BESIDE, kind], check=True, env=told)
+    for what in ("engine.Batch([made(), made()])", "made()"):
+        fork(MADE + f"{what}.step()", PLUMBLINE_KERNEL_CACHE=str(tmp_path))
         assert len([*tmp_path.rglob("explicit_euler.step_*.nbc")]) == 1

@@ -1,11 +1,9 @@
 """Broad phases: all find the pairs that testing every pair finds, in one order, whatever the shapes."""
 
 import math
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -14,11 +12,13 @@ from hypothesis import strategies as st
 
 import engine
 from engine.broad.choice import FEW, choose_broad_phase
-from engine.build import solids
 from engine.build.assembly import grow
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.options import BROAD_PHASES
+from tests.forks import Fork
+
+pytestmark = pytest.mark.usefixtures("solids_found_once")
 
 Motion = Literal["dynamic", "static", "kinematic"]
 
@@ -31,22 +31,6 @@ OCTAHEDRON = engine.ConvexHull(
 CLOUD = np.random.default_rng(8).normal(size=(8, 3))
 """The corners [1] of a hull without symmetry."""
 SEARCHES = tuple(name for name in BROAD_PHASES if name != "brute_force")
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _hulls_found_once() -> Iterator[None]:
-    """Worlds of the same bodies are built for each search: the faces of equal hulls are found once."""
-    find, found = solids.hull_polyhedron, dict[bytes, Any]()
-
-    def once(vertices: Any) -> Any:
-        key = np.asarray(vertices, float).tobytes()
-        if key not in found:
-            found[key] = find(vertices)
-        return found[key]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solids, "hull_polyhedron", once)
-        yield
 
 
 def _random_bodies(seed: int, number: int, spread: float, ratio: float, planes: int) -> list[engine.Body]:
@@ -110,7 +94,7 @@ CROWDS = given(
 )
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @CROWDS
 def test_every_search_finds_what_testing_all_pairs_finds(
     seed: int, number: int, spread: float, ratio: float, planes: int
@@ -143,10 +127,24 @@ def _all_find_the_same(seed: int, number: int, spread: float, ratio: float, plan
             assert _found(world) == expected, world.broad_phase
 
 
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.1, 0.5, 3.0]), planes=st.integers(0, 2))
+OVERLAPS = given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.1, 0.5, 3.0]), planes=st.integers(0, 2))
+
+
+@settings(max_examples=12, deadline=None)
+@OVERLAPS
 def test_the_pairs_are_those_of_overlapping_bounds(seed: int, spread: float, planes: int) -> None:
     """Against a comparison of the boxes written out here."""
+    _pairs_are_those_of_bounds(seed, spread, planes)
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@OVERLAPS
+def test_the_pairs_are_those_of_overlapping_bounds_in_forty_crowds(seed: int, spread: float, planes: int) -> None:
+    _pairs_are_those_of_bounds(seed, spread, planes)
+
+
+def _pairs_are_those_of_bounds(seed: int, spread: float, planes: int) -> None:
     bodies = _random_bodies(seed, FEW + 10, spread, 10.0, planes)
     (world,) = _worlds(bodies, ("bvh",))
     found = set(_found(world))
@@ -193,7 +191,7 @@ SPREADS = given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([0.0, 0.5
 
 
 @pytest.mark.parametrize("name", BROAD_PHASES)
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 @SPREADS
 def test_any_number_of_threads_finds_the_same_pairs(name: str, seed: int, spread: float) -> None:
     """Order included, in the arena's rows, from step to step, also where there are fewer shapes than threads would like."""
@@ -232,7 +230,7 @@ def test_any_number_of_threads_gives_the_same_bits(first: engine.Shape | None) -
     assert states[0] == states[1] == states[2]
 
 
-def test_a_world_of_one_thread_loads_no_parallel_search() -> None:
+def test_a_world_of_one_thread_loads_no_parallel_search(fork: Fork) -> None:
     program = (
         "import sys, engine\n"
         "ball = engine.Placed(engine.Sphere(0.1))\n"
@@ -241,8 +239,7 @@ def test_a_world_of_one_thread_loads_no_parallel_search() -> None:
         "    engine.World(bodies, options=engine.Options(threads=threads))\n"
         "    print('engine.broad.parallel' in sys.modules)\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["False", "True"]
+    assert fork(program).split() == ["False", "True"]
     with pytest.raises(ValueError, match="threads 0, expected a whole number of at least 1"):
         engine.Options(threads=0)
 
@@ -327,7 +324,7 @@ def test_the_choice_follows_the_wish_and_else_the_number_of_shapes() -> None:
         engine.Options(broad_phase="quadtree")
 
 
-def test_only_the_chosen_broad_phase_is_loaded() -> None:
+def test_only_the_chosen_broad_phase_is_loaded(fork: Fork) -> None:
     """A module that is not imported is not compiled."""
     program = (
         "import sys, numpy as np, engine\n"
@@ -337,8 +334,7 @@ def test_only_the_chosen_broad_phase_is_loaded() -> None:
         "names = ('uniform_grid', 'octree', 'sweep_and_prune', 'bvh', 'brute_force')\n"
         "print([name for name in names if 'engine.broad.' + name in sys.modules])\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "['octree']"
+    assert fork(program).strip() == "['octree']"
 
 
 def test_widened_bounds_are_found_anew_only_when_left() -> None:

@@ -5,8 +5,9 @@ import pickle
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from engine.compile import compilers
 from engine.compile.jit import cache_directory
 from engine.compile.kernel_cache import read_checked
 from engine.steps import smooth
+from tests.forks import forks
 
 pytestmark = pytest.mark.compiler
 
@@ -48,8 +50,45 @@ print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """
 """As TUMBLE, of two heaps, each on a thread."""
 KICK = "g = load3(setting, 0, GRAVITY)"
-FEW = ("test_engine_motion.py", "test_engine_input.py")
-"""Tests of free bodies and of every solver's contacts that pass within seconds as plain Python."""
+MADE = {
+    "__init__.py": "",
+    "pull.py": """
+from engine.compile.jit import kernel
+
+@kernel
+def pull(time: float) -> float:
+    return -9.81 * time
+""",
+    "sink.py": """
+from engine.compile.jit import entry
+from engine.made.pull import pull
+
+@entry
+def sink(speed: float, steps: int) -> float:
+    for _ in range(steps):
+        speed += pull(1 / steps)
+    return speed
+""",
+}
+"""The modules of a step that is compiled in no time and, as the engine's own, calls a kernel of another module."""
+SINK = """
+import numpy as np
+from engine.made.sink import sink
+state = np.zeros(13)
+state[9] = sink(3.0, 240)
+print(state.tobytes().hex(), sum(sink.stats.cache_hits.values()))
+"""
+"""As TUMBLE, of that step."""
+COMPILER = "import numba; numba.njit(lambda x: x)(1.0)"
+"""What all processes do that compile."""
+FEW = (
+    "test_engine_motion.py::test_damping_decays_exponentially",
+    "test_engine_motion.py::test_without_the_gyroscopic_effect_the_spin_is_constant",
+    "test_engine_input.py::test_a_world_in_contact_that_diverges_says_in_which_step",
+)
+"""Tests of free bodies and of every solver's contacts that pass within a second as plain Python."""
+MORE = ("test_engine_motion.py", "test_engine_input.py", "test_engine_world.py")
+"""Files of such tests that take seconds."""
 
 
 def _copied(root: Path) -> Path:
@@ -71,26 +110,25 @@ def _run(root: Path, script: str) -> tuple[str, int]:
     return said[0], int(said[1])
 
 
-def _fall(root: Path) -> tuple[float, int]:
-    """Velocity [m/s] upwards after a second, hits of the cache."""
-    return _upwards(*_run(root, TUMBLE))
-
-
 def _upwards(state: str, hits: int) -> tuple[float, int]:
+    """Velocity [m/s] upwards after a second, hits of the cache."""
     return float(np.frombuffer(bytes.fromhex(state))[9]), hits
 
 
-DOWN, UP = 3.0 - 9.81, 3.0 + 9.81
+DOWN, UP = pytest.approx(3.0 - 9.81), pytest.approx(3.0 + 9.81)
 """Velocities [m/s] after a second of gravity, as it is and turned round."""
 
 
 @pytest.fixture(scope="module")
 def fallen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the sources, written at another time, and the step of free fall that is in this process's cache: a fresh
-    checkout, say, beside a cache that was kept. Each test leaves it so.
+    checkout, say, beside a cache that was kept. The made step is in it too. Each test leaves it so.
     """
     engine.World([engine.Body()]).step()
     root = _copied(tmp_path_factory.mktemp("fallen"))
+    (root / "engine" / "made").mkdir()
+    for name, text in MADE.items():
+        (root / "engine" / "made" / name).write_text(text)
     for path in (root / "engine").rglob("*.py"):
         os.utime(path, (1e9, 1e9))
     kept = cache_directory(Path(smooth.__file__))
@@ -98,14 +136,63 @@ def fallen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+Program = Callable[[str], tuple[str, int]]
+
+
 @pytest.fixture(scope="module")
-def first(fallen: Path) -> tuple[str, int]:
-    """What `_run` says of the copy before any test has touched it."""
-    return _run(fallen, TUMBLE)
+def run(fallen: Path) -> Iterator[Program]:
+    """As `_run` of the copy, in processes that have compiled something already."""
+    with forks(COMPILER) as fork:
+
+        def answer(script: str) -> tuple[str, int]:
+            state, hits = fork(script, str(fallen), PLUMBLINE_KERNEL_CACHE=str(fallen / "cache")).split()
+            return state, int(hits)
+
+        yield answer
+
+
+@pytest.fixture(scope="module")
+def first(run: Program) -> tuple[str, int]:
+    """What the step of free fall ends in before any test has touched the copy."""
+    return run(TUMBLE)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of the copy: the program that makes it, what that says before any test has touched the copy, its module, and a
+    line of a kernel that it calls from another module, with an edit that turns gravity round."""
+
+    program: str
+    whole: str
+    module: str
+    kernel: Path
+    edit: tuple[str, str]
+
+
+@pytest.fixture(scope="module")
+def own(fallen: Path, first: tuple[str, int]) -> Step:
+    """The step of free fall."""
+    kernel = fallen / "engine" / "integrate" / "semi_implicit_euler.py"
+    return Step(TUMBLE, first[0], "smooth", kernel, (KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))
+
+
+@pytest.fixture(scope="module")
+def made(fallen: Path, run: Program) -> Step:
+    """The made step, compiled by the first process that asks for it."""
+    whole, hits = run(SINK)
+    assert hits == 0
+    return Step(SINK, whole, "sink", fallen / "engine" / "made" / "pull.py", ("-9.81", "9.81"))
+
+
+@pytest.fixture(params=["made", pytest.param("own", marks=pytest.mark.slow)])
+def step(request: pytest.FixtureRequest) -> Step:
+    """Either of them."""
+    found: Step = request.getfixturevalue(request.param)
+    return found
 
 
 def test_the_same_sources_in_another_folder_written_at_another_time_are_not_compiled_again(first: tuple[str, int]) -> None:
-    assert _upwards(*first) == (pytest.approx(DOWN), 1)
+    assert _upwards(*first) == (DOWN, 1)
 
 
 @pytest.mark.slow
@@ -116,20 +203,20 @@ def test_the_process_that_compiles_for_two_threads_gets_the_bits_of_those_that_l
     assert compiled[0] == loaded[0]
 
 
-@pytest.mark.usefixtures("first")
-def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_cache(fallen: Path) -> None:
+def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_cache(
+    step: Step, run: Program, fallen: Path
+) -> None:
     """The edit turns gravity round in a function that the compiled step calls from another module. A cache that looks at the
     step's own file alone would go on to fall down.
     """
-    motion = fallen / "engine" / "integrate" / "semi_implicit_euler.py"
-    text = motion.read_text()
-    assert text.count(KICK) == 1
-    motion.write_text(text.replace(KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))
-    assert _fall(fallen) == (pytest.approx(UP), 0)
-    motion.write_text(text)
+    text = step.kernel.read_text()
+    assert text.count(step.edit[0]) == 1
+    step.kernel.write_text(text.replace(*step.edit))
+    assert _upwards(*run(step.program)) == (UP, 0)
+    step.kernel.write_text(text)
     with (fallen / "engine" / "rays" / "tiles.py").open("a") as rays:
         rays.write("# no step is made of this\n")
-    assert _fall(fallen) == (pytest.approx(DOWN), 1)
+    assert _upwards(*run(step.program)) == (DOWN, 1)
 
 
 def _stored(folder: Path) -> Any:
@@ -163,15 +250,16 @@ def test_damaged_code_is_named_never_loaded_and_replaced(tmp_path: Path, kind: s
 
 
 def test_a_step_whose_stored_code_is_damaged_is_compiled_anew_to_the_bits_of_those_that_load(
-    fallen: Path, first: tuple[str, int]
+    step: Step, run: Program, fallen: Path
 ) -> None:
     """What is damaged was compiled by another process; one that compiles it anew, and one that loads that, give its bits."""
-    whole, _ = first
-    for path in (fallen / "cache").rglob("*.nbc"):
+    stored = list((fallen / "cache").rglob(f"{step.module}.*.nbc"))
+    assert stored
+    for path in stored:
         content = path.read_bytes()
         path.write_bytes(content[:-100] + bytes([content[-100] ^ 1]) + content[-99:])
-    assert _run(fallen, TUMBLE) == (whole, 0)
-    assert _run(fallen, TUMBLE) == (whole, 1)
+    assert run(step.program) == (step.whole, 0)
+    assert run(step.program) == (step.whole, 1)
 
 
 def test_what_is_kept_has_the_names_that_python_asks_for_and_not_the_program() -> None:
@@ -199,12 +287,12 @@ def _machine_code(content: Any) -> Iterator[tuple[bytes, bytes]]:
             yield from _machine_code(one)
 
 
-@pytest.mark.parametrize("files", [FEW, pytest.param(("test_engine_world.py",), marks=pytest.mark.slow)])
-def test_the_unit_tests_pass_without_the_compiler(files: tuple[str, ...]) -> None:
-    """Some that take seconds; `make test-nojit` runs them all."""
+@pytest.mark.parametrize("tests", [FEW, *(pytest.param((file,), marks=pytest.mark.slow) for file in MORE)])
+def test_the_unit_tests_pass_without_the_compiler(tests: tuple[str, ...]) -> None:
+    """Some that take a second; `make test-nojit` runs them all."""
     here = Path(__file__).parent
     ran = subprocess.run(
-        [sys.executable, "-m", "pytest", *(str(here / name) for name in files)],
+        [sys.executable, "-m", "pytest", *(str(here / name) for name in tests)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
         capture_output=True,
         text=True,

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import engine
+from tests.forks import Fork
 
 G = 9.81
 ROUGH = {("default", "default"): engine.Surface(static_friction=0.5, kinetic_friction=0.5)}
@@ -119,11 +120,8 @@ def test_a_ball_rolls_over_the_seams_of_a_mesh() -> None:
     assert world.state()[1, :3] == pytest.approx([0.6, 0.117, 0.1], abs=1e-4)
 
 
-def test_scenes_of_closed_forms_never_load_the_convex_narrow_phase() -> None:
+def test_scenes_of_closed_forms_never_load_the_convex_narrow_phase(fork: Fork) -> None:
     """Its module is imported by the first pair that needs it, and with it its compilation."""
-    import subprocess
-    import sys
-
     code = (
         "import sys, engine; p = engine.Placed;"
         "w = engine.World([engine.Body(name='g', motion='static', shapes=[p(engine.Plane())]),"
@@ -132,4 +130,4 @@ def test_scenes_of_closed_forms_never_load_the_convex_narrow_phase() -> None:
         "assert len(w.contacts().gap) == 8; assert 'engine.contact.collide_convex' not in sys.modules;"
         "assert 'engine.narrow.gjk' not in sys.modules"
     )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    fork(code)

@@ -92,17 +92,19 @@ def _breach(problem: Problem, impulse: np.ndarray) -> float:
     return worst / problem.speed
 
 
-def test_piles_with_mass_ratios_of_1e4_are_solved_and_certified_contact_by_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_piles_with_mass_ratios_of_1e4_are_solved_and_certified_contact_by_contact(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Certificate and law both round with W r: 1e-16 times the ratio of masses, 1e4, times a hundred for sums.
 
     None of these solves missed; one in fifty may, since another order of sums leads to another pile.
     """
-    for seed in (1, 2):
-        seen = _watched(_pile(seed, 4, effort=PATIENT), 120, monkeypatch)
-        assert max(problem.size for problem, _ in seen) > 8
-        for problem, solution in seen:
-            assert solution.residual == pytest.approx(_breach(problem, solution.impulse), rel=1e-6, abs=EXACT)
-        assert sum(solution.residual > EXACT for _, solution in seen) <= len(seen) / 50
+    seen = _watched(_pile(seed, 4, effort=PATIENT), 120, monkeypatch)
+    assert max(problem.size for problem, _ in seen) > 8
+    for problem, solution in seen:
+        assert solution.residual == pytest.approx(_breach(problem, solution.impulse), rel=1e-6, abs=EXACT)
+    assert sum(solution.residual > EXACT for _, solution in seen) <= len(seen) / 50
 
 
 @pytest.mark.slow
@@ -115,7 +117,7 @@ def test_all_of_twenty_piles_are_solved_without_a_miss(seed: int) -> None:
     assert residual(seen) <= EXACT
 
 
-@pytest.mark.parametrize("seed", [7, 10, 33])
+@pytest.mark.parametrize("seed", [7, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (10, 33))])
 def test_the_first_touches_of_piles_that_are_held_from_two_sides_are_solved(seed: int) -> None:
     """Bodies between others and a wall: gaps of some 1e-9 m that no rigid motion closes together ask who slips at 1e-8 m/s."""
     seen = _pile(seed, 4, effort=PATIENT)

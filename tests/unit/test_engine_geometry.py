@@ -149,7 +149,7 @@ def _check(pair: tuple[str, str], seed: int, count: int, exact: int) -> None:
 
 
 @pytest.mark.parametrize("pair", PAIRS, ids="-".join)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(seed=st.integers(0, 2**31))
 def test_distance_and_depth_of_random_poses_are_exact(pair: tuple[str, str], seed: int) -> None:
     """Polytopes agree with a quadratic program and with the facets of A - B; round shapes carry a certificate."""

@@ -1,8 +1,5 @@
 """Islands: connected components as another program finds them, and solved on threads with the same bits."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +12,7 @@ from engine.build.assembly import wants_islands
 from engine.islands.islands import connected_components
 from engine.memory import arena as at
 from engine.steps.contact_jointed import step_contact_jointed
+from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 
@@ -115,11 +113,11 @@ def test_more_machines_than_one_are_solved_apart(joints: list[tuple[str, str]], 
 
 THREADS = """
 import hashlib, sys
-sys.path.insert(0, sys.argv[1])
+sys.path.insert(0, {folder!r})
 from test_engine_islands import stacks
 for threads in (1, 2, 4):
-    world = stacks(30, float(sys.argv[2]), sys.argv[3] == "True", threads=threads)
-    world.step(500)
+    world = stacks(30, {restitution}, {tied}, threads=threads)
+    world.step({steps})
     print(hashlib.sha256(world.state().tobytes() + world.contacts().force.tobytes()).hexdigest())
 """
 
@@ -127,23 +125,25 @@ for threads in (1, 2, 4):
 @pytest.mark.timeout(1200)
 @pytest.mark.compiler
 @pytest.mark.parametrize(
-    ("restitution", "tied"),
-    [(0.4, False), *(pytest.param(*slow, marks=pytest.mark.slow) for slow in ((0.0, False), (0.4, True)))],
+    ("restitution", "tied", "steps"),
+    [
+        (0.4, False, 150),
+        *(pytest.param(*slow, 500, marks=pytest.mark.slow) for slow in ((0.4, False), (0.0, False), (0.4, True))),
+    ],
 )
-def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(restitution: float, tied: bool) -> None:
+def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(
+    restitution: float, tied: bool, steps: int, fork: Fork
+) -> None:
     """Four threads exist in a process that is told so, however many cores there are."""
-    told = os.environ | {"NUMBA_NUM_THREADS": "4"}
-    given = [sys.executable, "-c", THREADS, str(Path(__file__).parent), str(restitution), str(tied)]
-    said = subprocess.run(given, check=True, capture_output=True, text=True, env=told).stdout.split()
+    said = fork(THREADS.format(folder=str(Path(__file__).parent), restitution=restitution, tied=tied, steps=steps)).split()
     assert len(said) == 3
     assert len(set(said)) == 1
 
 
-def test_one_thread_compiles_nothing_parallel() -> None:
+def test_one_thread_compiles_nothing_parallel(fork: Fork) -> None:
     """A world of one thread never loads the module of islands."""
     code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('engine.steps.islands' in sys.modules)"
-    given = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}"]
-    assert subprocess.run(given, check=True, capture_output=True, text=True).stdout.split() == ["False"]
+    assert fork(f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}").split() == ["False"]
 
 
 def test_options_of_islands_are_checked() -> None:

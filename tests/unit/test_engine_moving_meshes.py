@@ -11,6 +11,8 @@ from engine.contact.measure_triangles import measure_triangles
 from engine.narrow.triangle_triangle import APART
 from tests.solid_meshes import box, mesh_body, nut, ring, sag, together
 
+pytestmark = pytest.mark.usefixtures("solids_found_once")
+
 G = 9.81
 SINK = sag(1 / 240)
 """4.3 um; several points that share a weight give way by less, each being tuned for the whole body."""
@@ -113,7 +115,14 @@ def test_a_foot_with_a_cube_on_one_end_stands_where_its_mesh_says(solver: str) -
     assert _carried(world) == pytest.approx(2 * G, rel=1e-3)
 
 
-@pytest.mark.parametrize("mesh", [box((0.1, 0.1, 0.1)), ELL, nut(0.2, 0.12, 0.2, 24)], ids=["cube", "foot", "nut"])
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        pytest.param(box((0.1, 0.1, 0.1)), id="cube"),
+        pytest.param(ELL, id="foot"),
+        pytest.param(nut(0.2, 0.12, 0.2, 24), id="nut", marks=pytest.mark.slow),
+    ],
+)
 def test_a_mesh_slides_over_the_seams_of_a_mesh_as_over_a_plane(mesh: engine.TriangleMesh) -> None:
     """Without friction nothing may slow it. It may lean by SINK over its width of 20 cm, which pushes it along by g times that;
     a side that met a seam would take centimetres a second.

@@ -285,10 +285,11 @@ def _nearest_triangle(corners: Array, o: Array, d: Array) -> float:
         return float(np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0), t, np.inf).min())
 
 
-def test_the_tree_of_a_mesh_and_hulls_finds_the_nearest_face() -> None:
-    """A torus of 3200 triangles and a hull on a turned body, seen by 150 rays, and a sphere in front of some."""
+@pytest.mark.parametrize("around", [(20, 20), pytest.param((40, 40), marks=pytest.mark.slow)])
+def test_the_tree_of_a_mesh_and_hulls_finds_the_nearest_face(around: tuple[int, int]) -> None:
+    """A torus of many triangles and a hull on a turned body, seen by 150 rays, and a sphere in front of some."""
     rng = np.random.default_rng(5)
-    vertices, faces = _torus(40, 40)
+    vertices, faces = _torus(*around)
     q, p = _unit(rng.normal(size=4)), np.array([3.0, -1.0, 2.0])
     rock = rng.normal(size=(12, 3)) * 0.2
     turn = Rotation.from_quat(q, scalar_first=True)

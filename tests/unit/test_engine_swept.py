@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import engine
+from tests.forks import Fork
 from tests.swept_worlds import DT, SHAPES, SHEET, WALL, bullet_of, world_of
 
 Array = NDArray[np.float64]
@@ -283,11 +284,8 @@ def test_joints_and_the_exact_solver_refuse_the_sweep() -> None:
         engine.Options(continuous=True)  # type: ignore[arg-type]
 
 
-def test_scenes_without_the_sweep_never_load_it() -> None:
+def test_scenes_without_the_sweep_never_load_it(fork: Fork) -> None:
     """Nor the second solver; the one condition on which contacts begin is part of the narrow phase."""
-    import subprocess
-    import sys
-
     code = (
         "import sys, engine; p = engine.Placed;"
         "w = engine.World([engine.Body(name='g', motion='static', shapes=[p(engine.Plane())]),"
@@ -295,7 +293,7 @@ def test_scenes_without_the_sweep_never_load_it() -> None:
         "loaded = [m for m in sys.modules if m.startswith('engine.swept.') or 'sequential' in m];"
         "assert loaded == ['engine.swept.begin'], loaded"
     )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    fork(code)
 
 
 @pytest.mark.slow

@@ -1,8 +1,8 @@
 """Bounding volumes: none drops a pair of shapes that touch, and the choice among them changes no motion."""
 
 import math
-import subprocess
-import sys
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from engine.build.solids import quat_mat, quat_mul
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.options import BOUNDING_VOLUMES
+from tests.forks import Fork
 
 DEFAULT = ("default", "default")
 FloatArray = NDArray[np.float64]
@@ -76,19 +77,26 @@ def _pairs(world: engine.World) -> set[tuple[int, int]]:
 def _points(world: engine.World, shape: engine.Shape, s: int, rng: np.random.Generator) -> FloatArray:
     """Samples of shape s of a world, in W."""
     pose = float_table(world._floats, world._ints, at.POSE)[s]
-    points = _samples(rng, shape, 3000)
+    points = _samples(rng, shape, 1000)
     if isinstance(shape, engine.ConvexHull):
         vertices = np.asarray(shape.vertices)
         points = points - (vertices.max(axis=0) + vertices.min(axis=0)) / 2
     return np.asarray(pose[:3] + points @ pose[3:].reshape(3, 3).T)
 
 
-@pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
-@settings(max_examples=60, deadline=None)
-@given(
-    seed=st.integers(0, 2**32 - 1), kinds=st.tuples(st.integers(0, 4), st.integers(0, 4)),
-    far=st.sampled_from([0.0, 1e3, 1e6]), aligned=st.booleans(),
+VOLUMES = pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
+SEEDS = st.integers(0, 2**32 - 1)
+NEAR = given(
+    seed=SEEDS, kinds=st.tuples(st.integers(0, 4), st.integers(0, 4)), far=st.sampled_from([0.0, 1e3, 1e6]),
+    aligned=st.booleans(),
 )  # fmt: skip
+MEETING = given(seed=SEEDS, kind=st.integers(0, 4))
+ON_A_PLANE = given(seed=SEEDS, kind=st.integers(0, 4), below=st.booleans())
+
+
+@VOLUMES
+@settings(max_examples=25, deadline=None)
+@NEAR
 @example(seed=0, kinds=(1, 1), far=0.0, aligned=True)
 def test_shapes_with_points_near_each_other_are_a_pair(
     volume: str, seed: int, kinds: tuple[int, int], far: float, aligned: bool
@@ -115,9 +123,9 @@ def test_shapes_with_points_near_each_other_are_a_pair(
     assert _pairs(world) == {(0, 1)}
 
 
-@pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), kind=st.integers(0, 4))
+@VOLUMES
+@settings(max_examples=20, deadline=None)
+@MEETING
 def test_what_meets_within_a_step_is_a_pair_before_it(volume: str, seed: int, kind: int) -> None:
     """Two bodies that fly and spin are put where two of their points meet at the end of a step: the widening covers the way."""
     rng = np.random.default_rng(seed)
@@ -144,9 +152,9 @@ def test_what_meets_within_a_step_is_a_pair_before_it(volume: str, seed: int, ki
     assert _pairs(world) == {(0, 1)}
 
 
-@pytest.mark.parametrize("volume", BOUNDING_VOLUMES)
-@settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), kind=st.integers(0, 4), below=st.booleans())
+@VOLUMES
+@settings(max_examples=20, deadline=None)
+@ON_A_PLANE
 def test_what_reaches_a_plane_is_a_pair_with_it(volume: str, seed: int, kind: int, below: bool) -> None:
     """The lowest of the sampled points is put within the margin of a plane, on either side, whichever shape is the first."""
     rng = np.random.default_rng(seed)
@@ -161,6 +169,28 @@ def test_what_reaches_a_plane_is_a_pair_with_it(volume: str, seed: int, kind: in
         gap = -0.5 if below else 0.9 * world.options.margin
         world.state()[b, :3] += (plane.p_WB @ n + gap - lowest.min()) * n
         assert _pairs(world) == {(0, 1)}
+
+
+@pytest.mark.slow
+@VOLUMES
+@pytest.mark.parametrize(
+    ("test", "draws"),
+    [
+        (test_shapes_with_points_near_each_other_are_a_pair, NEAR),
+        (test_what_meets_within_a_step_is_a_pair_before_it, MEETING),
+        (test_what_reaches_a_plane_is_a_pair_with_it, ON_A_PLANE),
+    ],
+    ids=["near", "meeting", "on a plane"],
+)
+def test_so_it_is_in_sixty_draws(volume: str, test: Any, draws: Callable[[Any], Any]) -> None:
+    """Each of the three above, for longer."""
+
+    @settings(max_examples=60, deadline=None)
+    @draws
+    def longer(**drawn: Any) -> None:
+        test.hypothesis.inner_test(volume, **drawn)
+
+    longer()
 
 
 def test_each_volume_drops_what_only_a_looser_one_keeps() -> None:
@@ -232,7 +262,7 @@ def test_the_bounding_volume_does_not_change_one_bit_of_the_motion(dt: float) ->
     assert np.array_equal(states[0], states[2])
 
 
-def test_only_the_chosen_volume_is_loaded() -> None:
+def test_only_the_chosen_volume_is_loaded(fork: Fork) -> None:
     """A module that is not imported is not compiled; the axis-aligned box needs none."""
     program = (
         "import sys, engine\n"
@@ -242,8 +272,7 @@ def test_only_the_chosen_volume_is_loaded() -> None:
         "    engine.World(bodies, options=engine.Options(bounding_volume=volume))\n"
         "    print([name for name in ('obb', 'sphere') if 'engine.broad.volumes.' + name in sys.modules])\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.split("\n")[:2] == ["[]", "['sphere']"]
+    assert fork(program).split("\n")[:2] == ["[]", "['sphere']"]
 
 
 def test_an_unknown_volume_is_refused() -> None:

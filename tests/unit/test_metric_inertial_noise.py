@@ -45,8 +45,9 @@ def _answer(streams: dict[str, Floats]) -> Trajectory:
     return replace(Trajectory.of(np.zeros(1), 1), streams=streams)
 
 
-def test_noise_of_the_law_raises_no_alarm_in_a_hundred_seeds_and_scores_as_normal_variables_do() -> None:
-    found = np.array([[metric(SCENE, _answer(_streams(seed=seed))) for metric in SCORES] for seed in range(100)])
+@pytest.mark.parametrize("seeds", [30, pytest.param(100, marks=pytest.mark.slow)])
+def test_noise_of_the_law_raises_no_alarm_in_many_seeds_and_scores_as_normal_variables_do(seeds: int) -> None:
+    found = np.array([[metric(SCENE, _answer(_streams(seed=seed))) for metric in SCORES] for seed in range(seeds)])
     assert found.max() < FALSE_ALARM
     # The largest of k independent scores has the median at which the two-sided probability is 1 - 2^(-1/k). Overlapping octaves
     # are correlated, which lowers it; a median outside [0.6 of it, it + 0.3] would show a wrong variance.
@@ -97,12 +98,13 @@ def test_a_bias_off_by_a_third_is_seen_and_a_pure_bias_is_not() -> None:
     assert BIAS_SCORE(scene, _answer(_streams(replace(pure, bias=0.0200001)))) > FALSE_ALARM
 
 
-def test_the_variance_of_a_mean_is_that_of_many_records() -> None:
-    rows = np.stack([axis_noise(replace(LAW, bias=0.0), 300, 1 / RATE, s, "imu", "gyroscope", 0) for s in range(2000)])
+@pytest.mark.parametrize("records", [500, pytest.param(2000, marks=pytest.mark.slow)])
+def test_the_variance_of_a_mean_is_that_of_many_records(records: int) -> None:
+    rows = np.stack([axis_noise(replace(LAW, bias=0.0), 300, 1 / RATE, s, "imu", "gyroscope", 0) for s in range(records)])
     for count in (1, 17, 300):
         expected = float(variance_of_mean(LAW, np.array([float(count)]), 1 / RATE)[0])
-        # A variance of 2000 normal means errs by sqrt(2/2000), five times.
-        assert rows[:, :count].mean(axis=1).var() == pytest.approx(expected, rel=5 * np.sqrt(2 / 2000))
+        # A variance of so many normal means errs by sqrt(2 / records), five times.
+        assert rows[:, :count].mean(axis=1).var() == pytest.approx(expected, rel=5 * np.sqrt(2 / records))
 
 
 def test_a_shared_seed_is_seen_between_axes_and_between_channels() -> None:

@@ -12,6 +12,7 @@ from cases import impact_cradle, impact_gas, impact_momentum, impact_oblique, im
 from harness.case import Case
 from harness.scene import Scene, sphere_inertia
 from harness.trajectory import Floats, Trajectory
+from harness.trajectory.kinematics import cross
 from harness.truths.coulomb_impact import coulomb_impact
 
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -56,13 +57,13 @@ def by_impulse(v: Floats, w: Floats, mass: float, moment: float, arm: float, e: 
     down = arm * DOWN
 
     def slip(y: Floats) -> Floats:
-        s: Floats = (y[:3] + np.cross(y[3:], down)) * np.array([1.0, 1.0, 0.0])
+        s: Floats = (y[:3] + cross(y[3:], down)) * np.array([1.0, 1.0, 0.0])
         return s
 
     def change(_p: float, y: Floats) -> Floats:
         s = slip(y)
         force = np.array([0.0, 0.0, 1.0]) - mu * s / max(float(np.linalg.norm(s)), 1e-300)
-        return np.concatenate([force / mass, np.cross(down, force) / moment])
+        return np.concatenate([force / mass, cross(down, force) / moment])
 
     def grips(_p: float, y: Floats) -> float:
         return float(np.linalg.norm(slip(y)) - 1e-10)
@@ -72,7 +73,7 @@ def by_impulse(v: Floats, w: Floats, mass: float, moment: float, arm: float, e: 
     if np.linalg.norm(slip(start)) < 1e-9:
         found, used = start, 0.0
     else:
-        run = solve_ivp(change, (0.0, total), start, "DOP853", events=grips, rtol=1e-12, atol=1e-13, max_step=total / 50)
+        run = solve_ivp(change, (0.0, total), start, "DOP853", events=grips, rtol=1e-12, atol=1e-13, max_step=total / 10)
         found, used = run.y[:, -1], float(run.t[-1])
     return found[:3] + np.array([0.0, 0.0, (total - used) / mass]), found[3:]
 

@@ -26,8 +26,9 @@ def _newton_euler(_t: float, y: Floats) -> Floats:
     )
     w1, w2 = v[2] ** 2, v[5] ** 2
     rest = np.array([-D * s1 * w1, D * c1 * w1, -D * s1 * w1 - D * s2 * w2, D * c1 * w1 + D * c2 * w2])
-    mass = np.diag([MASS, MASS, INERTIA] * 2)
-    matrix = np.block([[mass, -jacobian.T], [jacobian, np.zeros((4, 4))]])
+    matrix = np.zeros((10, 10))
+    np.fill_diagonal(matrix[:6, :6], [MASS, MASS, INERTIA] * 2)
+    matrix[:6, 6:], matrix[6:, :6] = -jacobian.T, jacobian
     load = np.concatenate([[0, -9.81 * MASS, 0, 0, -9.81 * MASS, 0], rest])
     return np.concatenate([v, np.linalg.solve(matrix, load)[:6]])
 

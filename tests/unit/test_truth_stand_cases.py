@@ -37,20 +37,24 @@ def stand(name: str, dt: float = 1 / 240) -> Trajectory:
     return replace(truth, dt=dt, contacts=(contacts,) * len(time))
 
 
-def verdicts(case: Case, run: Trajectory) -> dict[str, bool]:
-    truth = case.truth_at(run.time, case.parameters)
+def verdicts(case: Case, run: Trajectory, *names: str) -> dict[str, bool]:
+    """Of the checks of these names, or of all."""
+    scene, truth = case.scene(), case.truth_at(run.time, case.parameters)
     assert truth is None or isinstance(truth, Trajectory)
     found = {}
-    for check in case.checks:
+    for check in (check for check in case.checks if not names or check.metric.name in names):
         part = run.between(check.start, 99.0)
-        value = check.metric(case.scene(), part, None if truth is None else truth.between(check.start, 99.0))
+        value = check.metric(scene, part, None if truth is None else truth.between(check.start, 99.0))
         found[check.metric.name] = check.passes(value, run.dt)
     return found
 
 
+@pytest.mark.parametrize("finest", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["finest", "all"])
 @pytest.mark.parametrize("name", STANDING)
-def test_the_truth_passes_every_check_at_every_step(name: str) -> None:
-    for dt in STANDING[name][0].ladder:
+def test_the_truth_passes_every_check_at_every_step(name: str, finest: bool) -> None:
+    """The shorter the step, the narrower the bounds that shrink with it."""
+    ladder = STANDING[name][0].ladder
+    for dt in (min(ladder),) if finest else ladder:
         assert all(verdicts(STANDING[name][0], stand(name, dt)).values())
 
 
@@ -61,30 +65,31 @@ def test_each_fault_fails_its_own_check(name: str) -> None:
     scene = case.scene()
     tilted = stand(name)
     tilted.q_WB[10:, 3] = _turned(tilted.q_WB[10:, 3], 0.02)
-    assert not verdicts(case, tilted)["pose_error_max"]
+    assert not verdicts(case, tilted, "pose_error_max")["pose_error_max"]
     fallen = stand(name)
     fallen.p_WB[300:, 1:, 2] *= 0.4
-    assert not verdicts(case, fallen)["standing_height"]
+    assert not verdicts(case, fallen, "standing_height")["standing_height"]
     shaking = stand(name)
     shaking.w_WB[:, 4, 1] = 0.01 * np.sin(2 * np.pi * 40 * shaking.time)
-    found = verdicts(case, shaking)
+    found = verdicts(case, shaking, "vibration_rms", "foot_slip")
     assert not found["vibration_rms"]
     assert found["foot_slip"]
     sliding = stand(name)
     sliding.p_WB[:, 1:, 0] += 2e-3 * sliding.time[:, None]
-    found = verdicts(case, sliding)
+    found = verdicts(case, sliding, "vibration_rms", "foot_slip")
     assert not found["foot_slip"]
     assert found["vibration_rms"]
     swaying = stand(name)
     swaying.v_WB[:, 1:, 0] = 0.1 * np.sin(3 * swaying.time)[:, None]
-    assert not verdicts(case, swaying)["rms_speed"]
+    assert not verdicts(case, swaying, "rms_speed")["rms_speed"]
     risen = stand(name)
     risen.p_WB[100, 1:, 2] += 1e-3
-    assert not verdicts(case, risen)["held_energy_gain_max"]
+    assert not verdicts(case, risen, "held_energy_gain_max")["held_energy_gain_max"]
     light = stand(name)
     assert light.contacts is not None
     weak = replace(light.contacts[0], force_W=0.99 * light.contacts[0].force_W)
-    assert not verdicts(case, replace(light, contacts=(weak,) * len(light)))["support_force_error"]
+    borne = verdicts(case, replace(light, contacts=(weak,) * len(light)), "support_force_error")
+    assert not borne["support_force_error"]
     lost = stand(name)
     lost.p_WB[500] = np.nan
     assert not any(verdicts(case, lost).values())
@@ -153,13 +158,14 @@ def flight(blow: float = 0.0, spin_lost: float = 0.0) -> Trajectory:
 def test_momentum_that_a_hit_loses_is_seen() -> None:
     """A share of each is planted, below and above a step's, .53 % of the momentum at 1/240 s. The energy of turning is not kept
     by this sketch, and not asked here."""
-    right = verdicts(stand_hit.CASE, flight())
+    kept = ("momentum_drift_max", "angular_momentum_drift_max", "inscribed_overlap")
+    right = verdicts(stand_hit.CASE, flight(), *kept)
     assert right["momentum_drift_max"]
     assert right["angular_momentum_drift_max"]
     assert right["inscribed_overlap"]
-    assert verdicts(stand_hit.CASE, flight(blow=4e-3))["momentum_drift_max"]
-    assert not verdicts(stand_hit.CASE, flight(blow=6e-3))["momentum_drift_max"]
-    lost = verdicts(stand_hit.CASE, flight(spin_lost=5e-2))
+    assert verdicts(stand_hit.CASE, flight(blow=4e-3), *kept)["momentum_drift_max"]
+    assert not verdicts(stand_hit.CASE, flight(blow=6e-3), *kept)["momentum_drift_max"]
+    lost = verdicts(stand_hit.CASE, flight(spin_lost=5e-2), *kept)
     assert lost["momentum_drift_max"]
     assert not lost["angular_momentum_drift_max"]
 
@@ -172,4 +178,4 @@ def test_a_ball_that_passes_through_is_seen() -> None:
         run.p_WB[:, k] = np.array(body.p_WB) + np.outer(time, body.v_WB)
         run.q_WB[:, k], run.v_WB[:, k], run.w_WB[:, k] = body.q_WB, body.v_WB, body.w_WB
     for dt in case.ladder:
-        assert not verdicts(case, replace(run, dt=dt))["inscribed_overlap"]
+        assert not verdicts(case, replace(run, dt=dt), "inscribed_overlap")["inscribed_overlap"]

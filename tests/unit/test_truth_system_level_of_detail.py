@@ -90,7 +90,7 @@ def test_the_inner_ball_is_the_least_that_a_face_rests_at_and_its_gap_falls_four
 
 
 def test_a_follower_pressed_by_a_spring_goes_as_the_closed_form_says() -> None:
-    """The centre's way c' = w x c, and the face of 1 kg on a damped contact of 1e7 N/m over it, by an eighth-order method.
+    """The centre's way c' = w x c, and the face of 1 kg on a damped contact of 1e7 N/m over it, by a stiff method.
 
     The contact gives way by (g + e W^2)/k, 1e-6 m, and as much again while it takes up the load.
     """
@@ -104,19 +104,20 @@ def test_a_follower_pressed_by_a_spring_goes_as_the_closed_form_says() -> None:
 
     truth = expected(TIME)
     start = [ECCENTRICITY, 0.0, truth.p_WB[0, 1, 2] - HALF[2], truth.v_WB[0, 1, 2]]
-    found = solve_ivp(rates, (0.0, TIME[-1]), start, method="DOP853", t_eval=TIME, rtol=1e-9, atol=1e-12, max_step=2e-4)
+    found = solve_ivp(rates, (0.0, TIME[-1]), start, method="LSODA", t_eval=TIME, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(found.y[2], truth.p_WB[:, 1, 2] - HALF[2], atol=2e-6)
 
 
-def test_the_highest_of_a_finely_cut_ball_is_where_the_closed_form_says() -> None:
-    """Every turn of every cam: the top of 20 64^2 facets, no further below the face than they are told to be, 7e-6 m."""
+@pytest.mark.parametrize("parts", [32, pytest.param(64, marks=pytest.mark.slow)])
+def test_the_highest_of_a_finely_cut_ball_is_where_the_closed_form_says(parts: int) -> None:
+    """Every turn of every cam: the top of 20 parts^2 facets, no further below the face than told: 7e-6 m at 64."""
     truth = expected(TIME[::60])
-    corners = np.array([ECCENTRICITY, 0.0, 0.0]) + RADIUS * polyhedron(64)[0]
+    corners = np.array([ECCENTRICITY, 0.0, 0.0]) + RADIUS * polyhedron(parts)[0]
     for place in range(0, len(truth.p_WB[0]), 2):
         tops = [rotate(q, corners)[:, 2].max() + HALF[2] for q in truth.q_WB[:, place]]
         low = truth.p_WB[:, place + 1, 2] - tops
         assert (low > -1e-12).all()
-        assert (low < RADIUS * (1 - inner(64)) + 1e-12).all()
+        assert (low < RADIUS * (1 - inner(parts)) + 1e-12).all()
 
 
 @pytest.mark.parametrize("parameters", [{}, {"facets": 20}, {"geometry": "ball"}, {"geometry": "mesh", "n": 3, "rate": -1.0}])

@@ -82,7 +82,7 @@ def discrete_pairs(dt: float) -> Trajectory:
     return run
 
 
-@pytest.mark.parametrize("dt", [1 / 60, 1 / 240, 1 / 480])
+@pytest.mark.parametrize("dt", [1 / 60, pytest.param(1 / 240, marks=pytest.mark.slow), 1 / 480])
 def test_a_discrete_test_of_pairs_misses_with_the_probability_of_its_blind_way(dt: float) -> None:
     """It sees the overlap of 2 r before the centres cross; a step closes 2 v dt, so it misses 1 - r/(v dt)."""
     run = discrete_pairs(dt)

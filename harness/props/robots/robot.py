@@ -12,6 +12,7 @@ import numpy as np
 
 from harness.scene import Body, Drive, Matrix3, Revolute, Vector3, principal_inertia
 from harness.trajectory import Floats
+from harness.trajectory.kinematics import cross
 
 __all__ = ["MATERIAL", "Robot", "bearing", "copy_of", "hinge", "inertia_of", "loads"]
 
@@ -95,14 +96,14 @@ def bearing(robot: Robot, gravity: Vector3) -> Robot:
     Raises: as `loads`.
     Source: equilibrium of a rigid body and of each part of it (Meriam and Kraige, Engineering Mechanics: Statics, chapter 4).
     """
-    ground = loads(robot, gravity)
+    ground, pull = loads(robot, gravity), np.array(gravity)
     held = []
     for joint in robot.hinges:
         moment = np.zeros(3)
         for body in robot.beyond(joint):
-            moment += np.cross(np.subtract(body.p_WB, joint.anchor_W), body.mass * np.array(gravity))
+            moment += cross(np.subtract(body.p_WB, joint.anchor_W), body.mass * pull)
             if body.name in ground:
-                moment += np.cross(np.subtract(robot.soles[body.name], joint.anchor_W), ground[body.name])
+                moment += cross(np.subtract(robot.soles[body.name], joint.anchor_W), np.array(ground[body.name]))
         assert joint.drive is not None
         give = -float(moment @ np.array(joint.axis_W)) / joint.drive.stiffness
         held.append(replace(joint, drive=replace(joint.drive, target=joint.position + give)))

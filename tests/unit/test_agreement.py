@@ -14,6 +14,7 @@ from harness.trajectory import Trajectory
 from harness.trajectory.parting import apart
 from tests.own_limits import (
     ENGINES,
+    LADDER,
     G,
     agreement,
     arm,
@@ -27,6 +28,7 @@ from tests.own_limits import (
 
 pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
 
+SHORT = LADDER[:4]
 SOUND = ("mujoco", "bullet", "dart")
 
 
@@ -181,8 +183,9 @@ def test_chaos_has_a_horizon_and_the_verdict_holds_up_to_it() -> None:
     assert apart(found.limit, fourth.limit.value.between(0.0, found.until), found.scale).max() <= found.bar
 
 
-def test_a_pile_is_known_for_a_moment_only() -> None:
-    found = agreement(pile(), 0.6, tracks=("default", "tuned"))
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.slow)])
+def test_a_pile_is_known_for_a_moment_only(count: int) -> None:
+    found = agreement(pile(count), 0.5, tracks=("default", "tuned"))
     # All fall alike, and that is agreed, whatever they make of the first blow.
     assert found.agreed
     assert 0.05 < found.until < 0.3
@@ -194,7 +197,7 @@ def test_a_pile_is_known_for_a_moment_only() -> None:
 
 
 def test_the_arm_is_one_limit_for_three_engines_and_ours() -> None:
-    found = agreement(arm(), 1.0, engines=(*ENGINES, "reference"))
+    found = agreement(arm(), 1.0, engines=(*ENGINES, "reference"), ladder=SHORT)
     assert words(found) == dict.fromkeys((*SOUND, "reference"), "agrees")
     assert found.until == pytest.approx(1.0)
     assert found.bar < 1e-4
@@ -202,7 +205,7 @@ def test_the_arm_is_one_limit_for_three_engines_and_ours() -> None:
 
 def test_a_wrong_inertia_is_singled_out_on_the_arm_too() -> None:
     faults = {"mujoco again": heavier_to_turn()}
-    found = agreement(arm(), 1.0, faults, engines=(*ENGINES, "mujoco again"))
+    found = agreement(arm(), 1.0, faults, engines=(*ENGINES, "mujoco again"), ladder=SHORT)
     assert words(found) == dict.fromkeys(SOUND, "agrees") | {"mujoco again": "converges elsewhere"}
 
 

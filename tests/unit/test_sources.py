@@ -26,11 +26,20 @@ def _fresh() -> Iterator[None]:
     clear()
 
 
+def statements(node: ast.AST) -> Iterator[ast.stmt]:
+    """Those of a node and of all within it: what is no statement holds none."""
+    for part in ast.iter_child_nodes(node):
+        if isinstance(part, ast.stmt | ast.excepthandler | ast.match_case):
+            if isinstance(part, ast.stmt):
+                yield part
+            yield from statements(part)
+
+
 def by_the_parser(module: str, path: Path) -> set[str]:
     """Every name that a file's import statements may lead to."""
     found = set()
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in statements(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):

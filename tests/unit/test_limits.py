@@ -117,7 +117,7 @@ def plain_bracket(trials: list[Trial], records: Mapping[str, Record], case: Case
     return found.held, found.broke
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 20))])
 def test_a_planted_limit_is_found_within_the_tolerance(seed: int) -> None:
     limit = math.exp(np.random.default_rng(seed).uniform(math.log(2 * EASY), math.log(EXTREME / 2)))
     case = case_of()

@@ -157,7 +157,7 @@ def _slower(adapter: Adapter) -> Adapter:
 
 
 @pytest.mark.parametrize(("kind", "told"), [(lambda adapter: adapter, "kept"), (_slower, "broken")])
-@pytest.mark.parametrize("name", ["spin_symmetric_top", "joint_pendulum"])
+@pytest.mark.parametrize("name", ["joint_pendulum", pytest.param("spin_symmetric_top", marks=pytest.mark.slow)])
 def test_a_real_engine_that_loses_its_order_is_found_out(tmp_path: Path, name: str, kind: Any, told: str) -> None:
     case, sound = plugins.case(name), plugins.adapter("reference")
     adapter = kind(sound)

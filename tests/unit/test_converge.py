@@ -79,7 +79,7 @@ KNOWN: dict[str, tuple[Callable[[float], Scene], Callable[[Floats, float], tuple
 STARTS = (1.3, 1.34, 1.39, 1.43, 1.47)
 ALL = [
     ("projectile", STARTS),
-    ("block that stops", STARTS[::2]),
+    ("block that stops", STARTS[::3]),
     ("bouncing sphere", STARTS),
     pytest.param("block that stops", STARTS, marks=pytest.mark.slow),
     pytest.param("sphere that starts to roll", STARTS, marks=pytest.mark.slow),  # its friction ends as that of the block does

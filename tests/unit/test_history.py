@@ -145,7 +145,9 @@ def kept_nothing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-@pytest.mark.parametrize(("keep", "stays"), [("all", True), ("changed", False), ("none", False)])
+@pytest.mark.parametrize(
+    ("keep", "stays"), [("all", True), ("changed", False), pytest.param("none", False, marks=pytest.mark.slow)]
+)
 def test_of_what_passed_as_before_the_hash_is_kept(
     keep: steering.Keep, stays: bool, kept_nothing: Path, tmp_path: Path
 ) -> None:

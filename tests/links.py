@@ -1,62 +1,81 @@
-"""Where the links of a report lead: every address of every page resolved, without a browser and with no picture drawn."""
+"""The pages of a report with no picture drawn, and where their links lead: every address resolved, without a browser."""
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from html.parser import HTMLParser
+from dataclasses import dataclass
+from html import unescape
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from harness.store.store import Store
 from reports.html import ASSETS
 from reports.page import Rendered, asked, pages
 
-__all__ = ["anchors", "dangling", "files_of"]
+__all__ = ["anchors", "dangling", "files_of", "texts_of"]
 
 OUTSIDE = ("http", "https", "data")
 """What leads out of a report, or nowhere."""
 
 
-@dataclass
-class _Read(HTMLParser):
+TAG = re.compile(
+    r"""<!--.*?-->|<(script|style)\b(?P<raw>(?:[^>"']+|"[^"]*"|'[^']*')*)>.*?</\1\s*>"""
+    r"""|<[a-z][^\s/>]*(?P<plain>(?:[^>"']+|"[^"]*"|'[^']*')*)>""",
+    re.DOTALL | re.IGNORECASE,
+)
+"""A comment, an element whose content is no markup, or the beginning of another one. Pages have many: a parser takes longer to
+read them than it takes to make them."""
+HELD = re.compile(r"""([^\s=>"'/]+)\s*=\s*(?:"([^"]*)"|'([^']*)'|([^\s>]+))""")
+"""An attribute and its value."""
+LEADING = ("href", "src")
+
+
+@dataclass(frozen=True)
+class _Read:
     """What a page names and where it leads."""
 
-    named: set[str] = field(default_factory=set)
-    links: set[str] = field(default_factory=set)
-
-    def __post_init__(self) -> None:
-        super().__init__()
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        held: Mapping[str, str | None] = dict(attrs)
-        if held.get("id"):
-            self.named.add(str(held["id"]))
-        self.links |= {str(held[name]) for name in ("href", "src") if held.get(name)}
+    named: frozenset[str]
+    links: frozenset[str]
 
 
 def _read(page: str) -> _Read:
-    read = _Read()
-    read.feed(page)
-    return read
+    held = [
+        (name.lower(), unescape(double or single or bare))
+        for tag in TAG.finditer(page)
+        for name, double, single, bare in HELD.findall(tag["raw"] or tag["plain"] or "")
+    ]
+    named = frozenset(value for name, value in held if name == "id" and value)
+    return _Read(named, frozenset(value for name, value in held if name in LEADING and value))
 
 
 def anchors(page: str) -> frozenset[str]:
     """The names that a link into a page may end in."""
-    return frozenset(_read(page).named)
+    return _read(page).named
 
 
 def files_of(folder: Path) -> dict[str, Rendered]:
     """The files of the report of a run folder by name, pictures not yet drawn. Raises: what a page raises."""
-    store = Store(folder)
-    files: dict[str, Rendered] = {f"style/{name}": "" for name in (*ASSETS, "vega.js")}
+    return {f"style/{name}": "" for name in (*ASSETS, "vega.js")} | texts_of(Store(folder))
+
+
+def texts_of(store: Store, *names: str) -> dict[str, Any]:
+    """The files of the pages of a report by name, pictures not yet drawn; of these pages alone, where some are named.
+
+    Raises: what a page raises.
+    """
+    files: dict[str, Any] = {}
     for page in pages():
-        if asked(page, store):
+        if page.name in (names or (page.name,)) and asked(page, store):
             files |= page.render(store)
     return files
 
 
-def dangling(folder: Path) -> list[str]:
-    """The links of all pages of a run's report whose file or whose place in it is not there: 'page.html: where it leads'."""
-    files = files_of(folder)
+def dangling(folder: Path, files: Mapping[str, Rendered] | None = None) -> list[str]:
+    """The links of all pages of a run's report whose file or whose place in it is not there: 'page.html: where it leads'.
+
+    Args: files: those of the report, where they are made already.
+    """
+    files = files_of(folder) if files is None else files
     read = {name: _read(page) for name, page in files.items() if name.endswith(".html") and isinstance(page, str)}
     wrong = []
     for name, page in read.items():

@@ -31,6 +31,7 @@ from harness.trial.simulate import simulate
 __all__ = [
     "G",
     "ENGINES",
+    "LADDER",
     "agreement",
     "arm",
     "ball",
@@ -100,8 +101,8 @@ def arm() -> Scene:
     return Scene(bodies=tuple(bodies), joints=tuple(joints), surfaces=(_rough(),))
 
 
-def pile() -> Scene:
-    """Four turned boxes, one above the other, that fall on a plane."""
+def pile(count: int = 4) -> Scene:
+    """Turned boxes, one above the other, that fall on a plane."""
     half = (0.1, 0.08, 0.06)
     boxes = tuple(
         Body(
@@ -111,7 +112,7 @@ def pile() -> Scene:
             q_WB=axis_angle((1.0, 0.3 * k, -0.5), 0.7 + k),
             collision=(PlacedShape(shape=Box(half_extents=half)),),
         )
-        for k in range(4)
+        for k in range(count)
     )
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     return Scene(bodies=(ground, *boxes), surfaces=(_rough(),))

@@ -2,7 +2,9 @@
 
 import json
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -19,14 +21,17 @@ BLOCKS = 10
 NOISE = 0.02
 
 
-def write_two_runs(folder: Path, planted: Planted | None = None, machine: Mapping[str, Any] | None = None) -> tuple[Path, Path]:
-    """Folders a and b: the same answers; prices with noise of 2 % a sample, and b's machine 1.3 times as slow throughout."""
+def write_two_runs(
+    folder: Path, planted: Planted | None = None, machine: Mapping[str, Any] | None = None, only: tuple[str, ...] = ()
+) -> tuple[Path, Path]:
+    """Folders a and b: the same answers; prices with noise of 2 % a sample, and b's machine 1.3 times as slow throughout.
+
+    Args: only: these cases, where not all.
+    """
     sides = folder / "a", folder / "b"
     for number, side in enumerate(sides):
-        write_run_folder(side)
-        trials = pd.read_parquet(side / "trials.parquet").assign(alteration="{}", sources='{"adapter": "0000"}')
-        measurements = pd.read_parquet(side / "measurements.parquet").assign(truth_error=0.0)
-        samples = _samples(trials, np.random.default_rng(number), 1.3 if number else 1.0)
+        write_run_folder(side, only=only)
+        trials, measurements, samples = (table.copy() for table in _tables(number, only))
         if number and planted is not None:
             planted(trials, measurements, samples)
         medians = (samples["cpu"] / samples["steps"]).groupby(samples["trial"]).median()
@@ -38,6 +43,16 @@ def write_two_runs(folder: Path, planted: Planted | None = None, machine: Mappin
             path = side / "machine.json"
             path.write_text(json.dumps(json.loads(path.read_text()) | machine), encoding="utf-8")
     return sides
+
+
+@cache
+def _tables(number: int, only: tuple[str, ...]) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Trials, measurements and samples of a side before anything is planted; they are only copied."""
+    with TemporaryDirectory() as made:
+        folder = write_run_folder(Path(made), only=only)
+        trials = pd.read_parquet(folder / "trials.parquet").assign(alteration="{}", sources='{"adapter": "0000"}')
+        measurements = pd.read_parquet(folder / "measurements.parquet").assign(truth_error=0.0)
+    return trials, measurements, _samples(trials, np.random.default_rng(number), 1.3 if number else 1.0)
 
 
 def _samples(trials: pd.DataFrame, rng: np.random.Generator, slow: float) -> pd.DataFrame:

@@ -35,6 +35,7 @@ def read_tables(folder: Path, needed: Mapping[str, Sequence[str]], texts: Sequen
 
 
 def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
+    """With words as Python's own strings, as the tables of a journal have them."""
     from pyarrow.parquet import ParquetFile  # late: it takes a while
 
     try:
@@ -52,4 +53,4 @@ def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
         raise StoreError(str(error)) from None
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise StoreError(f"{path}: not readable: {' '.join(str(error).split())[:300]}") from error
-    return read
+    return read.astype({name: object for name, kind in read.dtypes.items() if isinstance(kind, pd.StringDtype)})

@@ -14,6 +14,7 @@ from harness.trajectory import Trajectory
 from harness.trajectory.parting import apart
 from tests.own_limits import (
     ENGINES,
+    LADDER,
     G,
     agreement,
     arm,
@@ -27,6 +28,7 @@ from tests.own_limits import (
 
 pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
 
+SHORT = LADDER[:4]
 SOUND = ("mujoco", "bullet", "dart")
 
 
@@ -167,22 +169,24 @@ def test_it_does_not_converge_alone_either() -> None:
     assert words(found) == {"mujoco": "does not converge"}
 
 
-def test_chaos_has_a_horizon_and_the_verdict_holds_up_to_it() -> None:
+@pytest.mark.parametrize("engines", [("mujoco", "dart"), pytest.param(ENGINES, marks=pytest.mark.slow)])
+def test_chaos_has_a_horizon_and_the_verdict_holds_up_to_it(engines: tuple[str, ...]) -> None:
     """Of the first order, bars of the double pendulum leave a hundredth before the end; of the fourth, they do not."""
-    found = agreement(double_pendulum(), 5.0)
+    found = agreement(double_pendulum(), 5.0, engines=engines)
     first, fourth = side(found, "dart"), side(found, "mujoco")
     assert first.limit.said.ended == "horizon"
     assert 1.0 < first.limit.said.horizon < first.limit.until < 5.0
     assert list(first.limit.horizons.values()) == sorted(first.limit.horizons.values())
     assert fourth.limit.until == pytest.approx(5.0)
-    assert words(found) == dict.fromkeys(SOUND, "agrees")
+    assert words(found) == dict.fromkeys(engines, "agrees")
     assert found.until == first.limit.until
     # MuJoCo's fourth order is a witness of what is agreed with another method.
     assert apart(found.limit, fourth.limit.value.between(0.0, found.until), found.scale).max() <= found.bar
 
 
-def test_a_pile_is_known_for_a_moment_only() -> None:
-    found = agreement(pile(), 0.6, tracks=("default", "tuned"))
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.slow)])
+def test_a_pile_is_known_for_a_moment_only(count: int) -> None:
+    found = agreement(pile(count), 0.5, tracks=("default", "tuned"))
     # All fall alike, and that is agreed, whatever they make of the first blow.
     assert found.agreed
     assert 0.05 < found.until < 0.3
@@ -194,7 +198,7 @@ def test_a_pile_is_known_for_a_moment_only() -> None:
 
 
 def test_the_arm_is_one_limit_for_three_engines_and_ours() -> None:
-    found = agreement(arm(), 1.0, engines=(*ENGINES, "reference"))
+    found = agreement(arm(), 1.0, engines=(*ENGINES, "reference"), ladder=SHORT)
     assert words(found) == dict.fromkeys((*SOUND, "reference"), "agrees")
     assert found.until == pytest.approx(1.0)
     assert found.bar < 1e-4
@@ -202,7 +206,7 @@ def test_the_arm_is_one_limit_for_three_engines_and_ours() -> None:
 
 def test_a_wrong_inertia_is_singled_out_on_the_arm_too() -> None:
     faults = {"mujoco again": heavier_to_turn()}
-    found = agreement(arm(), 1.0, faults, engines=(*ENGINES, "mujoco again"))
+    found = agreement(arm(), 1.0, faults, engines=(*ENGINES, "mujoco again"), ladder=SHORT)
     assert words(found) == dict.fromkeys(SOUND, "agrees") | {"mujoco again": "converges elsewhere"}
 
 

@@ -24,7 +24,11 @@ SCALED = {"joint_spring": {"RATE"}, "stand_hit": {"SPEED", "SPIN"}}
 """Own values that a bound is scaled from on purpose: a motion worked out at one rate, a figure rounded up at one speed."""
 
 
-@pytest.mark.parametrize("name", CASES)
+LONG_ONES = ("joint_chain", "joint_double_pendulum_chaotic", "joint_spring")
+"""Their bounds integrate a motion, as those of the double pendulum and of the linkage do, for longer."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in LONG_ONES else ()) for name in CASES])
 def test_the_defaults_of_a_bound_are_the_parameters_of_its_case(name: str) -> None:
     """Told or not, and read back from the JSON of a record: the same number."""
     case = CASES[name]

@@ -8,12 +8,14 @@ spreads; one series alone cannot place that to the night (whoever knows that the
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
 from harness.statistics.change_points import change_points, common_mode, levelled
 from harness.trajectory import Floats
 from tests.synthetic_nights import NIGHTS, History, history
 
-HISTORIES = 60
+HISTORIES = [range(0, 60, 3), pytest.param(range(60), marks=pytest.mark.slow)]
+"""Each by its number: every third of sixty, or all."""
 
 
 def by_series(night: History) -> Floats:
@@ -28,9 +30,9 @@ def step(size: float, night: int) -> Floats:
     return np.where(np.arange(NIGHTS) >= night, 1 + size, 1.0)
 
 
-def steps_placed(size: float, together: int, free: Callable[[History], Floats]) -> int:
+def steps_placed(histories: range, size: float, together: int, free: Callable[[History], Floats]) -> int:
     placed = 0
-    for number in range(HISTORIES):
+    for number in histories:
         night, signed = 8 + number * 44 // 59, size if number % 2 else -size
         series = free(history((2, number), changed=together, factor=step(signed, night)))
         found = change_points(levelled(series[:together]) if together > 1 else series[0])
@@ -38,19 +40,24 @@ def steps_placed(size: float, together: int, free: Callable[[History], Floats]) 
     return placed
 
 
-def test_sixty_histories_without_a_change_raise_no_alarm() -> None:
+@pytest.mark.parametrize("histories", HISTORIES)
+def test_histories_without_a_change_raise_no_alarm(histories: range) -> None:
     for free in (by_series, by_canary):
-        assert not [n for n in range(HISTORIES) if change_points(free(history((1, n)))[0])]
+        assert not [n for n in histories if change_points(free(history((1, n)))[0])]
 
 
-def test_a_step_of_ten_percent_is_placed_to_the_night_and_one_of_five_where_three_series_are_judged_together() -> None:
-    assert steps_placed(0.10, 3, by_series) == HISTORIES
-    assert steps_placed(0.05, 3, by_series) >= 57
-    assert steps_placed(0.10, 1, by_canary) == HISTORIES
+@pytest.mark.parametrize("histories", HISTORIES)
+def test_a_step_of_ten_percent_is_placed_to_the_night_and_one_of_five_where_three_series_are_judged_together(
+    histories: range,
+) -> None:
+    assert steps_placed(histories, 0.10, 3, by_series) == len(histories)
+    assert steps_placed(histories, 0.05, 3, by_series) >= 0.95 * len(histories)
+    assert steps_placed(histories, 0.10, 1, by_canary) == len(histories)
 
 
-def test_a_drift_of_ten_percent_over_thirty_nights_is_seen_as_slower_and_slower() -> None:
-    for number in range(HISTORIES):
+@pytest.mark.parametrize("histories", HISTORIES)
+def test_a_drift_of_ten_percent_over_thirty_nights_is_seen_as_slower_and_slower(histories: range) -> None:
+    for number in histories:
         drift = 1 + 0.1 * np.clip((np.arange(NIGHTS) - 5 - number % 20) / 30, 0, 1)
         found = change_points(by_series(history((3, number), factor=drift))[0])
         assert found, number

@@ -12,6 +12,8 @@ from harness.intake.refusal import RobotError
 from harness.scene.file import load, parse
 from harness.scene.importers.companion import load_companion
 from harness.store.imported_scenes import fidelity_of, keep, unsound
+from reports import html
+from reports.page import pages
 from tests.in_process import clocked_by, in_this_process
 from tests.robot_files import INERTIAL, LIMIT, imported, urdf
 
@@ -105,6 +107,7 @@ def test_a_robot_runs_and_its_folder_says_what_became_of_it(
     """In this process: a scene of one's own that runs in processes of its own is in `test_scene_files.py`."""
     in_this_process(monkeypatch)
     clocked_by(monkeypatch, lambda _: [1e-6] * 3)
+    monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name == "index"))
     out = tmp_path / "out"
     of_run = ("--dt", "4ms", "--duration", "0.2", "--budget", "1s")
     done = command("run", robot, "--drop", "friction_loss", "--engine", "mujoco", *of_run, "--out", out)

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from harness.store.store import Store
 from reports import html
 from reports.drawing import Drawing
 from reports.figure import Figure
+from reports.page import pages
 from tests.run_folder import write_run_folder
 
 
@@ -43,14 +45,26 @@ class Where:
         return str(os.getpid())
 
 
-def test_a_process_draws_what_is_drawn_here_and_takes_what_is_kept(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where pictures lie that may be taken."""
+    return tmp_path_factory.mktemp("report")
+
+
+@pytest.fixture(scope="module")
+def beside(report: Path) -> Iterator[Drawing]:
+    """One process that draws."""
+    with Drawing(report, processes=1) as drawing:
+        yield drawing
+
+
+def test_a_process_draws_what_is_drawn_here_and_takes_what_is_kept(report: Path, beside: Drawing) -> None:
     charts = [chart(f"c{k}", k) for k in range(4)]
     kept = charts[0].svg.replace("<svg", "<svg id='kept'")
-    (tmp_path / "charts").mkdir()
-    (tmp_path / charts[0].path).write_text(kept)
-    with Drawing(tmp_path, processes=2) as drawing:
-        drawn = [drawing.ask(one).result() for one in charts]
-        elsewhere = drawing.ask(Where()).result()
+    (report / "charts").mkdir()
+    (report / charts[0].path).write_text(kept)
+    drawn = [beside.ask(one).result() for one in charts]
+    elsewhere = beside.ask(Where()).result()
     assert drawn == [kept, *(one.svg for one in charts[1:])]
     assert elsewhere != str(os.getpid())
 
@@ -66,22 +80,24 @@ def test_a_process_that_dies_is_not_asked_again_and_its_pictures_are_drawn_here(
     assert [one.result() for one in asked] == ["drawn here", str(os.getpid()), chart("c", 1).svg]
 
 
-def test_what_cannot_be_handed_over_is_drawn_here_and_what_is_wrong_is_raised(tmp_path: Path) -> None:
+def test_what_cannot_be_handed_over_is_drawn_here_and_what_is_wrong_is_raised(beside: Drawing) -> None:
     class Local:
         def kept(self, _: Path) -> bytes:
             return b"of a class that no other process knows"
 
-    with Drawing(tmp_path, processes=1) as drawing:
-        assert drawing.ask(Local()).result() == b"of a class that no other process knows"
-        with pytest.raises(ValueError, match="no such colour"):
-            drawing.ask(Faulty()).result()
-        assert drawing.ask(Where()).result() != str(os.getpid())
+    assert beside.ask(Local()).result() == b"of a class that no other process knows"
+    with pytest.raises(ValueError, match="no such colour"):
+        beside.ask(Faulty()).result()
+    assert beside.ask(Where()).result() != str(os.getpid())
 
 
-def test_a_report_is_the_same_whoever_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("several", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_report_is_the_same_whoever_draws(several: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
+    # Pages of cases have all charts but a few, and that is where they are asked for: the others need not be made twice.
+    monkeypatch.setattr(html, "pages", lambda: [page for page in pages() if page.name in ("case", "index")])
     reports = []
-    for processes in (2, 0):
+    for processes in (several, 0):
         monkeypatch.setattr(html, "_processes", lambda _, count=processes: count)
         report = html.write_report(folder).parent
         reports.append({path.relative_to(report): path.read_bytes() for path in report.rglob("*.*")})

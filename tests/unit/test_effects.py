@@ -313,8 +313,15 @@ def coarse(dt: float) -> float:
     return 4.0 if dt > 1 / 300 else 0.0
 
 
-@pytest.mark.parametrize("name", ["reference", "another"])
-@pytest.mark.parametrize("aside", [zigzag, coarse])
+@pytest.mark.parametrize(
+    ("aside", "name"),
+    [
+        (zigzag, "reference"),
+        (coarse, "another"),
+        pytest.param(zigzag, "another", marks=pytest.mark.slow),
+        pytest.param(coarse, "reference", marks=pytest.mark.slow),
+    ],
+)
 def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
     studied: Studied, aside: Callable[[float], float], name: str
 ) -> None:

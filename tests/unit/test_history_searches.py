@@ -30,7 +30,7 @@ LIMIT = Study(
 FRONT = Study(
     name="front",
     recordings=False,
-    experiments=(Experiment(name="fronts", cases=("joint_pendulum",), dt=(1 / 60, 1 / 240), sweep=4, samples=3),),
+    experiments=(Experiment(name="fronts", cases=("flight_projectile",), dt=(1 / 60, 1 / 240), sweep=4, samples=3),),
 )
 
 

@@ -235,6 +235,7 @@ def test_no_file_of_an_mjcf_leads_outside_or_is_missing_in_silence(tmp_path: Pat
         imported(tmp_path, mjcf(MESH_BODY, beside))
 
 
+@pytest.mark.usefixtures("mjcf_here")
 def test_an_mjcf_reads_includes_and_meshes_of_its_own_folder(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "t.OBJ").write_text(obj())
@@ -265,6 +266,7 @@ def test_an_error_of_the_compiler_is_told_with_the_line_of_the_file(tmp_path: Pa
         ('<geom size="x"/>', r"bad format in attribute 'size' Element 'geom'$"),
     ],
 )
+@pytest.mark.usefixtures("mjcf_here")
 def test_what_the_compiler_does_not_know_is_told_with_what_it_does(tmp_path: Path, inside: str, words: str) -> None:
     with pytest.raises(RobotError, match=words):
         imported(tmp_path, mjcf(inside))
@@ -310,11 +312,13 @@ def test_a_process_of_its_own_leaves_what_the_compiler_leaves_in_this_one(
         ('<replicate count="2"><geom sise=".1" size=".1"/></replicate>', "attribute 'sise' is unknown, .* mean size\\?$"),
     ],
 )
+@pytest.mark.usefixtures("mjcf_here")
 def test_what_the_compiler_passes_over_in_a_frame_is_refused(tmp_path: Path, inside: str, words: str) -> None:
     with pytest.raises(RobotError, match=words):
         imported(tmp_path, mjcf(f'<geom size=".1"/>{inside}'))
 
 
+@pytest.mark.usefixtures("mjcf_here")
 def test_a_sound_frame_is_read(tmp_path: Path) -> None:
     framed = '<frame name="f" pos="0 0 1" euler="0 0 1"><geom size=".1"/><frame quat="1 0 0 0"><site name="s"/></frame></frame>'
     copies = '<replicate count="2" offset="1 0 0"><geom size=".1"/></replicate>'

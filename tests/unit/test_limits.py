@@ -117,7 +117,7 @@ def plain_bracket(trials: list[Trial], records: Mapping[str, Record], case: Case
     return found.held, found.broke
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 20))])
 def test_a_planted_limit_is_found_within_the_tolerance(seed: int) -> None:
     limit = math.exp(np.random.default_rng(seed).uniform(math.log(2 * EASY), math.log(EXTREME / 2)))
     case = case_of()
@@ -177,7 +177,7 @@ def test_a_run_without_an_answer_ends_the_search() -> None:
 
 def test_a_remedy_that_helps_is_followed_and_one_that_does_not_is_told() -> None:
     case, limit = case_of(eased={"slow": {"speed": 1.0}}), 100.0
-    trials, records = searched(case, BrittleEngine(limit=limit), Limit(within=1.1, remedies=("tuned",)))
+    trials, records = searched(case, BrittleEngine(limit=limit), Limit(within=1.1, members=4, remedies=("tuned",)))
     sick = {trial.remedied for trial in trials if trial.remedied}
     assert len(sick) == 1
     by_remedy = {trial.remedy: records[trial.trial].status for trial in reversed(trials) if trial.remedied}
@@ -217,7 +217,7 @@ def test_at_equal_sub_steps_a_divided_step_is_as_good_as_sub_steps() -> None:
 
 
 def test_four_times_the_sub_steps_are_offered_to_an_engine_that_has_none() -> None:
-    engine, limit = Stepper(limit=100.0, name="stepper"), Limit(within=1.1, remedies=("tuned",))
+    engine, limit = Stepper(limit=100.0, name="stepper"), Limit(within=1.1, members=4, remedies=("tuned",))
     trials, records = searched(case_of(), engine, limit)
     helped = [trial for trial in trials if trial.remedy == "sub-steps x 4"]
     assert {trial.settings.dt for trial in helped} == {1 / 960}

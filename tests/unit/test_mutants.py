@@ -56,7 +56,7 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("2 * x", "test_one", "killed"),
         ("2 * x", "test_none", "survived"),
         ("2 * x", "test_skipped", "no verdict"),
-        ("2 * x", "test_nowhere", "no verdict"),
+        pytest.param("2 * x", "test_nowhere", "no verdict", marks=pytest.mark.slow),
         ("4 * x", "test_one", "no verdict"),
     ],
 )

@@ -7,20 +7,19 @@ from pathlib import Path
 import pytest
 
 from harness.store.store import Store
-from reports import build, print_report
-from reports.html import rendered
+from reports import build, html, print_report
 from reports.one_page import Sheet, joined
+from reports.page import pages as registered
 from reports.printing import NotPrinted, browser
 from tests.conftest import Command
+from tests.links import texts_of
 from tests.run_folder import BAD_CASE, write_run_folder
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> str:
-    folder = write_run_folder(
-        tmp_path_factory.mktemp("paper") / "run", hostile=True, only=("joint_chain", "stack_tower", BAD_CASE)
-    )
-    pages = {name: text for name, text in rendered(Store(folder)).items() if name.endswith(".html")}
+    folder = write_run_folder(tmp_path_factory.mktemp("paper") / "run", hostile=True, only=("joint_chain", BAD_CASE))
+    pages = {name: str(text) for name, text in texts_of(Store(folder)).items() if name.endswith(".html")}
     return joined([Sheet(name.removesuffix(".html"), text) for name, text in pages.items()], "A <title>", [("a", "<b>")])
 
 
@@ -57,6 +56,13 @@ def test_addresses_of_other_pages_and_of_places_are_told_apart() -> None:
     assert "no()" not in page
 
 
+@pytest.fixture
+def only_index(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports have their first page alone: one is printed as many are."""
+    monkeypatch.setattr(html, "pages", lambda: tuple(page for page in registered() if page.name == "index"))
+
+
+@pytest.mark.usefixtures("only_index")
 def test_where_no_browser_prints_the_command_says_what_to_do(
     tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -75,6 +81,7 @@ def test_where_no_browser_prints_the_command_says_what_to_do(
     assert not (folder / "report" / "report.pdf").exists()
 
 
+@pytest.mark.usefixtures("only_index")
 def test_a_folder_named_from_here_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By a stand-in that writes down what it was asked to print, and where."""
     program = tmp_path / "browser"

@@ -34,8 +34,8 @@ from tests.own_limits import pile
 
 ENGINES = ("spinner", "laggard")
 """A third party's, which err by a law that is known: `tests.known_prices`."""
-DURATION = 2.0
-"""s: what is thrown comes down within one, and a pile that falls for half of one lies still for another."""
+DURATION = 1.0
+"""s: what is thrown comes down within that, and a box that falls for a fifth of it lies still at its end."""
 
 
 @dataclass(frozen=True)
@@ -186,12 +186,12 @@ def test_the_family_of_a_scene_of_ones_own_is_not_its_path(tmp_path: Path) -> No
 
 @pytest.fixture(scope="module")
 def fallen(tmp_path_factory: pytest.TempPathFactory) -> Done:
-    """A pile on two engines, with a short ladder, and three perturbed starts where it is known for a moment only."""
+    """A box that falls, on two engines, with a short ladder, and three perturbed starts where it is known for a moment only."""
     refine = Refinement(finest=1 / 960, further=0, members=3)
     asked = {"refine": refine, "timing": False, "tracks": ("tuned",)}
     with pytest.MonkeyPatch.context() as patch:
         in_this_process(patch)
-        return carried_out(tmp_path_factory.mktemp("pile"), pile(), ("mujoco", "dart"), "pile.toml", **asked)
+        return carried_out(tmp_path_factory.mktemp("pile"), pile(1), ("mujoco", "dart"), "pile.toml", **asked)
 
 
 def test_a_pile_is_judged_by_what_stays_defined(fallen: Done) -> None:

@@ -83,7 +83,11 @@ def planted(text: str, old: str, new: str) -> str:
     return edited(text, old, new)
 
 
-@pytest.mark.parametrize("name", PLANTED)
+LONG_ONES = ("a turned inertial",)
+"""A fixed joint without its turn is a wrong tensor too."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in LONG_ONES else ()) for name in PLANTED])
 def test_a_planted_difference_is_named_with_its_consequence(name: str, tmp_path: Path) -> None:
     where, old, new, expected = PLANTED[name]
     texts = {"urdf": URDF, "mjcf": MJCF}
@@ -97,14 +101,11 @@ def test_a_planted_difference_is_named_with_its_consequence(name: str, tmp_path:
         assert row.torque > 0
         assert row.motion is not None
         assert row.motion > 0
-
-
-def test_a_damper_is_worth_its_torque_at_the_largest_rate_drawn(tmp_path: Path) -> None:
-    """0.3 N m s/rad at 1 rad/s at most: up to 0.3 N m; of ten uniform draws one in 1024 seeds has none above a half."""
-    (row, *_) = differing(tmp_path, mjcf=edited(MJCF, ' damping="0.3"', ""))
-    assert row.torque is not None
-    assert 0.15 < row.torque <= 0.3
-    assert row.torque_unit == "N m"
+    if row.quantity == "damping":
+        # 0.3 N m s/rad at 1 rad/s at most: up to 0.3 N m; of ten uniform draws one in 1024 seeds has none above a half.
+        assert row.torque is not None
+        assert 0.15 < row.torque <= 0.3
+        assert row.torque_unit == "N m"
 
 
 def test_a_second_of_a_pendulum_has_its_closed_period(tmp_path: Path) -> None:

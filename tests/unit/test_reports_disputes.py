@@ -9,10 +9,10 @@ from pydantic import ValidationError
 
 from harness.store.store import Store
 from reports import disputes
-from reports.html import rendered
 from reports.price_list import price_list
 from reports.reach import lines
 from reports.summary import sentences
+from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.unit.test_prices import Priced, ladder
 from tests.unit.test_reports_reach import BROKEN
@@ -45,11 +45,11 @@ def told() -> Priced:
 
 
 def test_a_disputed_price_is_marked_and_no_other(plant: Any, told: Priced) -> None:
-    assert "disputed since" not in rendered(told)["price.html"]
+    assert "disputed since" not in texts_of(told, "price")["price.html"]
     plant("dart", "a")
     marked = {(line.case, name) for line in price_list(told) for name, one in line.entries.items() if one.disputed}
     assert marked == {("a", "dart")}
-    pages = rendered(told)
+    pages = texts_of(told, "price", "case")
     assert '<small class="disputed">disputed</small>' in pages["price.html"]
     assert "disputed since 2026-11-23: its &lt;b&gt;manual&lt;/b&gt; names another setting" in pages["price.html"]
     assert "Disputed since 2026-11-23: what is said of dart" in pages["case-a.html"]
@@ -87,7 +87,7 @@ def test_a_disputed_finding_is_marked_in_the_summary_and_on_its_page(plant: Any,
     (broken,) = [one for one in sentences(store) if "than the integrator promises" in one]
     assert "DART (tuned) in “Pendulum from 90 degrees” (disputed)" in broken
     assert "MuJoCo (tuned) in “Pendulum from 90 degrees” (" not in broken
-    assert '<small class="disputed">disputed since 2026-11-23' in rendered(store)["case-joint_pendulum.html"]
+    assert '<small class="disputed">disputed since 2026-11-23' in texts_of(store, "case")["case-joint_pendulum.html"]
 
 
 @pytest.mark.parametrize("more", ['sinse = "2026"\n', "axis = 3\n"])

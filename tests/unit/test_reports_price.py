@@ -14,7 +14,6 @@ from harness.findings.tables.steps import Step
 from harness.store.store import Store
 from reports.failures import failing
 from reports.figure import Figure
-from reports.html import rendered
 from reports.pages import index
 from reports.pages.price import PAGE
 from reports.price_list import Line, heat, price_list, wins
@@ -22,6 +21,7 @@ from reports.profiles import profile_chart
 from reports.steps import survival
 from reports.text import duration, power
 from reports.work_precision import miniatures, priced, scenes, work_precision
+from tests.links import texts_of
 from tests.run_folder import HOSTILE, write_run_folder
 from tests.unit.test_prices import Priced, Told, ladder
 
@@ -52,7 +52,7 @@ def chart_of(store: Store, case: str) -> Figure:
 
 def test_without_several_clocked_steps_there_is_no_such_page_and_no_link_to_it() -> None:
     single = Priced([one for one in told() if one[3] == 1e-2])
-    texts = rendered(single)
+    texts = texts_of(single, "price", "index")
     assert "price.html" not in texts
     assert "price.html" not in texts["index.html"]
 
@@ -62,7 +62,7 @@ def test_settings_of_a_search_stand_on_the_case_page_and_not_as_tracks_of_the_ov
     store = Priced([*told(), ("a", "ours", turned, 1e-3, 5e-4, None)])
     trials = store.trials
     trials.loc[trials["track"] == turned, "round"] = 2
-    texts = rendered(store)
+    texts = texts_of(store, "index", "case")
     assert turned not in texts["index.html"]
     assert turned in next(text for name, text in texts.items() if name.startswith("case") and name.endswith("a.html"))
 
@@ -94,7 +94,7 @@ def test_what_a_sweep_fails_is_no_failure_of_its_engine() -> None:
 
 
 def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
-    texts = rendered(Priced(told()))
+    texts = texts_of(Priced(told()), "index", "price", "case")
     assert 'href="price.html"' in texts["index.html"]
     page = texts["price.html"]
     # Lines for errors of 1e-1 to 1e-7, the first that nobody reaches, and the steps of the one engine with four of them.
@@ -247,6 +247,6 @@ def test_a_price_says_what_of_its_laws_the_adapter_makes() -> None:
     entries = {name: one for line in price_list(store) for name, one in line.entries.items()}
     assert {name: one.law for name, one in entries.items()} == {"ours": "", "dart": "springs emulated"}
     assert "springs emulated by the adapter" in entries["dart"].hint
-    pages = rendered(store)
+    pages = texts_of(store, "price", "case")
     assert "<small>springs emulated</small>" in pages["price.html"]
     assert "<small>springs emulated</small>" in pages["case-a.html"]

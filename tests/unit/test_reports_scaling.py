@@ -7,26 +7,26 @@ import pytest
 
 from harness.store.store import Store
 from reports.costs import growths
-from reports.html import rendered
 from reports.pages.scaling import render
 from tests.charts import checked
+from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.unit.test_scaling import Scaling, at, beside, scaling, scattered  # noqa: F401 -- the fixtures
 
 
 def test_a_store_without_a_sweep_has_no_such_page_and_no_link_to_it(tmp_path: Path) -> None:
-    texts = rendered(Store(write_run_folder(tmp_path / "run", only=("stack_tower",))))
+    texts = texts_of(Store(write_run_folder(tmp_path / "run", only=("stack_tower",))), "scaling", "index")
     assert "scaling.html" not in texts
     assert "scaling.html" not in texts["index.html"]
 
 
 def test_a_store_with_a_sweep_has_the_page_with_every_row(scaling: Scaling) -> None:  # noqa: F811
-    texts = rendered(scaling._store)
+    texts = texts_of(scaling._store, "scaling", "index")
     page = texts["scaling.html"]
     assert 'href="scaling.html"' in texts["index.html"]
     assert page.count("data-status=") == len(scaling.costs)
     assert "it took too long" in page
-    assert "1.25" in texts["charts/growth-0.svg"]
+    assert "1.25" in texts["charts/growth-0.svg"].svg
     assert checked([page]) > 0
     assert len(texts["scaling.csv"].splitlines()) == 1 + len(scaling.rows())
 
@@ -69,6 +69,6 @@ def test_a_hostile_name_stays_text(scaling: Scaling, monkeypatch: pytest.MonkeyP
     catalogue = json.loads(json.dumps(scaling._store.catalogue))
     catalogue["cases"]["stack_pile"]["title"] = attack
     monkeypatch.setattr(type(scaling._store), "catalogue", catalogue)
-    texts = rendered(Store(scaling._store.folder))
+    texts = texts_of(Store(scaling._store.folder), "scaling")
     assert attack not in texts["scaling.html"]
     assert at(scaling, 10, "ours", "fine").cpu is not None

@@ -11,9 +11,9 @@ import pytest
 from PIL import Image
 
 from harness.store.store import Store
-from reports.html import rendered
 from reports.pages.sensors import PAGE
 from reports.pixels import BEYOND, INVALID, data_uri, shaded, srgb
+from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.sensor_folder import write_sensor_folder
 
@@ -29,15 +29,14 @@ def files(store: Store) -> dict[str, Any]:
 
 
 def test_a_store_without_sensors_has_no_such_page_and_no_link_to_it(tmp_path: Path) -> None:
-    texts = rendered(Store(write_run_folder(tmp_path / "run", only=("stack_tower",))))
+    texts = texts_of(Store(write_run_folder(tmp_path / "run", only=("stack_tower",))), "sensors", "index")
     assert "sensors.html" not in texts
     assert "sensors.html" not in texts["index.html"]
 
 
-def test_the_page_stands_among_the_others_of_its_report(store: Store) -> None:
-    texts = rendered(store)
-    assert 'href="sensors.html"' in texts["index.html"]
-    assert "sensors.csv" in texts
+def test_the_page_stands_among_the_others_of_its_report(store: Store, files: dict[str, Any]) -> None:
+    assert 'href="sensors.html"' in texts_of(store, "index")["index.html"]
+    assert "sensors.csv" in files
 
 
 def test_every_trial_is_named_with_its_outcome(store: Store, files: dict[str, str]) -> None:

@@ -9,9 +9,9 @@ import pytest
 from harness.findings.tables import limits
 from harness.store.store import Store
 from reports.contents import ours
-from reports.html import rendered
 from reports.leads import NO_REASON, leads
 from reports.summary import sentences
+from tests.links import texts_of
 from tests.run_folder import write_run_folder
 
 REASON = {"tuned/joint_pendulum": {"by": "sub-steps", "why": "eight to one: by one it errs as the others do"}}
@@ -42,7 +42,7 @@ def test_where_our_engine_errs_least_its_reason_stands_or_that_none_is_given(fol
         REASON["tuned/joint_pendulum"].values()
     )
     assert found["joint_pendulum", "default"].by == NO_REASON
-    pages = rendered(store)
+    pages = texts_of(store, "case")
     assert REASON["tuned/joint_pendulum"]["why"] in pages["case-joint_pendulum.html"]
     assert pages["case-joint_pendulum.html"].count(NO_REASON) == 1
     assert pages["case-stack_tower.html"].count(NO_REASON) == 2
@@ -100,7 +100,7 @@ def test_the_table_of_limits_ranks_the_others_and_puts_the_yardstick_beside_them
 
 def test_what_an_adapter_makes_is_told_on_every_page_that_speaks_of_it(folder: Path) -> None:
     told = [{"feature": "revolute", "how": "the hinge is two points of its axis", "where": "", "tracks": ["default", "tuned"]}]
-    pages = rendered(retold(folder, "mujoco", emulated=told))
+    pages = texts_of(retold(folder, "mujoco", emulated=told), "method", "case", "index")
     assert "the hinge is two points of its axis" in pages["method.html"]
     assert "the hinge is two points of its axis" in pages["case-joint_pendulum.html"]
     assert "revolute emulated by the adapter" in pages["index.html"]

@@ -50,7 +50,7 @@ def test_a_bound_below_a_price_wins_by_what_it_shows(tmp_path: Path) -> None:
     assert prices(found)["dart"].value == pytest.approx(0.5, abs=0.01)
 
 
-@pytest.mark.parametrize("times", [1.5, 10.0, 1000.0])
+@pytest.mark.parametrize("times", [10.0, *(pytest.param(times, marks=pytest.mark.slow) for times in (1.5, 1000.0))])
 def test_a_bound_above_a_price_loses_nothing_by_it(tmp_path: Path, times: float) -> None:
     found = answer(tmp_path, {"mujoco": bound(0.1 * times), "dart": exact(0.1)})
     assert places(found) == {"mujoco": 1, "dart": 1}

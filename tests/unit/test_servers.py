@@ -1,16 +1,14 @@
 """Fork servers: what is loaded in which, where things lie in memory, and what happens where loading kills one."""
 
-import ctypes
 import os
-import sys
 from collections.abc import Iterator
-from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
 from harness.run.fork_servers import WORTH_A_SERVER, context, start_apart, start_loaded
 from tests.light_servers import light_servers
+from tests.told_by_processes import show_place, show_threads, tell
 
 SELDOM = ("xml.dom.pulldom",)
 """What nobody else here loads."""
@@ -21,10 +19,6 @@ WAIT = 60.0
 def _servers_of_these_tests() -> Iterator[None]:
     with light_servers():
         yield
-
-
-def tell(pipe: Connection, name: str) -> None:
-    pipe.send(name in sys.modules)
 
 
 def loaded(name: str, modules: tuple[str, ...], foreseen: int = WORTH_A_SERVER) -> bool:
@@ -67,10 +61,6 @@ def test_a_module_that_kills_its_server_does_not_keep_processes_from_starting(
         assert not loaded("deadly_to_load", ("deadly_to_load",), foreseen)
 
 
-def show_threads(pipe: Connection) -> None:
-    pipe.send([os.environ.get(name) for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS")])
-
-
 def test_processes_have_one_thread_each_and_who_starts_them_keeps_its_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     """Numba refuses to compile in a process whose threads run already, once its environment asks for another number of them."""
     monkeypatch.setenv("OMP_NUM_THREADS", "2")
@@ -86,10 +76,6 @@ def test_processes_have_one_thread_each_and_who_starts_them_keeps_its_environmen
         assert ours.recv() == ["1", "1"]
         process.join(WAIT)
         assert dict(os.environ) == before
-
-
-def show_place(pipe: Connection) -> None:
-    pipe.send(ctypes.cast(ctypes.pythonapi.Py_GetVersion, ctypes.c_void_p).value)
 
 
 def place(number: int) -> int:

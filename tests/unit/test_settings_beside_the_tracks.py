@@ -8,9 +8,9 @@ from harness.store.store import Store
 from reports.answers import answers, at_own_step
 from reports.charts import across_cases, error_by_step
 from reports.contents import compared_tracks, named_tracks, setting_words
-from reports.html import rendered
 from reports.marks import HALF, OPEN
 from reports.summary import sentences
+from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.settings_folder import ONE, SEVERAL, write_settings_folder
 
@@ -61,7 +61,7 @@ def test_without_such_settings_no_sentence_speaks_of_them(tmp_path: Path) -> Non
 
 
 def test_the_matrix_has_a_column_for_each_setting_that_an_engine_has_and_no_other(several: Store) -> None:
-    page = rendered(several)["index.html"]
+    page = texts_of(several, "index")["index.html"]
     heads = page.partition('<table class="matrix">')[2].partition("</thead>")[0]
     assert heads.count('class="track') == 2 * 5 + 3
     assert heads.count("default with solver cg, tolerance 10⁻⁵") == 1

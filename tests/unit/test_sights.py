@@ -12,12 +12,15 @@ from harness.scene import Body, Distance, Joint, Plane, Revolute, Scene, Sphere,
 from harness.store.record import Measurement
 from harness.store.store import Store
 from harness.trajectory import Trajectory
-from reports.html import rendered, write_report
+from reports import html
+from reports.html import write_report
 from reports.motion_chart import labelled
+from reports.page import pages
 from reports.recordings.camera import around_held
 from reports.recordings.moment import about, moment_recording
 from reports.recordings.runs import stage_of
 from reports.sights import Sight, sight
+from tests.links import texts_of
 from tests.recorded_folder import Folder, placed, record
 
 TIMES = np.arange(101) / 100.0
@@ -99,10 +102,10 @@ def test_a_recording_of_a_moment_holds_the_stretch_about_it_alone(folder: Path) 
 
 
 def test_pages_show_pictures_that_are_there_and_say_where_to_watch(folder: Path) -> None:
-    texts = rendered(Store(folder))
+    texts = texts_of(Store(folder), "case", "pictures")
     page = str(texts["case-slide.html"])
     pictures = {name for name in texts if name.startswith("pictures/")}
-    assert all(isinstance(texts[name], bytes) for name in pictures)
+    assert all(isinstance(texts[name].kept(folder / "report"), bytes) for name in pictures)
     named = {part.split('"')[0] for part in page.split('src="')[1:] if part.startswith("pictures/")}
     assert len(named) >= 3
     assert named <= pictures
@@ -111,7 +114,10 @@ def test_pages_show_pictures_that_are_there_and_say_where_to_watch(folder: Path)
     assert "plumbline serve" in page
 
 
-def test_a_second_report_takes_over_pictures_that_are_whole_and_draws_others_anew(folder: Path) -> None:
+def test_a_second_report_takes_over_pictures_that_are_whole_and_draws_others_anew(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name in ("case", "pictures")))
     report = write_report(folder).parent
     first, other, *_ = sorted((report / "pictures").iterdir())
     marked = first.read_bytes()[:-1] + b"\x00"  # as long as its head says

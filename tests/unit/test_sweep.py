@@ -196,7 +196,10 @@ def test_the_same_records_give_the_same_trials() -> None:
     assert [trial.trial for trial in again] == [trial.trial for trial in trials]
 
 
-@pytest.mark.parametrize("seed", range(8))
+SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 8))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_an_exact_answer_is_followed_to_the_coarsest_step_whatever_the_noise_of_rough_costs(seed: int) -> None:
     noise = random.Random(seed)
     trials, known = unfolded(40, answer=lambda trial: exact(trial, noise))
@@ -206,7 +209,7 @@ def test_an_exact_answer_is_followed_to_the_coarsest_step_whatever_the_noise_of_
     assert coarsest in {trial.settings.dt for trial in trials if trial.trial in due}
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize(("least", "most", "ratios"), [(0.96, 1.04, False), (0.67, 1.5, True)])
 def test_the_search_goes_the_same_way_whatever_the_noise_of_rough_costs(
     seed: int, least: float, most: float, ratios: bool

@@ -86,12 +86,12 @@ LONG_ONES = [
     pytest.param(order, noise, marks=pytest.mark.slow)
     for order in (1, 2, 4)
     for noise in (0.01, 0.1, 0.3, 0.7)
-    if (order, noise) not in [(1, 0.7), (2, 0.1), (4, 0.7)]
+    if (order, noise) not in [(2, 0.1), (4, 0.7)]
 ]
 """A slope's scatter hangs on the noise alone, whatever the order is; each side of the bound has one ladder without these."""
 
 
-@pytest.mark.parametrize(("order", "noise"), [(1, 0.7), (2, 0.1), (4, 0.7), *LONG_ONES])
+@pytest.mark.parametrize(("order", "noise"), [(2, 0.1), (4, 0.7), *LONG_ONES])
 def test_noise_makes_hardly_a_false_finding_in_a_thousand_ladders(order: int, noise: float) -> None:
     """Student's interval lies below the true order in 2.5 %; half an order lower yet it lies less often.
 

@@ -147,17 +147,13 @@ def cut_power(
             shutil.rmtree(folder)
 
 
-def test_the_power_goes_at_some_calls(
-    tmp_path: Path, whole: Whole, ledger: Page, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_power_goes_at_some_calls(tmp_path: Path, whole: Whole, ledger: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_power(tmp_path, whole, 23, ledger, monkeypatch)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_the_power_goes_at_every_call(
-    tmp_path: Path, whole: Whole, ledger: Page, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_power_goes_at_every_call(tmp_path: Path, whole: Whole, ledger: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_power(tmp_path, whole, 1, ledger, monkeypatch)
 
 

@@ -2,7 +2,7 @@
 
 import datetime
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -39,13 +39,13 @@ def filled(form: TypeAdapter[T], document: Any, source: str) -> T:
     try:
         return form.validate_json(text, strict=True)
     except ValidationError as error:
-        if any(problem["type"] == "json_invalid" for problem in error.errors(include_url=False)):
+        problems = error.errors(include_url=False)
+        if any(problem["type"] == "json_invalid" for problem in problems):
             raise _strange(document, source) from None
-        raise FieldError("\n".join(_lines(form, document, source, error))) from None
+        raise FieldError("\n".join(_lines(form, document, source, problems))) from None
 
 
-def _lines(form: TypeAdapter[Any], document: Any, source: str, error: ValidationError) -> Iterator[str]:
-    problems = error.errors(include_url=False)
+def _lines(form: TypeAdapter[Any], document: Any, source: str, problems: Sequence[Any]) -> Iterator[str]:
     told = problems[:MOST]
     schema = form.json_schema() if any(problem["type"] in UNKNOWN for problem in told) else {}
     for problem in told:

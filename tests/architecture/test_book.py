@@ -6,6 +6,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -73,12 +74,14 @@ def not_once(page: str) -> list[str]:
     return [concept for concept in dict.fromkeys((*REQUIRED, *told)) if told[concept] != 1]
 
 
-def techniques() -> set[Path]:
+@cache
+def techniques() -> frozenset[Path]:
     """The files of the rooms."""
-    return {path for room in ROOMS for path in (ROOT / "engine" / room).rglob("*.py") if path.name != "__init__.py"}
+    return frozenset(path for room in ROOMS for path in (ROOT / "engine" / room).rglob("*.py") if path.name != "__init__.py")
 
 
-def imported(path: Path) -> set[Path]:
+@cache
+def imported(path: Path) -> frozenset[Path]:
     """The files of the engine that one imports, those whose folder alone it names when it runs included."""
     found = set[Path]()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -88,7 +91,7 @@ def imported(path: Path) -> set[Path]:
             folder = str(node.values[0].value)
             if re.fullmatch(r"(?:engine\.)(?:\w+\.)+", folder):
                 found |= set((ROOT / folder.replace(".", "/")).glob("*.py"))
-    return {other for other in found if other.is_file()}
+    return frozenset(other for other in found if other.is_file())
 
 
 def orphans(page: str) -> list[str]:

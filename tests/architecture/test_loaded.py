@@ -44,12 +44,21 @@ for command in json.loads(sys.argv[1]):
 """
 
 
+DRAWS = """
+def javascript_bundle(*_, **__): return ""
+def vegalite_to_svg(*_, **__): return "<svg/>"
+"""
+"""What stands for the library that draws: whether it is loaded is asked, and each picture takes a JavaScript engine's time."""
+
+
 def test_a_command_loads_no_library_that_it_does_not_use(tmp_path: Path) -> None:
+    (tmp_path / "vl_convert.py").write_text(DRAWS, encoding="utf-8")
     (tmp_path / "robot.urdf").write_text(urdf(), encoding="utf-8")
     write_run_folder(tmp_path / "run", only=("flight_projectile",))
     asked = [sys.executable, "-c", CALL, json.dumps([command for command, _ in BRINGS]), json.dumps(HEAVY)]
     done = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+    assert (tmp_path / "run" / "report" / "index.html").is_file()
     brought = dict(zip([command for command, _ in BRINGS], map(json.loads, done.stdout.splitlines()), strict=True))
     assert {command: found for command, may in BRINGS if (found := set(brought[command]) - may)} == {}
 

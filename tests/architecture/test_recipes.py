@@ -10,8 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from harness.intake import strangers
 from harness.scene.importers import known
 from harness.store.store import Store
+from reports import html
+from reports.page import pages
 from tests.conftest import Command
 
 ROOT = Path(__file__).parents[2]
@@ -47,8 +50,12 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def call(installed: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
-    """The command line where the recipes are installed; otherwise a process looks for importers once."""
+    """The command line where the recipes are installed; otherwise a process looks for importers once.
+
+    They are not tried in processes of their own before: one that does not load fails here.
+    """
     monkeypatch.syspath_prepend(installed)
+    monkeypatch.setattr(strangers, "_tried", lambda *_: "")
     monkeypatch.setattr(known, "_found", known._found.__wrapped__)
 
     def called(*arguments: object) -> str:
@@ -80,7 +87,11 @@ def test_the_new_engine_the_new_case_and_the_new_metric_are_listed(installed: Pa
     assert found["unit"] == "m"
 
 
-def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(call: Callable[..., str], tmp_path: Path) -> None:
+def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(
+    call: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The pages beside it are found, and not made."""
+    monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name == "roll"))
     study = tmp_path / "one.toml"
     study.write_text('name = "one"\nrecordings = false\n[[experiments]]\nname = "e"\ntiming = false\n')
     call("run", study, "--engine", "flight", "--case", "flight_straight", "--out", tmp_path / "out")
@@ -89,8 +100,10 @@ def test_the_new_engine_answers_the_new_case_and_the_new_page_shows_it(call: Cal
     assert "<li>flight</li>" in (tmp_path / "out" / "report" / "roll.html").read_text()
 
 
-def test_the_new_engine_keeps_the_contract(call: Callable[..., str]) -> None:
-    statuses = {row["status"] for row in json.loads(call("check", "flight", "--json"))}
+@pytest.mark.parametrize("track", ["default", pytest.param("tuned", marks=pytest.mark.slow)])
+def test_the_new_engine_keeps_the_contract(call: Callable[..., str], track: str) -> None:
+    """Its tracks have the same settings."""
+    statuses = {row["status"] for row in json.loads(call("check", "flight", "--track", track, "--json"))}
     assert "passed" in statuses
     assert not statuses & {"failed", "improved"}
 

@@ -69,10 +69,10 @@ def _keyboard(page: Any) -> list[str]:
     return [] if len(visited) > 2 else ["Tab reaches nothing"]
 
 
-def _axe(page: Any, source: str) -> list[str]:
+def _axe(page: Any, source: str, whole: bool) -> list[str]:
     """Serious and critical violations of WCAG, by axe-core."""
     page.evaluate(source)
-    result = page.evaluate(AXE)
+    result = page.evaluate(AXE, whole)
     return [
         f"axe {rule['id']} ({rule['impact']}, {len(rule['nodes'])} times): {rule['nodes'][0]['html'][:160]} "
         f"{rule['nodes'][0].get('failureSummary', '')[:200]}"
@@ -81,8 +81,11 @@ def _axe(page: Any, source: str) -> list[str]:
     ]
 
 
-def faults(seen: Visit, path: Path, axe: str, *, phone: bool) -> list[str]:
-    """All that is wrong with a page, in words; none is a page that can be read. Args: axe: the source of axe-core."""
+def faults(seen: Visit, path: Path, axe: str, *, phone: bool, whole: bool) -> list[str]:
+    """All that is wrong with a page, in words; none is a page that can be read.
+
+    Args: axe: the source of axe-core. whole: it looks at all rows of tables, not at two of those that are made alike.
+    """
     page = seen.page
     looked: Any = page.evaluate(SEEN)
     wrong: list[str] = list(looked["found"])
@@ -98,7 +101,7 @@ def faults(seen: Visit, path: Path, axe: str, *, phone: bool) -> list[str]:
     if phone:
         wrong += _menu(page)
     wrong += _weights(page)
-    wrong += _axe(page, axe)
+    wrong += _axe(page, axe, whole)
     outside: Collection[str] = {url for url in seen.asked if urlsplit(url).scheme not in ("file", "data")}
     return [*wrong, *(f"asks for {url}" for url in outside), *seen.said]
 

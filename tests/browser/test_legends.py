@@ -17,7 +17,8 @@ LINES = """() => [...document.querySelectorAll('.switches')].map(
 
 
 @pytest.mark.parametrize(
-    ("settings", "third"), [((), ""), (ONE, "default with solver cg, tolerance 10⁻⁵"), (SEVERAL, "others")]
+    ("settings", "third"),
+    [pytest.param((), "", marks=pytest.mark.slow), (ONE, "default with solver cg, tolerance 10⁻⁵"), (SEVERAL, "others")],
 )
 def test_the_legend_is_one_line_and_switches_off_a_third_track(
     tmp_path: Path, visit: Any, settings: tuple[tuple[str, str], ...], third: str

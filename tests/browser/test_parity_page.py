@@ -47,12 +47,11 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return reports.parity_page(folder)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_it_opens_in_silence_and_says_what_each_difference_is_worth(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     for width in (1440, 390):
         seen.page.set_viewport_size({"width": width, "height": 900})
-        seen.page.wait_for_timeout(100)
         assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
     assert seen.said == []
     assert {urlsplit(url).scheme for url in seen.asked} <= {"file", "data"}

@@ -315,7 +315,10 @@ def test_the_scores_that_the_page_works_out_are_those_that_it_was_written_with(p
     price.fill("2")
     page.wait_for_function("() => document.getElementById('headline').textContent.includes('2000 draws')")
     price.fill("1")
-    page.wait_for_timeout(500)
+    scores = "[...document.querySelectorAll('#places tbody tr')].map(row => row.cells[4].textContent)"
+    page.wait_for_function(
+        f"told => {scores}.every((text, k) => told.includes(text))", arg=[row[4] for row in written.values()]
+    )
     now = page.locator("#places tbody tr").evaluate_all(rows)
     assert set(now) == set(written)
     for engine, cells in written.items():

@@ -17,7 +17,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page_of(write_sensor_folder(tmp_path_factory.mktemp("sensors") / "run"), "sensors")
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_it_opens_in_silence_with_its_pictures_and_charts_and_fits_a_phone(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []

@@ -194,11 +194,11 @@ def browser(playwright: Any) -> Iterator[Any]:
 
 
 # The viewer's compiler of shaders tells the console 9000 times what it does, and each line goes through three processes.
-# Here only warnings and errors are told, and no more than ten pictures are drawn a second.
+# Here only warnings and errors are told, and no more than five pictures are drawn a second.
 SPARING = """
 for (const told of ["debug", "info", "log", "trace"]) console[told] = () => {};
 const draw = window.requestAnimationFrame.bind(window);
-window.requestAnimationFrame = (frame) => setTimeout(() => draw(frame), 100);
+window.requestAnimationFrame = (frame) => setTimeout(() => draw(frame), 200);
 """
 
 
@@ -207,7 +207,7 @@ class Visit:
 
     def __init__(self, browser: Any, address: str) -> None:
         # Small: what the viewer draws is drawn by the processor, point by point.
-        self.page = browser.new_page(viewport={"width": 480, "height": 360})
+        self.page = browser.new_page(viewport={"width": 320, "height": 240})
         self.page.add_init_script(SPARING)
         self.asked: list[str] = []
         self.errors: list[str] = []

@@ -20,7 +20,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return trends_page(read_trends(write_history(folder / "h", 28, planted)), folder / "out")
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_it_opens_in_silence_says_the_first_bad_night_first_fits_a_phone_and_unfolds(
     page: Path, visit: Any, scheme: str
 ) -> None:

@@ -29,7 +29,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return changes_page(changes, folder / "out", ["dart"])
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_it_opens_in_silence_says_the_worst_first_and_fits_a_phone(page: Path, visit: Any, scheme: str) -> None:
     seen = visit(page, color_scheme=scheme)
     assert seen.said == []

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.stress.mutator import mutant
-from tests.stress.reading import Reading, read_by_command
+from tests.stress.reading import Reading, peak, read_by_command
 
 
 def _trouble(path: Path, found: Reading) -> str:
@@ -19,12 +19,6 @@ def _trouble(path: Path, found: Reading) -> str:
     if found.ended == "refused" and path.name not in found.text:
         return "the file is not named"
     return "" if found.ended in ("refused", "accepted") else found.ended
-
-
-def _peak() -> float:
-    """The most memory [MB] that this process ever held; what getrusage says begins with that of who started it."""
-    lines = Path("/proc/self/status").read_text().splitlines()
-    return next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))
 
 
 def _all(sound: Path, first: int, count: int, budget: float) -> dict[str, Any]:
@@ -51,7 +45,7 @@ def _all(sound: Path, first: int, count: int, budget: float) -> dict[str, Any]:
                 totals[found.ended] += 1
             if time.process_time() - start > budget:
                 break
-    totals["peak"] = _peak()
+    totals["peak"] = peak()
     return totals
 
 

@@ -1,6 +1,8 @@
 """One file as `plumbline run` reads it, up to the first trial, in a process that is given up to it.
 
-As a program: takes a JSON list of [name, arguments, environment] on standard input, and prints [name, reading] of each.
+As a program: takes a JSON list of [name, arguments, environment, apart] on standard input, and prints [name, reading, peak] of
+each: the most memory [MB] that its process held. What is to be read apart is read in a child, which holds what this process
+holds by then.
 """
 
 import contextlib
@@ -13,16 +15,16 @@ import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NoReturn
 from unittest.mock import patch
 
-import harness.run.campaign
 from harness.cli.main import main
 from harness.study.catalogue import describe_case
 from harness.study.plugins import SCENE_PREFIX
 from harness.study.study import Study
 
-__all__ = ["LONGEST", "Reading", "read_by_command"]
+__all__ = ["LONGEST", "Reading", "peak", "read_by_command"]
 
 YARDSTICK = "[" + "[]," * 200_000 + "[]]"
 """What is read to learn how fast this machine is: 0.6 MB of JSON."""
@@ -56,11 +58,15 @@ def _stop(*_: Any) -> NoReturn:
 
 
 def _up_to_here(study: Study, _folder: Path, cases: Any, adapters: Any, **_more: Any) -> NoReturn:
-    """In the place of `carry_out`: unfold all trials, describe the file's own case, run none."""
+    """In the place of `carry_out`, and its module is not loaded: unfold all trials, describe the file's own case, run none."""
     trials = list(study.trials(cases, adapters, dict.fromkeys(adapters, "1")))
     for name in dict.fromkeys(trial.case for trial in trials if trial.case.startswith(SCENE_PREFIX)):
         describe_case(cases[name])
     raise _Accepted
+
+
+CAMPAIGN = ModuleType("harness.run.campaign")
+vars(CAMPAIGN)["carry_out"] = _up_to_here
 
 
 @functools.cache
@@ -98,8 +104,9 @@ def read_by_command(arguments: list[str]) -> Reading:
     """What the command line makes of arguments."""
     signal.signal(signal.SIGPROF, _stop)
     signal.signal(signal.SIGALRM, _stop)
+    sys.modules[CAMPAIGN.__name__] = CAMPAIGN
     said, start = io.StringIO(), time.process_time()
-    with patch.object(harness.run.campaign, "carry_out", _up_to_here), contextlib.redirect_stderr(said):
+    with contextlib.redirect_stderr(said):
         ended = _called(arguments)
     text = said.getvalue()
     if any(not sign.isprintable() and sign not in "\n\t" for sign in text):
@@ -109,7 +116,27 @@ def read_by_command(arguments: list[str]) -> Reading:
     return Reading(ended, text[:MOST_SAID], time.process_time() - start)
 
 
+def peak() -> float:
+    """The most memory [MB] that this process ever held; what getrusage says begins with that of who started it."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))
+
+
+def _read(name: str, arguments: list[str], environment: dict[str, str]) -> None:
+    with patch.dict(os.environ, environment):
+        print(json.dumps([name, asdict(read_by_command(arguments)), peak()]), flush=True)
+
+
+def _read_in_a_child(*call: Any) -> None:
+    child = os.fork()
+    if child == 0:
+        try:
+            _read(*call)
+        finally:
+            os._exit(0)
+    os.waitpid(child, 0)
+
+
 if __name__ == "__main__":
-    for name, arguments, environment in json.load(sys.stdin):
-        with patch.dict(os.environ, environment):
-            print(json.dumps([name, asdict(read_by_command(arguments))]))
+    for *call, apart in json.load(sys.stdin):
+        (_read_in_a_child if apart else _read)(*call)

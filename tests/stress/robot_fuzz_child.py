@@ -25,6 +25,7 @@ from harness.scene.importers.mjcf_text import Prepared
 from harness.scene.importers.reading import read
 from tests.mjcf_here import compiled_here
 from tests.stress.mutator import mutant
+from tests.stress.reading import peak
 
 DEADLINE = 20
 """Seconds of processor time after which a mutant counts as a hang."""
@@ -106,8 +107,7 @@ def _all(sound: Path, first: int, count: int, note: Path) -> dict[str, Any]:
             else:
                 totals["troubles"].append(f"seed {seed}: {ended}")
     totals["outside"] = sorted(set(opened.seen))
-    lines = Path("/proc/self/status").read_text().splitlines()
-    totals["peak"] = next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM"))
+    totals["peak"] = peak()
     return totals
 
 

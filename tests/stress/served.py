@@ -1,42 +1,63 @@
 """A server of a run folder in a process of its own, and requests as bytes, for tests of what clients may do to it."""
 
 import contextlib
+import os
 import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
 
-__all__ = ["START", "SHORT", "BIG", "SECRET", "Served", "everything", "HOST", "FIRST"]
+__all__ = ["LONG", "SHORT", "BIG", "SECRET", "Served", "served_with", "everything", "HOST", "FIRST"]
 
 
 START = """
-import sys
+import os, sys
 from pathlib import Path
 import reports
 from reports.server import connections
-connections.HEAD_SECONDS, connections.PATIENCE, connections.SLOWEST = map(float, sys.argv[2:])
-reports.serve(Path(sys.argv[1]), 0, lambda said: print(said, flush=True))
+for limits in sys.argv[2:]:
+    if os.fork() == 0:
+        connections.HEAD_SECONDS, connections.PATIENCE, connections.SLOWEST = map(float, limits.split())
+        reports.serve(Path(sys.argv[1]), 0, lambda said: print(limits, os.getpid(), said, sep=";", flush=True))
+        os._exit(0)
+for _ in sys.argv[2:]:
+    os.wait()
 """
+LONG = (10.0, 30.0, 32 * 1024)
+"""Seconds for a head, for an answer, and the least pace [bytes/s]."""
 SHORT = (1.0, 1.0, 256 * 2**20)
-"""Seconds for a head, for an answer, and the least pace [bytes/s]: short, for the tests that wait for them to pass."""
+"""As above; short, for the tests that wait for them to pass."""
 THREADS, FILES, MEMORY = 16, 2 * 128 + 64, 600 * 2**20
 """What the server may take, whatever comes: threads; files, a connection's and its answer's each; bytes."""
 BIG = 40 * 2**20
 SECRET = b"the secret of this machine"
 
 
+@contextlib.contextmanager
+def served_with(folder: Path, *limits: tuple[float, float, float]) -> Iterator[list["Served"]]:
+    """Servers of a folder, each in a process of its own, forked off one that has loaded what they need."""
+    told = [" ".join(map(str, of_one)) for of_one in limits]
+    process = subprocess.Popen([sys.executable, "-c", START, str(folder), *told], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    lines = (process.stdout.readline().strip().split(";") for _ in limits)
+    started = {of: Served(int(pid), int(address.rstrip("/").rsplit(":", 1)[1])) for of, pid, address in lines}
+    try:
+        yield [started[of_one] for of_one in told]
+    finally:
+        for server in started.values():
+            os.kill(server.watched.pid, signal.SIGINT)
+        process.communicate(timeout=60)
+
+
 class Served:
     """A server in a process of its own."""
 
-    def __init__(self, folder: Path, limits: tuple[float, float, float] = (10.0, 30.0, 32 * 1024)) -> None:
-        command = [sys.executable, "-c", START, str(folder), *map(str, limits)]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-        assert self.process.stdout is not None
-        self.port = int(self.process.stdout.readline().strip().rstrip("/").rsplit(":", 1)[1])
-        self.watched = psutil.Process(self.process.pid)
+    def __init__(self, pid: int, port: int) -> None:
+        self.port, self.watched = port, psutil.Process(pid)
 
     def connect(self) -> socket.socket:
         return socket.create_connection(("127.0.0.1", self.port), timeout=30)
@@ -63,10 +84,6 @@ class Served:
         answer = self.get()
         assert answer.startswith(b"HTTP/1.1 200 "), answer[:200]
         assert answer.endswith(b"The report</title>")
-
-    def stop(self) -> None:
-        self.process.send_signal(signal.SIGINT)
-        self.process.communicate(timeout=60)
 
 
 def everything(connection: socket.socket) -> bytes:

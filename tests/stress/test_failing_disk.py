@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from harness.run import campaign, child
@@ -21,6 +20,9 @@ from tests.stress.failing_disk import ERRORS, Counting, Failing, Losing, PowerCu
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables
 
+TRIALS = 2
+"""Of the light study."""
+Whole = tuple[dict[str, bytes], list[str]]
 FAULTS = [(error, stays) for stays in (False, True) for error in ERRORS]
 
 
@@ -29,14 +31,15 @@ def _light(monkeypatch: pytest.MonkeyPatch) -> None:
     light(monkeypatch)
 
 
-@pytest.fixture
-def whole(tmp_path: Path) -> tuple[dict[str, pd.DataFrame], list[str]]:
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Whole:
     """The tables of an undisturbed run, and its calls."""
-    counting = Counting()
-    with Using(counting):
-        carry_out(tmp_path / "undisturbed")
-    assert [*problems(tmp_path / "undisturbed")] == []
-    return tables(tmp_path / "undisturbed"), counting.seen
+    counting, folder = Counting(), tmp_path_factory.mktemp("whole") / "undisturbed"
+    with pytest.MonkeyPatch.context() as patch, Using(counting):
+        light(patch)
+        carry_out(folder)
+    assert [*problems(folder)] == []
+    return tables(folder), counting.seen
 
 
 class Using:
@@ -52,7 +55,7 @@ class Using:
         disk.calls = disk.Calls()
 
 
-def completed(folder: Path, expected: dict[str, pd.DataFrame], broke: bool) -> int:
+def completed(folder: Path, expected: dict[str, bytes], broke: bool) -> int:
     """Open, verify and go on. Returns: how many problems `verify` named."""
     named = 0
     if (folder / "journal.jsonl").is_file():
@@ -62,8 +65,8 @@ def completed(folder: Path, expected: dict[str, pd.DataFrame], broke: bool) -> i
         if broke and not found:  # the last thing that a run does may be done when it fails
             same_tables(folder, expected)
         lines = (folder / "journal.jsonl").read_bytes().count(b"\n")
-        if lines > 0 and kept < len(expected["trials"]):
-            assert any(f"{len(expected['trials']) - kept} of 2 trials have no record" in sentence for sentence in found)
+        if lines > 0 and kept < TRIALS:
+            assert any(f"{TRIALS - kept} of {TRIALS} trials have no record" in sentence for sentence in found)
     carry_out(folder)
     same_tables(folder, expected)
     assert [*problems(folder)] == []
@@ -79,10 +82,11 @@ def numbers(calls: list[str], every: int) -> Iterator[int]:
             yield number
 
 
-def let_fail(tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], every: int, ledger: Page) -> None:
+def let_fail(tmp_path: Path, whole: Whole, every: int, ledger: Page) -> None:
+    """Each call with all faults; where not every call fails, with one that passes and one that stays, in turn."""
     expected, calls = whole
-    for error, stays in FAULTS if every == 1 else FAULTS[::2]:
-        for number in numbers(calls, every):
+    for place, number in enumerate(numbers(calls, every)):
+        for error, stays in FAULTS if every == 1 else (FAULTS[place % 3], FAULTS[3 + (place + 1) % 3]):
             folder = tmp_path / "failing"
             failing, broke = Failing(number, error, stays), False
             with Using(failing):
@@ -97,23 +101,24 @@ def let_fail(tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], e
             shutil.rmtree(folder)
 
 
-def test_a_call_of_each_kind_fails(tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], ledger: Page) -> None:
+def test_a_call_of_each_kind_fails(tmp_path: Path, whole: Whole, ledger: Page) -> None:
     let_fail(tmp_path, whole, 40, ledger)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_every_call_fails(tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], ledger: Page) -> None:
+def test_every_call_fails(tmp_path: Path, whole: Whole, ledger: Page) -> None:
     let_fail(tmp_path, whole, 1, ledger)
 
 
 def cut_power(
     tmp_path: Path,
-    whole: tuple[dict[str, pd.DataFrame], list[str]],
+    whole: Whole,
     every: int,
     ledger: Page,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """At each call in both ways; where not at every one, in one way and the other in turn."""
     expected, calls = whole
     acknowledged: list[str] = []
     plain = Journal.append
@@ -125,7 +130,8 @@ def cut_power(
     monkeypatch.setattr(Journal, "append", noted)
     chance = random.Random(5)
     for names_first in (False, True):
-        for number in range(0, len(calls), every):
+        first, apart = (0, 1) if every == 1 else (every * names_first, 2 * every)
+        for number in range(first, len(calls), apart):
             folder = tmp_path / "lost"
             acknowledged.clear()
             losing = Losing(number, folder, names_first)
@@ -141,22 +147,18 @@ def cut_power(
             shutil.rmtree(folder)
 
 
-def test_the_power_goes_at_some_calls(
-    tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], ledger: Page, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_power_goes_at_some_calls(tmp_path: Path, whole: Whole, ledger: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_power(tmp_path, whole, 23, ledger, monkeypatch)
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-def test_the_power_goes_at_every_call(
-    tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], ledger: Page, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_power_goes_at_every_call(tmp_path: Path, whole: Whole, ledger: Page, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_power(tmp_path, whole, 1, ledger, monkeypatch)
 
 
 def test_a_disk_that_forgets_what_is_not_synchronised_shows_a_store_that_does_not_synchronise(
-    tmp_path: Path, whole: tuple[dict[str, pd.DataFrame], list[str]], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, whole: Whole, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The model is no good unless it finds the fault that it is made for."""
     monkeypatch.setattr(disk.Appended, "append", lambda self, piece: disk._write(self.descriptor, piece))

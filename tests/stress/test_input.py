@@ -6,7 +6,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,19 +17,29 @@ from tests.stress.reading import Reading
 ROOT = Path(__file__).parents[2]
 
 
-Asked = tuple[str, list[str], Mapping[str, str]]
-"""A name, arguments of the command line, variables of the environment."""
-READ = (sys.executable, "-m", "tests.stress.reading")
+Asked = tuple[str, list[str], Mapping[str, str], bool]
+"""A name, arguments of the command line, variables of the environment; is it read in a process of its own?"""
 LIGHTER = ("a million bodies", "65 MB")
 """Bombs that are refused for their bytes alone, before any of them is read."""
 BOMBS = ("a million bodies with room", "a million bodies in TOML")
+HEAVY = ("message of megabytes", "100 000 troubles", "two million arrays")
+"""Files that take long, with a smaller one of their kind beside each."""
+SLOW = pytest.mark.slow
 
 
-def answered(command: Sequence[str], calls: Sequence[Asked]) -> dict[str, Reading]:
-    told = json.dumps(calls)
-    done = subprocess.run([*command], cwd=ROOT, input=told, capture_output=True, text=True, timeout=280, check=False)
+@dataclass(frozen=True)
+class Found:
+    """What was said of a file, and the most memory [MB] of the process that read it."""
+
+    reading: Reading
+    peak: float
+
+
+def answered(calls: Sequence[Asked]) -> dict[str, Found]:
+    command, told = [sys.executable, "-m", "tests.stress.reading"], json.dumps(calls)
+    done = subprocess.run(command, cwd=ROOT, input=told, capture_output=True, text=True, timeout=280, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
-    return {name: Reading(**found) for name, found in map(json.loads, done.stdout.splitlines())}
+    return {name: Found(Reading(**found), peak) for name, found, peak in map(json.loads, done.stdout.splitlines())}
 
 
 def written(folder: Path, family: str, name: str) -> Asked:
@@ -41,44 +50,8 @@ def written(folder: Path, family: str, name: str) -> Asked:
         fault.content(path)
     else:
         path.write_bytes(fault.content if isinstance(fault.content, bytes) else fault.content.encode())
-    return f"{family}: {name}", ["run", str(path), "--out", str(folder / "out"), *fault.options], fault.environment
-
-
-PEAK = """
-import resource, subprocess, sys
-done = subprocess.run(sys.argv[1:], input=sys.stdin.read(), capture_output=True, text=True)
-sys.stdout.write(done.stdout)
-sys.stderr.write(f"{done.stderr}\\n{resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024}")
-sys.exit(done.returncode)
-"""
-"""A command, with the most memory [MB] that it held as the last line on standard error."""
-
-
-@dataclass(frozen=True)
-class Bomb:
-    """What was said of a file, and the most memory [MB] of the process that read it and nothing else."""
-
-    reading: Reading
-    peak: float
-
-
-@pytest.fixture(scope="module")
-def bomb(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Bomb]:
-    """What becomes of a bomb, each in a process of its own."""
-    folder = tmp_path_factory.mktemp("bombs")
-
-    @cache
-    def thrown(name: str) -> Bomb:
-        (family,) = (family for family, other in FAULTS if other == name)
-        call = written(folder, family, name)
-        command = [sys.executable, "-c", PEAK, *READ]
-        done = subprocess.run(
-            command, cwd=ROOT, input=json.dumps([call]), capture_output=True, text=True, timeout=280, check=False
-        )
-        assert done.returncode == 0, done.stderr[-2000:]
-        return Bomb(Reading(**json.loads(done.stdout)[1]), float(done.stderr.splitlines()[-1]))
-
-    return thrown
+    apart = name in (*LIGHTER, *BOMBS)
+    return f"{family}: {name}", ["run", str(path), "--out", str(folder / "out"), *fault.options], fault.environment, apart
 
 
 SOUND = {
@@ -98,49 +71,60 @@ ABSENT = [("show", "DIR"), ("report", "DIR"), ("view", "DIR", "x"), ("serve", "D
 
 
 @pytest.fixture(scope="module")
-def readings(tmp_path_factory: pytest.TempPathFactory, bomb: Callable[[str], Bomb]) -> dict[str, Reading]:
-    """What was said of each file and of each command without a folder: of bombs each in a process, of all others in one."""
+def found(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Found]:
+    """What was said of each file and of each command without a folder, all asked of one process; of heavy files when asked for.
+
+    Bombs are read behind the first file, which has what reads files loaded, and before anything takes memory.
+    """
     folder = tmp_path_factory.mktemp("input")
-    calls = [written(folder, family, name) for family, name in FAULTS if name not in BOMBS]
+    first, *others = [written(folder, family, name) for family, name in FAULTS if name not in HEAVY]
+    calls = [first, *sorted(others, key=lambda call: not call[-1])]
     for number, (name, (content, ending)) in enumerate(SOUND.items()):
         path = folder / f"sound{number}.{ending}"
         path.write_text(content)
         options = ["--limit", "bodies=10"] if name == "a limit that is kept" else []
-        calls.append((name, ["run", str(path), "--out", str(folder / "out"), *options], {}))
+        calls.append((name, ["run", str(path), "--out", str(folder / "out"), *options], {}, False))
     nowhere = str(folder / "nowhere")
-    calls += [(words[0], [word.replace("DIR", nowhere) for word in words], {}) for words in ABSENT]
-    alone = {f"{family}: {name}": bomb(name).reading for family, name in FAULTS if name in BOMBS}
-    return answered(READ, calls) | alone
+    calls += [(words[0], [word.replace("DIR", nowhere) for word in words], {}, False) for words in ABSENT]
+    answers = answered(calls)
+
+    def of(name: str) -> Found:
+        if name not in answers:
+            (fault,) = (fault for fault in FAULTS if ": ".join(fault) == name)
+            answers.update(answered([written(folder, *fault)]))
+        return answers[name]
+
+    return of
 
 
-@pytest.mark.parametrize(("family", "name"), FAULTS)
-def test_a_fault_of_input_is_refused_by_name(family: str, name: str, readings: dict[str, Reading], ledger: Page) -> None:
-    found, fault = readings[f"{family}: {name}"], FAULTS[family, name]
-    assert found.ended == "refused", found.text[-500:]
+@pytest.mark.parametrize(
+    ("family", "name"), [pytest.param(*fault, marks=[SLOW] if fault[1] in HEAVY else []) for fault in FAULTS]
+)
+def test_a_fault_of_input_is_refused_by_name(family: str, name: str, found: Callable[[str], Found], ledger: Page) -> None:
+    read, fault = found(f"{family}: {name}").reading, FAULTS[family, name]
+    assert read.ended == "refused", read.text[-500:]
     for word in fault.words:
-        assert word in found.text
+        assert word in read.text
     if names_the_file(family, name):
-        assert f"file{list(FAULTS).index((family, name))}.{fault.ending}" in found.text
-    ledger.survived(f"input: {family}", name, f"exit code 2, {len(found.text)} characters, {1000 * found.seconds:.0f} ms")
+        assert f"file{list(FAULTS).index((family, name))}.{fault.ending}" in read.text
+    ledger.survived(f"input: {family}", name, f"exit code 2, {len(read.text)} characters, {1000 * read.seconds:.0f} ms")
 
 
-def test_what_is_sound_is_read(readings: dict[str, Reading]) -> None:
-    found = {name: readings[name] for name in SOUND}
-    assert {name: reading.ended for name, reading in found.items()} == dict.fromkeys(SOUND, "accepted")
+def test_what_is_sound_is_read(found: Callable[[str], Found]) -> None:
+    read = {name: found(name).reading for name in SOUND}
+    assert {name: reading.ended for name, reading in read.items()} == dict.fromkeys(SOUND, "accepted")
     # All that is said is which engines run it.
-    assert not [line for reading in found.values() for line in reading.text.splitlines() if not line.endswith(": runs")]
-
-
-SLOW = pytest.mark.slow
+    assert not [line for reading in read.values() for line in reading.text.splitlines() if not line.endswith(": runs")]
 
 
 @pytest.mark.parametrize("what", [*BOMBS, *(pytest.param(what, marks=SLOW) for what in LIGHTER)])
-def test_a_bomb_costs_no_memory(what: str, bomb: Callable[[str], Bomb], ledger: Page) -> None:
+def test_a_bomb_costs_no_memory(what: str, found: Callable[[str], Found], ledger: Page) -> None:
     """Less than 200 MB, in a process of its own. Its time is told, not asserted."""
-    found = bomb(what)
-    assert found.reading.ended == "refused"
-    assert found.peak < 200.0
-    ledger.survived("input: bombs", what, f"exit code 2 after {found.reading.seconds:.2f} s, {found.peak:.0f} MB")
+    (family,) = (family for family, other in FAULTS if other == what)
+    bomb = found(f"{family}: {what}")
+    assert bomb.reading.ended == "refused"
+    assert bomb.peak < 200.0
+    ledger.survived("input: bombs", what, f"exit code 2 after {bomb.reading.seconds:.2f} s, {bomb.peak:.0f} MB")
 
 
 @pytest.mark.parametrize("told", ["/dev/null", pytest.param(str(Path(__file__) / "y"), marks=SLOW)])
@@ -154,8 +138,8 @@ def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(t
 
 
 @pytest.mark.parametrize("arguments", ABSENT, ids=lambda told: told[0])
-def test_a_missing_folder_is_wrong_usage(arguments: tuple[str, ...], readings: dict[str, Reading], ledger: Page) -> None:
-    found = readings[arguments[0]]
-    assert found.ended == "refused"
-    assert "nowhere: no run folder" in found.text
+def test_a_missing_folder_is_wrong_usage(arguments: tuple[str, ...], found: Callable[[str], Found], ledger: Page) -> None:
+    read = found(arguments[0]).reading
+    assert read.ended == "refused"
+    assert "nowhere: no run folder" in read.text
     ledger.survived("input: folder", f"{arguments[0]} of a folder that is not there", "exit code 2")

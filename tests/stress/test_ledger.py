@@ -1,5 +1,6 @@
 """The ledger of planted faults: every fault once, and none is survived whose test failed."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -49,26 +50,15 @@ EXPECTED = [
 ]
 
 
-@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["in this process", "in two others"])
+@pytest.mark.parametrize("more", [[], ["-p", "xdist", "-n", "2"]], ids=["in this process", "in two others"])
 def test_every_fault_has_one_line_and_none_is_survived_whose_test_failed(more: list[str], tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text((HERE / "conftest.py").read_text())
     (tmp_path / "test_planted.py").write_text(TESTS)
+    command = [sys.executable, "-m", "pytest", *QUIET, *more, "--rootdir", tmp_path, tmp_path]
     done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            "-p",
-            "tests.stress.ledger",
-            *more,
-            "--rootdir",
-            tmp_path,
-            tmp_path,
-        ],
+        [*map(str, command)],
         cwd=HERE.parents[1],
+        env=os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
         capture_output=True,
         text=True,
         check=False,

@@ -15,7 +15,7 @@ import pytest
 
 from tests.run_folder import write_run_folder
 from tests.stress.ledger import Page
-from tests.stress.served import BIG, FIRST, HOST, SECRET, SHORT, Served, everything
+from tests.stress.served import BIG, FIRST, HOST, LONG, SECRET, SHORT, Served, everything, served_with
 
 
 @pytest.fixture(scope="module")
@@ -46,18 +46,20 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def served(folder: Path) -> Iterator[Served]:
-    server = Served(folder)
-    yield server
-    server.stop()
+def servers(folder: Path) -> Iterator[list[Served]]:
+    with served_with(folder, LONG, SHORT) as started:
+        yield started
 
 
 @pytest.fixture(scope="module")
-def hasty(folder: Path) -> Iterator[Served]:
+def served(servers: list[Served]) -> Served:
+    return servers[0]
+
+
+@pytest.fixture(scope="module")
+def hasty(servers: list[Served]) -> Served:
     """A server that waits for nobody longer than a second."""
-    server = Served(folder, SHORT)
-    yield server
-    server.stop()
+    return servers[1]
 
 
 RAW = {

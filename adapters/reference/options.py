@@ -28,8 +28,8 @@ SOFT = "tgs_soft"
 EXACT = "exact"
 SEQUENTIAL = "sequential_impulses"
 SUITED = "suited"
-"""Not a solver but the choice of one by the scene: exact contacts for few bodies of very unlike masses, sequential impulses for
-bodies that start inside each other, else soft contacts."""
+"""Not a solver but the choice of one by the scene: exact contacts for few bodies of very unlike masses or under which springs
+give way, sequential impulses for bodies that start inside each other, else soft contacts."""
 OPTIONS: Mapping[str, type] = {
     "steps": int,
     "relaxations": int,

@@ -52,11 +52,11 @@ class ReferenceSimulation:
         """Advance by count * dt. Raises: Diverged, Unsupported."""
         import engine
 
-        told = self._steps if self._watched and count > 0 else 1
+        listened = self._steps - 1 if self._watched and count > 0 else 0
         try:
-            self._world.step(count * self._steps - (told - 1))
+            self._world.step(count * self._steps - listened)
             self._touched = []
-            for _ in range(told - 1):
+            for _ in range(listened):
                 self._touched.append(self._world.contacts())
                 self._world.step(1)
         except engine.Diverged as error:
@@ -167,6 +167,7 @@ class ReferenceSimulation:
     def restore(self, saved: object) -> None:
         """Back to a saved state."""
         self._world.restore(cast(tuple[Floats, Integers], saved))
+        self._touched = []
 
     def close(self) -> None:
         """Nothing to free: the world is arrays."""

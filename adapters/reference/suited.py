@@ -20,6 +20,9 @@ DEEP = 0.05
 """Share of the half width of the thinner body [1] beyond which an overlap at the start is worked off by `SEQUENTIAL`."""
 FEW = 16
 """Movable bodies up to which `SUITED` takes exact contacts: their cost grows with the cube of the number of contacts."""
+ROUNDED = 1e-15
+"""Least tolerance of exact contacts over the ratio of masses: impulses are known to rounding of the heaviest load, and
+residuals are relative to the light body's. What is left of them is 2e-16 to 6e-16 of the ratio (two boxes of 100 : 1 to 1e6 : 1)."""
 TURNING = 2**0.5
 """Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 
@@ -68,11 +71,11 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
         springs = replace(springs, options={**springs.options, WHOLE_STEPS: substeps})
     if Effect.CONTACT not in effects or Effect.GRAVITY not in effects or Effect.JOINTS in effects:
         return springs, None
-    ratio = mass_ratio(scene)
-    if _exact_knows(scene) and (ratio > substeps**2 or heap_gives_way(scene, settings.dt / substeps)):
-        # Impulses are known to rounding of the heaviest load; the residual is relative to the light body's.
-        tolerance = settings.tolerance or max(1e-11, 1e-14 * ratio)
-        return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept), None
+    if _exact_knows(scene):  # of few bodies, each pair of which may be looked at
+        ratio = mass_ratio(scene)
+        if ratio > substeps**2 or heap_gives_way(scene, settings.dt / substeps):
+            tolerance = settings.tolerance or max(1e-11, ROUNDED * ratio)
+            return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept), None
     world = make_world(scene, engine_options(scene, springs))
     start = world.save()
     if _overlaps(scene, world):

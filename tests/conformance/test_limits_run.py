@@ -55,12 +55,12 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monke
     for row in sought:
         assert row["verdict"] == "limit"
         engine = plugins.adapter(row["engine"])
-        experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=study_texts.MEMBERS))
+        experiment = Experiment(name="scan", tracks=("tuned",), timing=False, limit=Limit(members=2))
         study = Study(name="scan", experiments=(experiment,))
         (start,) = study.trials({case.name: case}, {engine.name: engine}, {engine.name: "1"})
         before, first = 0.0, None
         for speed in map(float, np.geomspace(row["easy"], row["extreme"], 8)):
-            parameters = {**start.parameters, "continuous": False, "phases": study_texts.FEWER, "speed": speed}
+            parameters = {**start.parameters, "continuous": False, "speed": speed}
             if endure(start.probing(case, parameters=parameters), case, engine, None).status != "passed":
                 first = speed
                 break
@@ -79,8 +79,7 @@ def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> Non
             assert rows[engine, remedy]["verdict"] == "helps"
             assert rows[engine, remedy]["farther"] > 0
         assert rows[engine, "sub-steps x 4"]["cost_ratio"] > 1
-        assert rows[engine, "more iterations"]["share_after"] < 1
-    assert rows["bullet", "damping"]["share_after"] < 1
+        assert rows[engine, "damping"]["share_after"] < 1
 
 
 def test_who_leads_is_told_at_equal_sub_steps_and_for_equal_time(limits: Path, printed: Command) -> None:

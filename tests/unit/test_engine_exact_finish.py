@@ -65,8 +65,8 @@ def test_from_near_a_solution_a_few_steps_lead_to_it(seed: int) -> None:
     exact = solve(problem)
     assert exact.residual <= 1e-11
     begun = exact.impulse * (1.0 + 1e-3 * np.random.default_rng(seed).normal(size=exact.impulse.shape))
-    r, told = begun.copy(), (problem.inverse_mass, problem.velocity, problem.friction, problem.speed)
-    residual, used, wanted = finish_from(told, r, PLAIN, (1e-11, 1e-11, NEAR), 12)
+    r = begun.copy()
+    residual, used, wanted = finish_from(problem.tables, r, PLAIN, (1e-11, 1e-11, NEAR), 12)
     assert residual == relative_residual(problem, r) <= 1e-11 < relative_residual(problem, begun)
     assert 0 < used <= 6
     assert not wanted
@@ -76,14 +76,13 @@ def test_from_near_a_solution_a_few_steps_lead_to_it(seed: int) -> None:
 def test_what_is_too_far_or_good_enough_is_left_as_it_is() -> None:
     problem = _pile(2)
     exact = solve(problem).impulse
-    told = (problem.inverse_mass, problem.velocity, problem.friction, problem.speed)
     for begun in (np.full_like(exact, 100.0), exact):
         r = begun.copy()
-        residual, used, wanted = finish_from(told, r, PLAIN, (1e-11, 1e-11, NEAR), 12)
+        residual, used, wanted = finish_from(problem.tables, r, PLAIN, (1e-11, 1e-11, NEAR), 12)
         assert (used, wanted) == (0, False)
         assert residual == pytest.approx(relative_residual(problem, begun), rel=1e-6, abs=1e-13)
     r = exact * 1.001
-    assert finish_from(told, r, PLAIN, (1e-300, 1e-300, NEAR), 1)[1:] == (1, True)
+    assert finish_from(problem.tables, r, PLAIN, (1e-300, 1e-300, NEAR), 1)[1:] == (1, True)
 
 
 def test_the_compiled_scaling_is_that_of_its_definition() -> None:

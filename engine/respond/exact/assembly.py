@@ -100,7 +100,7 @@ def write_problem(
     """
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
-    k, square = len(rows), 0.0
+    k, square, total = len(rows), 0.0, 0.0
     angular, reach = np.empty((k, 2, 3, 3)), np.empty((k, 2, 3, 3))
     for i in range(k):
         for end in range(2):
@@ -115,7 +115,7 @@ def write_problem(
         at_a = axpy(1.0, load3(state, a, V), cross(load3(state, a, W), arm_a))
         at_b = axpy(1.0, load3(state, b, V), cross(load3(state, b, W), arm_b))
         u = sub(at_b, at_a)
-        square = max(square, dot(u, u)) if dot(u, u) >= 0.0 else math.nan
+        square, total = max(square, dot(u, u)), total + dot(u, u)
         normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
         impulse = axpy(point[p, NORMAL_IMPULSE], normal, load3(point, p, TANGENT_IMPULSE))
         for c in range(3):
@@ -146,7 +146,7 @@ def write_problem(
             for c in range(3):
                 for d in range(c + 1 if i == j else 3):
                     w[3 * j + d, 3 * i + c] = w[3 * i + c, 3 * j + d]
-    return math.sqrt(square)
+    return math.sqrt(square) if math.isfinite(total) else math.nan
 
 
 @entry

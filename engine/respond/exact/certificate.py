@@ -47,10 +47,10 @@ def breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
             share = mu * normal / max(size, 1e-300)
             t0, t1, t2 = normal, share * t1, share * t2
         d0, d1, d2 = r[i, 0] - t0, r[i, 1] - t1, r[i, 2] - t2
-        breach = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2) / m
-        if not math.isfinite(breach):
+        off = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2) / m
+        if not math.isfinite(off):
             return math.nan
-        worst = max(worst, breach)
+        worst = max(worst, off)
     return worst
 
 

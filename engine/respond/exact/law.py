@@ -34,6 +34,11 @@ class Problem:
     speed: float
 
     @property
+    def tables(self) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+        """All of it, as compiled code takes it."""
+        return self.inverse_mass, self.velocity, self.friction, self.speed
+
+    @property
     def size(self) -> int:
         """How many contacts there are."""
         return len(self.friction)

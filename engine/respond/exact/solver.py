@@ -102,15 +102,15 @@ def solve(
     spent, near, brought = Effort(effort, 3 * problem.size), np.zeros((problem.size, 3)), np.inf
     if guess is not None and problem.speed > 0.0:
         near, aims = np.array(guess), (tolerance, SETTLED * tolerance, NEAR)
-        brought, used, wanted = finish_from(told(problem), near, PLAIN, aims, spent.most(MOST_STEPS))
+        brought, used, wanted = finish_from(problem.tables, near, PLAIN, aims, spent.most(MOST_STEPS))
         spent.took(used, wanted)
         if brought <= tolerance:
             return Solution(near, brought, spent.matrices)
-    return search(problem, tolerance, most, (near, brought), spent)
+    return by_all_methods(problem, tolerance, most, (near, brought), spent)
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # a method that fails is seen by its residual
-def search(problem: Problem, tolerance: float, most: int, near: Answer, spent: Effort) -> Solution:
+def by_all_methods(problem: Problem, tolerance: float, most: int, near: tuple[FloatArray, float], spent: Effort) -> Solution:
     """By one method after the other. Args: near: impulses (k, 3) N s, and their residual; the others as of `solve`."""
     best = np.zeros((problem.size, 3))
     lowest = relative_residual(problem, best)
@@ -136,11 +136,6 @@ class Search:
     scaled: Scaled
     tolerance: float
     effort: Effort
-
-
-def told(problem: Problem) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """A problem as compiled code takes it."""
-    return problem.inverse_mass, problem.velocity, problem.friction, problem.speed
 
 
 def answers(search: Search, most: int, near: Answer) -> Iterator[Answer]:
@@ -262,6 +257,6 @@ def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN) 
     """By a few Newton steps on Coulomb's law from x."""
     scaled, r = search.scaled, search.scaled.impulse(x)
     aims = (search.tolerance, search.tolerance, NEAR)
-    lowest, used, wanted = finish_from(told(scaled.problem), r, weights, aims, search.effort.most(MOST_STEPS))
+    lowest, used, wanted = finish_from(scaled.problem.tables, r, weights, aims, search.effort.most(MOST_STEPS))
     search.effort.took(used, wanted)
     return r * scaled.scale / scaled.unit, lowest

@@ -22,7 +22,7 @@ FEW = 16
 """Movable bodies up to which `SUITED` takes exact contacts: their cost grows with the cube of the number of contacts."""
 ROUNDED = 1e-15
 """Least tolerance of exact contacts over the ratio of masses: impulses are known to rounding of the heaviest load, and
-residuals are relative to the light body's. What is left of them is 2e-16 to 6e-16 of the ratio (two boxes of 100 : 1 to 1e6 : 1)."""
+residuals are relative to the light body's; for two boxes of 100 : 1 to 1e6 : 1 the least are 2e-16 to 6e-16 of the ratio."""
 TURNING = 2**0.5
 """Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 

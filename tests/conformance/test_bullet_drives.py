@@ -126,7 +126,7 @@ def test_a_stiff_arm_converges_to_an_independent_integration(kind: str, track: s
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.33)
 
 
-@pytest.mark.parametrize("track", ["default", "tuned"])
+@pytest.mark.parametrize("track", [pytest.param("default", marks=pytest.mark.slow), "tuned"])
 def test_a_stiff_arm_that_presses_on_a_table_comes_to_rest_at_any_step(track: str) -> None:
     free = arm("drive")
     slab = PlacedShape(shape=Box(half_extents=(1.0, 1.0, 0.4)))

@@ -72,8 +72,19 @@ EASIEST = [Easiest(**row) for row in TABLES["easiest"]]
 BEYOND = [Beyond(**row) for row in TABLES["beyond"]]
 QUICK = load_study("quick")
 CASES = sorted({name for experiment in QUICK.experiments for name in experiment.cases})
-LONG = {"rest_jitter", "sensor_imu_noise", "sensor_lidar_noise", "stack_tower", "stand_quadruped"}
-"""Cases that take seconds on three engines and both tracks."""
+LONG = {
+    "friction_isotropy",
+    "impact_bounce",
+    "joint_double_pendulum",
+    "joint_pendulum",
+    "rest_jitter",
+    "sensor_imu_noise",
+    "sensor_lidar_noise",
+    "spin_asymmetric_top",
+    "stack_tower",
+    "stand_quadruped",
+}
+"""Cases that take a second and more on three engines and both tracks; the others have claims against each engine and track."""
 
 
 def _named(claim: Script) -> str:

@@ -43,7 +43,8 @@ def test_a_sound_arm_is_read_as_it_is_stated(engine: str, loader: str, tolerance
     pytest.importorskip({"bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
     path = tmp_path / "arm.urdf"
     path.write_text(URDF.replace('<axis xyz="1 1 0"/>', '<axis xyz="0.6 0.8 0"/>'))
-    loaded = loaded_apart(engine, Request(way=loader), path)
+    # One of them in a process of its own, as a person has them all.
+    loaded = (loaded_apart if engine == "bullet" else loaded_here)(engine, Request(way=loader), path)
     assert loaded.matrix_gap is not None
     assert loaded.matrix_gap < tolerance
     rows = compare(facts_of(path, Wishes()), loaded.facts, tolerance)

@@ -49,7 +49,9 @@ def test_four_sub_steps_hold_it_four_times_as_well(world: World, coordinates: in
     assert heights(world, boxes, coordinates, 4) == pytest.approx((1.0, 1.0), abs=0.1 / 4)
 
 
-@BOTH
+@pytest.mark.parametrize(
+    "coordinates", [pytest.param(MULTIBODY, id="multibody", marks=pytest.mark.slow), pytest.param(MAXIMAL, id="maximal")]
+)
 def test_the_vendors_step_holds_sixteen(world: World, coordinates: int) -> None:
     # 16 sub-steps of a 15th are the 1/240 s that a new world starts with: two hundredths of the bound above.
     assert heights(world, 16, coordinates, 16) == pytest.approx((1.0, 1.0), abs=0.1 / 64)
@@ -77,7 +79,7 @@ def sag(world: World, rate: int, coordinates: int, slop: float) -> tuple[float, 
 
 
 @BOTH
-@pytest.mark.parametrize("rate", [1920, 3840, 7680])
+@pytest.mark.parametrize("rate", [1920, 3840, pytest.param(7680, marks=pytest.mark.slow)])
 def test_at_fine_steps_a_tower_stands_as_deep_as_ten_contact_slops(world: World, coordinates: int, rate: int) -> None:
     # Ten contacts of 1e-5 m, that of a new world; beside it a step's fall in some of them, g dt^2 = 2.7e-6 m at 1/1920 s.
     most, last = sag(world, rate, coordinates, 1e-5)
@@ -86,7 +88,7 @@ def test_at_fine_steps_a_tower_stands_as_deep_as_ten_contact_slops(world: World,
 
 
 @BOTH
-@pytest.mark.parametrize("rate", [1920, 3840, 7680])
+@pytest.mark.parametrize("rate", [1920, 3840, pytest.param(7680, marks=pytest.mark.slow)])
 def test_without_a_slop_it_comes_down_by_the_steps_until_all_supports_show(world: World, coordinates: int, rate: int) -> None:
     # Each support shows a step after the one below it; whether two that touch exactly overlap is a matter of rounding.
     most, last = sag(world, rate, coordinates, 0.0)

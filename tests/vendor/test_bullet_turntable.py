@@ -60,7 +60,7 @@ def widening(rate: int) -> float:
 
 
 @pytest.mark.parametrize("maximal", [MULTIBODY, MAXIMAL], ids=["multibody", "maximal"])
-@pytest.mark.parametrize(("rate", "share"), [(960, 0.002), (1920, 0.001), (7680, 0.0005)])
+@pytest.mark.parametrize(("rate", "share"), [(960, 0.002), (1920, 0.001), pytest.param(7680, 0.0005, marks=pytest.mark.slow)])
 def test_its_circle_widens_by_the_turn_of_one_step(rate: int, share: float, maximal: int) -> None:
     # Beside it stand terms of second order: .3 % at 1/240 s, and a part of that by the step.
     assert astray(rate, maximal) == pytest.approx(widening(rate), rel=share)

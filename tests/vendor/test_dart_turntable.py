@@ -58,7 +58,7 @@ def widening(rate: int) -> float:
     return TURN**2 / rate / 2 * DURATION
 
 
-@pytest.mark.parametrize(("rate", "share"), [(960, 0.02), (1920, 0.01), (7680, 0.005)])
+@pytest.mark.parametrize(("rate", "share"), [(960, 0.02), (1920, 0.01), pytest.param(7680, 0.005, marks=pytest.mark.slow)])
 def test_its_circle_widens_by_the_turn_of_one_step(rate: int, share: float) -> None:
     # Beside it stand a first step without a contact and terms of second order: 8 % at 1/240 s, and a part of that by the step.
     assert astray(rate) == pytest.approx(widening(rate), rel=share)

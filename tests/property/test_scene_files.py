@@ -228,12 +228,12 @@ def test_the_schema_accepts_what_the_reader_accepts() -> None:
 def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Path, printed: Command) -> None:
     path = tmp_path / "ball.toml"
     path.write_text(SOUND.partition("[[joints]]")[0] + "[[surfaces]]" + SOUND.partition("[[surfaces]]")[2])
-    done = printed("run", path, "--engine", "mujoco", "--duration", "1", "--budget", "2", "--out", tmp_path / "out")
+    done = printed("run", path, "--engine", "mujoco", "--duration", "1", "--budget", "0.1", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     rows = json.loads(printed("show", tmp_path / "out", "--format", "json").stdout)
     assert {row["status"] for row in rows} == {"passed"}
     for track in ("default", "tuned"):
         steps = {row["dt"] for row in rows if row["experiment"] == "ladder" and row["track"] == track}
-        assert {1 / 240, 1 / 480, 1 / 960} < steps, track  # and it goes on halving
+        assert {1 / 240, 1 / 480, 1 / 960} <= steps, track  # and as many more as there is time for
     assert "Audit:" in done.stderr  # does it call for what it needs?
     assert (tmp_path / "out" / "report" / "index.html").is_file()

@@ -1,7 +1,8 @@
 """Broad phase by a uniform grid: a shape lies in the cell of its centre and meets those of the 27 cells around.
 
 Cells are as wide as the widest shape but for the few that are much wider than the rest, which meet every other shape instead.
-Cells are hashed, so a shape far away costs nothing.
+Cells are hashed, so a shape far away costs nothing. A pair is found by one of its two shapes: by either, which looks into half
+of the cells around it, or, where most shapes stand still, as the triangles of a ground do, by that which moves, in all cells.
 
 Source: Ericson, Real-Time Collision Detection, section 7.1 (grids, hashed storage); Teschner et al., Optimized Spatial Hashing
 for Collision Detection of Deformable Objects, 2003.
@@ -31,11 +32,14 @@ LARGE = 4.0
 """Times the geometric mean of all widths from which a shape meets every other one instead of lying in a cell."""
 FAR = 1e9
 """Cells are counted up to here; all that lies beyond shares the last one."""
+OWN = 13
+"""The cell in the middle of the 27."""
 
 
-Grid = tuple[Ints, Ints, Ints]
+Grid = tuple[Ints, Ints, Ints, bool]
 """cell (shapes, 4): the cell of a shape, and its bucket or -1 where it lies in none; start (buckets + 1,): the first member of
-each bucket; member (shapes,): shapes, those of a bucket side by side."""
+each bucket; member (shapes,): shapes, those of a bucket side by side; around: whether shapes that move look into all 27 cells,
+and the others into none."""
 
 
 @kernel
@@ -75,9 +79,9 @@ def cell_side(fat: Floats, shape: Floats, shapes: int) -> float:
 @kernel
 def fill_grid(floats: Floats, ints: Ints) -> Grid:
     """The grid of all bounded shapes."""
-    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
-    shapes = ints_of(ints, COUNT)[0, SHAPES]
-    side = cell_side(fat, shape, shapes)
+    fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
+    shape_kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    side, inside, moving = cell_side(fat, shape, shapes), 0, 0
     buckets = 1
     while buckets < 2 * shapes:
         buckets *= 2
@@ -89,6 +93,8 @@ def fill_grid(floats: Floats, ints: Ints) -> Grid:
                 cell[s, k] = cell_of(fat, s, k, side)
             cell[s, 3] = bucket_of(cell[s, 0], cell[s, 1], cell[s, 2], buckets)
             start[cell[s, 3] + 1] += 1
+            inside += 1
+            moving += 1 if may_move(shape_kind, kind, s) else 0
     for c in range(buckets):
         start[c + 1] += start[c]
     member, place = np.empty(shapes, np.int64), start.copy()
@@ -96,7 +102,7 @@ def fill_grid(floats: Floats, ints: Ints) -> Grid:
         if cell[s, 3] >= 0:
             member[place[cell[s, 3]]] = s
             place[cell[s, 3]] += 1
-    return cell, start, member
+    return cell, start, member, 27 * moving < 14 * inside
 
 
 @kernel
@@ -107,7 +113,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
     """
     fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
     shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
-    cell, start, member = grid
+    cell, start, member, around = grid
     buckets = len(start) - 1
     for i in range(first, last):
         moves = may_move(shape_kind, kind, i)
@@ -123,25 +129,21 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
                         candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
                     found += 1
             continue
-        for near in range(14, 27):
+        if around and not moves:
+            continue
+        for near in range(0 if around else OWN, 27):
             x, y, z = cell[i, 0] + near % 3 - 1, cell[i, 1] + near // 3 % 3 - 1, cell[i, 2] + near // 9 - 1
             bucket = bucket_of(x, y, z, buckets)
             for c in range(start[bucket], start[bucket + 1]):
                 j = member[c]
-                if cell[j, 0] != x or cell[j, 1] != y or cell[j, 2] != z or not boxes_overlap(fat, i, j):
+                if cell[j, 0] != x or cell[j, 1] != y or cell[j, 2] != z:
                     continue
-                if moves or may_move(shape_kind, kind, j):
+                movable = may_move(shape_kind, kind, j)
+                once = j > i or (not movable if around else near > OWN)
+                if once and (moves or movable) and boxes_overlap(fat, i, j):
                     if found < candidate.shape[0]:
                         candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
                     found += 1
-        for c in range(start[cell[i, 3]], start[cell[i, 3] + 1]):
-            j = member[c]
-            if j <= i or cell[j, 0] != cell[i, 0] or cell[j, 1] != cell[i, 1] or cell[j, 2] != cell[i, 2]:
-                continue
-            if (moves or may_move(shape_kind, kind, j)) and boxes_overlap(fat, i, j):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = i, j
-                found += 1
     return found
 
 

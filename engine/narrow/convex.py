@@ -13,8 +13,9 @@ from engine.narrow.epa import depth
 from engine.narrow.features import facing, is_line, write_feature
 from engine.narrow.gjk import SHARE, Simplex, distance
 from engine.narrow.point import CORNERS_OF_B, Points, put_point
+from engine.narrow.sphere_triangle import sphere_triangle
 from engine.narrow.support import Solids, core_radius, separation_along
-from engine.narrow.triangle import leans_over
+from engine.narrow.triangle import BACK, BESIDE, leans_over
 
 __all__ = ["convex_contact", "part_cores", "plane_contact"]
 
@@ -26,11 +27,6 @@ ALIGNED = 0.9999
 """Cosine between a normal and a face above which a capsule lies on the face."""
 SAME = 1.0 - 1e-10
 """Cosine above which two faces are parallel."""
-BACK = 1e-3
-"""Cosine between the way into a triangle and its own normal above which its back is met."""
-BESIDE = 0.5
-"""Cosine between the way out and a triangle's own normal below which what leans over an inner edge is left to the triangle
-behind that: along the normal of one that stands so steeply, whatever reaches far under it would be deep."""
 
 
 @kernel
@@ -69,6 +65,8 @@ def convex_contact(
     ra, rb = core_radius(t, a), core_radius(t, b)
     size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
     one_sided = t.shape_kind[b, TYPE] == TRIANGLE
+    if one_sided and t.shape_kind[a, TYPE] == SPHERE:
+        return sphere_triangle(t, a, b, margin, out, at)
     outward = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
     if one_sided and dot(d, outward) > t.shape[a, BALL_RADIUS]:
         return 0, outward

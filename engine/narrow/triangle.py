@@ -9,12 +9,17 @@ from engine.maths.vec import Vec, cross, dot, load3, load9, norm, sub, tmat_vec
 from engine.memory.arena import BALL_RADIUS, FIRST_VERTEX
 from engine.narrow.support import Solids
 
-__all__ = ["leans_over"]
+__all__ = ["BACK", "BESIDE", "leans_over"]
 
 ON_EDGE = 1e-6
 """Share of the triangle's size [1] within which a point lies on an edge."""
 UPRIGHT = 1e-6
 """Sine between a normal and the triangle's own below which they are the same."""
+BACK = 1e-3
+"""Cosine between the way into a triangle and its own normal above which its back is met."""
+BESIDE = 0.5
+"""Cosine between the way out and a triangle's own normal below which what leans over an inner edge is left to the triangle
+behind that: along the normal of one that stands so steeply, whatever reaches far under it would be deep."""
 
 
 @kernel

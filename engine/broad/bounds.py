@@ -1,4 +1,4 @@
-"""The bounds of shapes, and the test of all pairs, which is the broad phase of a few shapes and the oracle of all others.
+"""The places and bounds of shapes, and the test of all pairs: the broad phase of a few shapes, and the oracle of all others.
 
 Source: Ericson, Real-Time Collision Detection, sections 4.2 (axis-aligned boxes) and 7.1.
 """
@@ -9,18 +9,29 @@ from engine.broad.collision_filter import CollisionFilter, kept_apart
 from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
 from engine.memory.arena import (
+    ANEW,
     BALL_RADIUS,
+    BODY_KIND,
+    BOUNDS,
     BOX,
     CAPSULE,
+    COUNT,
     ELLIPSOID,
     GRAVITY,
     HULL,
     MARGIN,
+    MOTION,
     OFFSET,
     OWNER,
+    PLACED,
     PLANE,
+    PROGRESS,
+    SETTING,
+    SHAPES,
     SIZE,
     SPHERE,
+    STATE,
+    STATIC,
     TURN,
     TYPE,
     WHOLE_STEP,
@@ -29,64 +40,101 @@ from engine.memory.arena import (
     V,
     W,
 )  # fmt: skip
+from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Shapes, shapes_of
 
-__all__ = ["boxes_overlap", "brute_force", "overlap", "pose_shapes", "reaches_plane", "write_bounds"]
+__all__ = ["boxes_overlap", "brute_force", "overlap", "place_shapes", "pose_shapes", "reaches_plane"]
+
+LEAST = 13
+"""Column of PLACED, behind those of a state: by how much the bounds of what stands are widened [m]."""
 
 
 @kernel
-def pose_shapes(state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pose: Floats) -> None:
+def pose_shape(state: Floats, b: int, shapes: Shapes, s: int) -> None:
+    """Write position and rotation matrix in W of shape s of body b."""
+    shape, offset = shapes.shape, load3(shapes.shape, s, OFFSET)
+    if shapes.kind[s, TYPE] == SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
+        # A ball about the centre of mass looks the same however it is turned: its matrix stays as it was at the start.
+        store3(shapes.pose, s, 0, load3(state, b, P))
+        return
+    q = load4(state, b, Q)
+    store3(shapes.pose, s, 0, add(load3(state, b, P), mat_vec(quat_mat(q), offset)))
+    store9(shapes.pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
+
+
+@kernel
+def pose_shapes(floats: Floats, ints: Ints) -> None:
     """Write position and rotation matrix in W of every shape."""
-    for s in range(shapes):
-        b, offset = shape_kind[s, OWNER], load3(shape, s, OFFSET)
-        if shape_kind[s, TYPE] == SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
-            # A ball about the centre of mass looks the same however it is turned: its matrix stays as it was at the start.
-            store3(pose, s, 0, load3(state, b, P))
-            continue
-        q = load4(state, b, Q)
-        store3(pose, s, 0, add(load3(state, b, P), mat_vec(quat_mat(q), offset)))
-        store9(pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
+    state, shapes = floats_of(floats, ints, STATE), shapes_of(floats, ints)
+    for s in range(ints_of(ints, COUNT)[0, SHAPES]):
+        pose_shape(state, shapes.kind[s, OWNER], shapes, s)
 
 
 @kernel
-def write_bounds(
-    state: Floats, shape: Floats, shape_kind: Ints, shapes: int, pose: Floats, bounds: Floats, setting: Floats
-) -> None:
-    """Write the axis-aligned bounds [m] of every shape, widened by the margin and by its way in dt, and by how much.
+def bound_shape(state: Floats, b: int, shapes: Shapes, s: int, bounds: Floats, least: float, dt: float) -> None:
+    """Write the axis-aligned bounds [m] of shape s of body b, widened by `least` [m] and by its way in dt, and by how much."""
+    shape, pose, kind = shapes.shape, shapes.pose, shapes.kind[s, TYPE]
+    grow = least + dt * norm(load3(state, b, V))
+    if shape[s, BALL_RADIUS] < math.inf:
+        swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if kind != SPHERE else 0.0)
+        if swing > 0.0:
+            grow += dt * norm(load3(state, b, W)) * swing
+    m = load9(pose, s, 3)
+    for k in range(3):
+        if kind == PLANE:
+            half = math.inf
+        elif kind == SPHERE:
+            half = shape[s, SIZE]
+        elif kind == CAPSULE:
+            half = shape[s, SIZE] + shape[s, SIZE + 1] * abs(m[3 * k + 2])
+        elif kind == BOX or kind >= HULL:
+            half = (
+                shape[s, SIZE] * abs(m[3 * k]) + shape[s, SIZE + 1] * abs(m[3 * k + 1]) + shape[s, SIZE + 2] * abs(m[3 * k + 2])
+            )
+        elif kind == ELLIPSOID:
+            one, two = shape[s, SIZE] * m[3 * k], shape[s, SIZE + 1] * m[3 * k + 1]
+            three = shape[s, SIZE + 2] * m[3 * k + 2]
+            half = math.sqrt(one * one + two * two + three * three)
+        else:
+            half = shape[s, BALL_RADIUS]
+        bounds[s, k] = pose[s, k] - half - grow
+        bounds[s, k + 3] = pose[s, k] + half + grow
+    bounds[s, 6] = grow
 
-    Two shapes together are widened by no less than `look_ahead`, so that no contact depends on the bounds.
+
+@kernel
+def is_placed(state: Floats, b: int, placed: Floats, least: float) -> bool:
+    """Whether the shapes of body b are where they were placed last, and as wide; from now on they are."""
+    same = placed[b, LEAST] == least
+    placed[b, LEAST] = least
+    for k in range(LEAST):
+        same = same and placed[b, k] == state[b, k]
+        placed[b, k] = state[b, k]
+    return bool(same)
+
+
+@kernel
+def place_shapes(floats: Floats, ints: Ints) -> None:
+    """Write place and bounds of every shape, but for those of static bodies that lie as they lay.
+
+    Two shapes together are widened by no less than `look_ahead`, so that no contact depends on the bounds. Shapes of a body
+    follow one another.
     """
+    state, placed, kind = floats_of(floats, ints, STATE), floats_of(floats, ints, PLACED), ints_of(ints, BODY_KIND)
+    shapes, bounds, setting = shapes_of(floats, ints), floats_of(floats, ints, BOUNDS), floats_of(floats, ints, SETTING)
     dt = setting[0, WHOLE_STEP]
     least = setting[0, MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, GRAVITY))
-    for s in range(shapes):
-        kind, b = shape_kind[s, TYPE], shape_kind[s, OWNER]
-        grow = least + dt * norm(load3(state, b, V))
-        if shape[s, BALL_RADIUS] < math.inf:
-            swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if kind != SPHERE else 0.0)
-            if swing > 0.0:
-                grow += dt * norm(load3(state, b, W)) * swing
-        m = load9(pose, s, 3)
-        for k in range(3):
-            if kind == PLANE:
-                half = math.inf
-            elif kind == SPHERE:
-                half = shape[s, SIZE]
-            elif kind == CAPSULE:
-                half = shape[s, SIZE] + shape[s, SIZE + 1] * abs(m[3 * k + 2])
-            elif kind == BOX or kind >= HULL:
-                half = (
-                    shape[s, SIZE] * abs(m[3 * k])
-                    + shape[s, SIZE + 1] * abs(m[3 * k + 1])
-                    + shape[s, SIZE + 2] * abs(m[3 * k + 2])
-                )
-            elif kind == ELLIPSOID:
-                one, two = shape[s, SIZE] * m[3 * k], shape[s, SIZE + 1] * m[3 * k + 1]
-                three = shape[s, SIZE + 2] * m[3 * k + 2]
-                half = math.sqrt(one * one + two * two + three * three)
-            else:
-                half = shape[s, BALL_RADIUS]
-            bounds[s, k] = pose[s, k] - half - grow
-            bounds[s, k + 3] = pose[s, k] + half + grow
-        bounds[s, 6] = grow
+    last, lies = -1, False
+    for s in range(ints_of(ints, COUNT)[0, SHAPES]):
+        b = shapes.kind[s, OWNER]
+        if b != last:
+            static = kind[b, MOTION] == STATIC
+            last, lies = b, static and is_placed(state, b, placed, least)
+            if static and not lies:
+                ints_of(ints, PROGRESS)[0, ANEW] = 1
+        if not lies:
+            pose_shape(state, b, shapes, s)
+            bound_shape(state, b, shapes, s, bounds, least, dt)
 
 
 @inlined

@@ -10,11 +10,12 @@ import math
 
 import numpy as np
 
-from engine.broad.bounds import overlap, pose_shapes, reaches_plane, write_bounds
+from engine.broad.bounds import overlap, place_shapes, reaches_plane
 from engine.broad.collision_filter import collision_filter_of, kept_apart
 from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import (
+    ANEW,
     BALL_RADIUS,
     BODY_KIND,
     BOUNDS,
@@ -31,11 +32,10 @@ from engine.memory.arena import (
     POSE,
     PROGRESS,
     SEARCHED,
-    SETTING,
     SHAPE,
     SHAPE_KIND,
     SHAPES,
-    STATE,
+    STATIC,
     TALLY,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
@@ -56,21 +56,27 @@ def may_move(shape_kind: Ints, kind: Ints, s: int) -> bool:
 @kernel
 def bounds_are_stale(floats: Floats, ints: Ints) -> bool:
     """Write this step's poses and bounds; where one has left its widened bounds, or a plane moves, widen all anew."""
-    state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
-    bounds, fat, setting = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, FAT), floats_of(floats, ints, SETTING)
+    shape, bounds, fat = floats_of(floats, ints, SHAPE), floats_of(floats, ints, BOUNDS), floats_of(floats, ints, FAT)
     kind, shape_kind, progress = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, PROGRESS)
     shapes = ints_of(ints, COUNT)[0, SHAPES]
-    pose_shapes(state, shape, shape_kind, shapes, pose)
-    write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
+    place_shapes(floats, ints)
     stale = progress[0, CANDIDATES] < 0
+    ground = stale or progress[0, ANEW] == 1
+    progress[0, ANEW] = 0
     for s in range(shapes):
+        motion = kind[shape_kind[s, OWNER], MOTION]
+        if motion == STATIC and not ground:
+            continue
         if shape[s, BALL_RADIUS] == math.inf:
-            stale = stale or kind[shape_kind[s, OWNER], MOTION] == KINEMATIC
+            stale = stale or motion == KINEMATIC
         for k in range(3):
             stale = stale or bounds[s, k] < fat[s, k] or bounds[s, k + 3] > fat[s, k + 3]
     if stale:
         for s in range(shapes):
-            skin = SKIN * shape[s, BALL_RADIUS] if may_move(shape_kind, kind, s) else 0.0
+            motion = kind[shape_kind[s, OWNER], MOTION]
+            if motion == STATIC and not ground:
+                continue
+            skin = SKIN * shape[s, BALL_RADIUS] if motion == DYNAMIC else 0.0
             for k in range(3):
                 fat[s, k], fat[s, k + 3] = bounds[s, k] - skin, bounds[s, k + 3] + skin
     return bool(stale)

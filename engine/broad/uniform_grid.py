@@ -34,10 +34,12 @@ FAR = 1e9
 """Cells are counted up to here; all that lies beyond shares the last one."""
 OWN = 13
 """The cell in the middle of the 27."""
+IN_NONE, OUTSIDE = -1, -2
+"""In place of a bucket: of a shape that is too wide for a cell, and of one that lies where nothing can move."""
 
 
 Grid = tuple[Ints, Ints, Ints, bool]
-"""cell (shapes, 4): the cell of a shape, and its bucket or -1 where it lies in none; start (buckets + 1,): the first member of
+"""cell (shapes, 4): the cell of a shape, and its bucket, IN_NONE or OUTSIDE; start (buckets + 1,): the first member of
 each bucket; member (shapes,): shapes, those of a bucket side by side; around: whether shapes that move look into all 27 cells,
 and the others into none."""
 
@@ -62,16 +64,32 @@ def bucket_of(x: int, y: int, z: int, buckets: int) -> int:
 
 
 @kernel
-def cell_side(fat: Floats, shape: Floats, shapes: int) -> float:
+def lie_aside(floats: Floats, ints: Ints, cell: Ints) -> None:
+    """Tell what cannot move, and lies beyond the box of all that can, from the rest: cell[s, 3] is OUTSIDE or IN_NONE."""
+    fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
+    shape_kind, low, high = ints_of(ints, SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf)
+    for s in range(len(cell)):
+        if shape[s, BALL_RADIUS] < math.inf and may_move(shape_kind, kind, s):
+            for k in range(3):
+                low[k], high[k] = min(low[k], fat[s, k]), max(high[k], fat[s, k + 3])
+    for s in range(len(cell)):
+        aside = shape[s, BALL_RADIUS] == math.inf
+        for k in range(3):
+            aside = aside or fat[s, k] > high[k] or fat[s, k + 3] < low[k]
+        cell[s, 3] = OUTSIDE if aside and not may_move(shape_kind, kind, s) else IN_NONE
+
+
+@kernel
+def cell_side(fat: Floats, cell: Ints) -> float:
     """The width [m] of the widest shape that lies in a cell, and a millionth more for the rounding of coordinates."""
     number, total = 0, 0.0
-    for s in range(shapes):
-        if shape[s, BALL_RADIUS] < math.inf:
+    for s in range(len(cell)):
+        if cell[s, 3] == IN_NONE:
             number += 1
             total += math.log(max(width(fat, s), 1e-300))
     most, side = LARGE * math.exp(total / max(number, 1)), 0.0
-    for s in range(shapes):
-        if shape[s, BALL_RADIUS] < math.inf and width(fat, s) <= most:
+    for s in range(len(cell)):
+        if cell[s, 3] == IN_NONE and width(fat, s) <= most:
             side = max(side, width(fat, s))
     return float(side * (1.0 + 1e-6))
 
@@ -79,25 +97,27 @@ def cell_side(fat: Floats, shape: Floats, shapes: int) -> float:
 @kernel
 def fill_grid(floats: Floats, ints: Ints) -> Grid:
     """The grid of all bounded shapes."""
-    fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
-    shape_kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)[0, SHAPES]
-    side, inside, moving = cell_side(fat, shape, shapes), 0, 0
-    buckets = 1
-    while buckets < 2 * shapes:
-        buckets *= 2
-    cell, start = np.empty((shapes, 4), np.int64), np.zeros(buckets + 1, np.int64)
+    fat, kind, shape_kind = floats_of(floats, ints, FAT), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
+    shapes, inside, moving = ints_of(ints, COUNT)[0, SHAPES], 0, 0
+    cell = np.empty((shapes, 4), np.int64)
+    lie_aside(floats, ints, cell)
+    side = cell_side(fat, cell)
     for s in range(shapes):
-        cell[s, 3] = -1
-        if width(fat, s) <= side:
+        inside += 1 if cell[s, 3] == IN_NONE and width(fat, s) <= side else 0
+    buckets = 1
+    while buckets < 2 * inside:
+        buckets *= 2
+    start = np.zeros(buckets + 1, np.int64)
+    for s in range(shapes):
+        if cell[s, 3] == IN_NONE and width(fat, s) <= side:
             for k in range(3):
                 cell[s, k] = cell_of(fat, s, k, side)
             cell[s, 3] = bucket_of(cell[s, 0], cell[s, 1], cell[s, 2], buckets)
             start[cell[s, 3] + 1] += 1
-            inside += 1
             moving += 1 if may_move(shape_kind, kind, s) else 0
     for c in range(buckets):
         start[c + 1] += start[c]
-    member, place = np.empty(shapes, np.int64), start.copy()
+    member, place = np.empty(inside, np.int64), start.copy()
     for s in range(shapes):
         if cell[s, 3] >= 0:
             member[place[cell[s, 3]]] = s
@@ -117,11 +137,11 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
     buckets = len(start) - 1
     for i in range(first, last):
         moves = may_move(shape_kind, kind, i)
-        if cell[i, 3] < 0:
-            if shape[i, BALL_RADIUS] == math.inf:
-                continue
+        if cell[i, 3] == OUTSIDE or shape[i, BALL_RADIUS] == math.inf:
+            continue
+        if cell[i, 3] == IN_NONE:
             for j in range(shapes):
-                wide = cell[j, 3] < 0
+                wide = cell[j, 3] == IN_NONE
                 if shape[j, BALL_RADIUS] == math.inf or (wide and j <= i) or not boxes_overlap(fat, i, j):
                     continue
                 if moves or may_move(shape_kind, kind, j):

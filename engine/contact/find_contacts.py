@@ -3,7 +3,7 @@
 Where every body is still, a step may keep the contacts of the last one and run none of this.
 """
 
-from engine.broad.bounds import brute_force, pose_shapes, write_bounds
+from engine.broad.bounds import brute_force, place_shapes
 from engine.broad.collision_filter import collision_filter_of
 from engine.compile.jit import kernel
 from engine.contact.manifolds import build_manifolds
@@ -62,8 +62,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
     mark_still(state, bodies.body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN])
     if count[0, BROAD] == 0:
-        pose_shapes(state, shapes.shape, shapes.kind, count[0, SHAPES], shapes.pose)
-        write_bounds(state, shapes.shape, shapes.kind, count[0, SHAPES], shapes.pose, bounds, setting)
+        place_shapes(floats, ints)
         count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, shapes.pose, count[0, SHAPES], pairs.pair)
     if count[0, PAIRS] > pairs.pair.shape[0]:
         return FULL

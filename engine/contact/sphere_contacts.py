@@ -3,7 +3,7 @@
 Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 """
 
-from engine.broad.bounds import brute_force, pose_shapes, write_bounds
+from engine.broad.bounds import brute_force, place_shapes
 from engine.broad.collision_filter import collision_filter_of
 from engine.compile.jit import kernel
 from engine.contact.look_ahead import look_ahead
@@ -59,8 +59,6 @@ from engine.memory.arena import (
     R_STATIC,
     R_STRUCK,
     SETTING,
-    SHAPE,
-    SHAPE_KIND,
     SHAPES,
     SIZE,
     SPECULATIVE,
@@ -217,14 +215,11 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
 @kernel
 def find_touches(floats: Floats, ints: Ints) -> int:
     """Find the contacts of this step and mark the bodies they touch. Returns: DONE, or FULL."""
-    shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
-    state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
-    shape_kind, pair, count = ints_of(ints, SHAPE_KIND), ints_of(ints, PAIR), ints_of(ints, COUNT)
-    shapes = count[0, SHAPES]
+    pose, bounds = floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
+    pair, count = ints_of(ints, PAIR), ints_of(ints, COUNT)
     if count[0, BROAD] == 0:
-        pose_shapes(state, shape, shape_kind, shapes, pose)
-        write_bounds(state, shape, shape_kind, shapes, pose, bounds, setting)
-        count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, pose, shapes, pair)
+        place_shapes(floats, ints)
+        count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, pose, count[0, SHAPES], pair)
         if count[0, PAIRS] > pair.shape[0]:
             return FULL
     gather(floats, ints)

@@ -116,6 +116,7 @@ TRIANGLE: Final = 7
 
 POSE: Final = float_columns(Per.SHAPE, 12)  # position and rotation matrix in W
 BOUNDS: Final = float_columns(Per.SHAPE, 7)  # lower and upper corner, and by how much they are widened
+PLACED: Final = float_columns(Per.BODY, 14)  # state and `least` that the shapes of a static body were placed with
 FAT: Final = float_columns(Per.SHAPE, 6)  # widened bounds, which candidates were found for
 ORDER: Final = int_columns(Per.SHAPE, 1)  # the sorted axis
 
@@ -135,9 +136,10 @@ LOOP: Final = int_columns(Per.FACE_CORNER, 1)  # row of VERTEX
 PAIR: Final = int_columns(Per.NEAR, 2)
 CANDIDATE: Final = int_columns(Per.NEAR, 2)  # pairs whose widened bounds overlap
 
-PROGRESS: Final = int_columns(Per.WORLD, 2)
+PROGRESS: Final = int_columns(Per.WORLD, 3)
 CANDIDATES: Final = 0  # in CANDIDATE; -1 before the first search
 AXIS: Final = 1  # along which the shapes are sorted
+ANEW: Final = 2  # 1 where a shape of a static body was placed since the last search
 
 HEAD: Final = int_columns(Per.SHAPE, 1)  # first old manifold of a shape
 NEXT: Final = int_columns(Per.PAIR, 1)

@@ -27,7 +27,6 @@ from engine.memory.arena import (
     SHAPES,
     SIZE,
     SPHERE,
-    STATE,
     TYPE,
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
@@ -189,10 +188,10 @@ def closest_distance2(o: Vec, half: float) -> float:
 @entry
 def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float, hits: Hits) -> None:
     """As `engine.rays.tiles.cast_tiles`, for finite origins (r, 3) and unit directions (r, 3)."""
-    state, shape, pose = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
+    shape, pose = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
     shape_kind, count = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
     shapes = count[0, SHAPES]
-    pose_shapes(state, shape, shape_kind, shapes, pose)
+    pose_shapes(floats, ints)
     for r in range(origins.shape[0]):
         o, d = load3(origins, r, 0), load3(directions, r, 0)
         best, facing, hit_shape = max_range, UP, -1

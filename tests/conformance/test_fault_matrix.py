@@ -52,7 +52,9 @@ def _look(control: Control, case: str) -> None:
     assert checks & set(found.checks), f"{sorted(found.checks)} noticed instead of {sorted(checks)}"
 
 
-@pytest.mark.parametrize(("fault", "case"), [pytest.param(*two, marks=pytest.mark.slow if two in DEAR else ()) for two in QUICK])
+@pytest.mark.parametrize(
+    ("fault", "case"), [pytest.param(*two, marks=pytest.mark.slow if two in DEAR else ()) for two in QUICK]
+)
 def test_two_cases_notice_each_of_the_ten_faults(fault: str, case: str) -> None:
     _look(CONTROL[fault], case)
 

@@ -10,7 +10,7 @@ COMPILED = ("mujoco", "bullet")
 WITHIN = 1.1
 """How close the bracket of a limit is asked to be: the ratio of its ends."""
 FEWER = 16
-"""Spheres for the map of three steps, a quarter of the case's own, which all cost alike: it asks for a bracket alone."""
+"""Spheres at a wall, a quarter of the case's own, which all cost alike: it is asked where the first one gets through."""
 SCALING = """
 name = "small-scaling"
 recordings = false
@@ -50,7 +50,7 @@ name = "walls"
 cases = ["tunnel_sphere_wall"]
 engines = {json.dumps(COMPILED)}
 tracks = ["tuned"]
-parameters = {{ continuous = [false] }}
+parameters = {{ continuous = [false], phases = [{FEWER}] }}
 timing = false
 limit = {{ members = 2, remedies = ["tuned"], within = {WITHIN} }}
 [[experiments]]

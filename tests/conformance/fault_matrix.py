@@ -60,7 +60,8 @@ to see them. The engine is the reference engine on the `tuned` track, which pass
 A fault is looked for at the case's own time step and, where that says nothing, at the finest of its ladder. Behind each check
 that failed stand the value found and its bound.
 
-`make test` runs two cases for each of the ten faults that an engine is most likely to have, and `make test-all` every row.
+`make test` runs two cases for most of the ten faults that an engine is most likely to have, one for the others, and
+`make test-all` every row.
 
 | fault | case | steps per second | checks that failed: value / bound |
 |---|---|---|---|"""

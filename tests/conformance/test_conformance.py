@@ -23,36 +23,36 @@ TRACKS = ("default", "tuned")
 FOUR = ("reference", "mujoco", "bullet", "dart")
 
 
-LONG = {
-    "claimed_features_build",
-    "contacts_of_every_pair_of_shapes",
-    "distance_spring_has_its_frequency",
-    "distance_spring_holds_what_hangs",
-    "distance_spring_pulls_where_it_is_tied",
-    "dry_friction_beside_a_drive",
-    "ellipsoid_rocks_by_its_curvature",
-    "feedforward_acts",
-    "image_is_cut_near_the_camera",
-    "image_is_lit_by_sun_and_sky",
-    "image_is_z_depth",
-    "image_names_bodies",
-    "many_rays_all_answer",
-    "mass_point_flies_and_hangs",
-    "moving_mesh_is_its_faces",
-    "pictures_show_the_present",
-    "pixel_centre_is_at_half",
-    "prescribed_plate_takes_along_what_friction_can",
-    "rays_match_closed_forms",
+BOTH = {
+    "box_rests_on_box",
+    "contact_forces_carry_the_weight",
+    "drive_reaches_its_target",
+    "friction_has_its_size",
+    "gyroscopic_term_is_present",
+    "hidden_damping_is_off",
+    "initial_state_comes_back",
+    "joint_pendulum_period",
+    "limits_hold",
+    "no_restitution_does_not_bounce",
+    "resolved_settings_are_complete",
+    "restitution_of_a_pair",
+    "rolling_is_free_without_rolling_friction",
+    "same_input_same_hash",
+    "sleeping_is_off",
+    "spring_frequency",
+    "stack_stays_up",
+    "substeps_divide_dt",
+    "velocity_is_not_clamped",
 }
-"""Checks that take most of the time; of 'default' `make test-all` asks them, but where a failure of them is declared."""
+"""What `make test` asks of 'default' too, beside the checks of which a failure is declared; `make test-all` asks everything."""
 LONGEST = {("dart", "tuned", "hull_rests_on_box"), ("dart", "tuned", "hull_rests_on_plane")}
 """Hulls on other supports, and these on the other track, take a thirtieth of the time."""
 
 
 def _asked(engine: str, track: str, check: ConformanceCheck) -> Any:
     known = f"{track}/{check.name}" in adapter(engine).known_failures
-    long = (engine, track, check.name) in LONGEST or (track == "default" and check.name in LONG and not known)
-    return pytest.param(engine, track, check, marks=[pytest.mark.slow] if long else [], id=f"{engine}-{track}-{check.name}")
+    brief = (engine, track, check.name) not in LONGEST and (track == "tuned" or check.name in BOTH or known)
+    return pytest.param(engine, track, check, marks=[] if brief else [pytest.mark.slow], id=f"{engine}-{track}-{check.name}")
 
 
 @pytest.mark.parametrize(("engine", "track", "check"), [_asked(*three) for three in product(NAMES, TRACKS, CHECKS)])

@@ -39,7 +39,15 @@ TOUCHING = ("joined_bodies_do_not_collide", "joined_bodies_collide_when_told", "
 """Those in which bodies touch, which no tree does."""
 
 
-@pytest.mark.parametrize(("adapter", "track"), ALL, ids=["euler", "rk4", "own_euler", "own_rk4", "midpoint", "adaptive"])
+SLOW = [(OTHER, "tuned"), (OWN, "tuned")]
+"""What is the 'tuned' track as it is, which `test_conformance` asks too, and its integrator in the bodies' own coordinates."""
+
+
+@pytest.mark.parametrize(
+    ("adapter", "track"),
+    [pytest.param(*both, marks=pytest.mark.slow if both in SLOW else ()) for both in ALL],
+    ids=["euler", "rk4", "own_euler", "own_rk4", "midpoint", "adaptive"],
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_check_of_joints_holds_in_all_coordinates(name: str, adapter: Adapter, track: str) -> None:
     (check,) = (check for check in CHECKS if check.name == name)

@@ -28,27 +28,19 @@ from tests.tracks import (
 CASES = plugins.cases()
 BRIEF = frozenset(
     {
-        "flight_damped",
         "flight_projectile",
-        "friction_painleve",
-        "friction_spinning",
         "friction_threshold",
         "impact_cradle",
-        "impact_oblique",
-        "joint_fourbar",
         "joint_limits",
-        "joint_pendulum",
         "rest_penetration",
         "sensor_imu_free_fall",
-        "sensor_lidar_polyhedra",
         "spin_fast",
-        "spin_principal",
         "stack_card_house",
         "system_far_origin",
         "tunnel_sphere_wall",
     }
 )
-"""Cheap cases of every family, with most of those whose trade-offs adapters list; `make test-all` runs the others."""
+"""A cheap case of every family, with most of those whose trade-offs adapters list; `make test-all` runs the others."""
 LONG = frozenset(CASES) - BRIEF
 ENGINES = pytest.mark.parametrize("name", NAMES)
 

@@ -56,7 +56,7 @@ def test_a_lock_of_a_dead_holder_does_not_hold(tmp_path: Path, with_plugins: Map
 def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
     room: int, tmp_path: Path, with_plugins: Mapping[str, str], printed: Command, monkeypatch: pytest.MonkeyPatch, ledger: Page
 ) -> None:
-    """No file may grow beyond so many bytes, which a full disk looks like to the one that writes. It is resumed in this process."""
+    """No file may grow beyond so many bytes, which a full disk looks like to the one that writes. This process resumes it."""
     study, out = write_study(tmp_path), tmp_path / "out"
     command = [sys.executable, "-m", "harness.cli", "run", str(study), "--engine", "sound", "--out", str(out)]
     done = subprocess.run(

@@ -201,7 +201,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("warnings", "numbers", "warnings", lambda _: (1, 2), "crashed", "warnings"),
     Fault("warnings", "bytes", "warnings", lambda _: (b"x",), "crashed", "warnings()[0]: got b'x'"),
     Fault("warnings", "an_exception", "warnings", lambda _: (ValueError("x"),), "crashed", "warnings()[0]: got ValueError"),
-    Fault("warnings", "a_hundred_thousand", "warnings", lambda _: ("careful",) * 10**5, "crashed", "expected at most 4194304"),
+    Fault("warnings", "ten_thousand_long_ones", "warnings", lambda _: ("careful " * 60,) * 10**4, "crashed", "expected at most 4194304"),
     Fault("warnings", "a_colour", "warnings", lambda _: ("\x1b[31mred",), "passed", "every check holds"),
     Fault("warnings", "half_a_letter", "warnings", lambda _: ("\udc80",), "passed", "every check holds"),
     Fault("warnings", "raising", "warnings", raising(LookupError("nothing to say")), "crashed", "LookupError: nothing to say"),

@@ -132,13 +132,18 @@ def _euler(dt: float, upper: float = UPPER, lower: float = LOWER, members: float
 
 
 @lru_cache(maxsize=8)
+def _roughly(upper: float, lower: float, members: float) -> Trajectory:
+    """The motion for averages, sixty samples a second: they need no more than the tolerance that keeps the energy."""
+    time: Floats = np.arange(round(60 * DURATION) + 1, dtype=np.float64) / 60
+    start = _starts(upper, lower, members).ravel().tolist()
+    return _trajectory(time, true_motion(_together, start, [0.0] * len(start), time, 1e-7))
+
+
+@lru_cache(maxsize=8)
 def _late(upper: float = UPPER, lower: float = LOWER, members: float = MEMBERS) -> tuple[float, float]:
     """Of the reference once the starts have parted: the standard error of the difference of two means of the members' kinetic
     energies, as a share of that mean; and the largest kinetic energy of all over the mean of all."""
-    time: Floats = np.arange(round(60 * DURATION) + 1, dtype=np.float64) / 60
-    start = _starts(upper, lower, members).ravel().tolist()
-    # An average needs no more than the tolerance that keeps the energy.
-    run = _trajectory(time, true_motion(_together, start, [0.0] * len(start), time, 1e-7))
+    run = _roughly(upper, lower, members)
     late = kinetic_energies(scene(upper, lower, members), run.between(PARTED, DURATION))
     instants = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     chance = float(np.sqrt(2 * np.var(late, ddof=1) / len(late)) / late.mean())

@@ -171,9 +171,12 @@ def first_hits(scene: Scene, state: State, origins: Floats, directions: Floats, 
         for placed in body.collision:
             p_WS = state.p_WB[place] + rotate(state.q_WB[place], np.array(placed.p_BS))
             q_WS = product(state.q_WB[place], np.array(placed.q_BS))
-            distance, normal_S = _shape(placed.shape, rotate_back(q_WS, origins - p_WS), rotate_back(q_WS, directions))
+            o, d = origins - p_WS, directions
+            if turned := bool(q_WS[1:].any()):  # most stand upright
+                o, d = rotate_back(q_WS, o), rotate_back(q_WS, d)
+            distance, normal = _shape(placed.shape, o, d)
             owner[distance < best[0]] = place
-            best = _nearer(best, (distance, rotate(q_WS, normal_S)))
+            best = _nearer(best, (distance, rotate(q_WS, normal) if turned else normal))
     beyond = best[0] > max_range
     owner[beyond] = -1
     return Hits(np.where(beyond, np.inf, best[0]), owner, np.where(beyond[:, None], _NO_NORMAL, best[1]))

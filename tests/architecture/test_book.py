@@ -1,6 +1,5 @@
 """The page on the chapters of a first course: links and cases are there, no concept is missing, no technique is left out."""
 
-import ast
 import re
 import tomllib
 from collections import Counter
@@ -83,14 +82,13 @@ def techniques() -> frozenset[Path]:
 @cache
 def imported(path: Path) -> frozenset[Path]:
     """The files of the engine that one imports, those whose folder alone it names when it runs included."""
-    found = set[Path]()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom):
-            found.add(ROOT / f"{(node.module or '').replace('.', '/')}.py")
-        elif isinstance(node, ast.JoinedStr) and isinstance(node.values[0], ast.Constant):
-            folder = str(node.values[0].value)
-            if re.fullmatch(r"(?:engine\.)(?:\w+\.)+", folder):
-                found |= set((ROOT / folder.replace(".", "/")).glob("*.py"))
+    text = path.read_text(encoding="utf-8")
+    found = {
+        ROOT / f"{module.replace('.', '/')}.py"
+        for module in re.findall(r"^\s*from (engine[\w.]*) import\b", text, re.MULTILINE)
+    }
+    for folder in re.findall(r'\bf"(engine\.(?:\w+\.)+)\{', text):
+        found |= set((ROOT / folder.replace(".", "/")).glob("*.py"))
     return frozenset(other for other in found if other.is_file())
 
 

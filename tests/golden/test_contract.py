@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.store.store import Store
-from tests.conftest import Command
+from tests.conftest import PLUGINS, Command
 
 TRIALS = [
     "trial",
@@ -85,8 +85,8 @@ def test_every_file_of_the_contract_is_there(folder: Path) -> None:
     assert (folder / "report" / "index.html").is_file()
 
 
-def test_show_prints_one_json_array_and_nothing_else(folder: Path, plumbline: Command) -> None:
-    done = plumbline("show", folder, "--format", "json")
+def test_show_prints_one_json_array_and_nothing_else(folder: Path, printed: Command) -> None:
+    done = printed("show", folder, "--format", "json")
     rows = json.loads(done.stdout)
     assert {row["engine"]: row["status"] for row in rows} == {"sound": "passed", "segfault": "crashed"}
     assert done.stderr == ""
@@ -104,9 +104,10 @@ def test_show_prints_every_table_in_every_format(folder: Path, printed: Command,
     assert rows[0]["trial"][:6] in printed("show", folder, "--table", table).stdout
 
 
-def test_a_trial_run_again_is_bit_identical(folder: Path, plumbline: Command) -> None:
+def test_a_trial_run_again_is_bit_identical(folder: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(PLUGINS))
     trial = Store(folder).trials.set_index("engine").loc["sound"].iloc[0]["trial"]
-    done = plumbline("reproduce", folder, trial, plugins=True)
+    done = printed("reproduce", folder, trial)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "bit-identical"
 
@@ -147,9 +148,9 @@ def test_wrong_usage_has_its_exit_code_and_names_what_was_wrong(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The first in a process, whose exit code a script sees."""
+    """One in a process, whose exit code a script sees."""
     monkeypatch.chdir(tmp_path)
-    done = (plumbline if arguments == ("run", "quikc") else printed)(*arguments)
+    done = (plumbline if arguments == ("show", "nowhere") else printed)(*arguments)
     assert done.returncode == code, done.stderr
     assert words in done.stderr
     assert done.stdout == ""

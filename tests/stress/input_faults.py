@@ -143,6 +143,7 @@ TEXT: dict[str, Fault] = {
     "nothing at the top": told("null", "got nothing", ending="json"),
     "message of a third of a megabyte": told('[[bodies]]\nname = "' + "x" * 300_000 + '"', "bodies[0]", "name"),
     "message of megabytes": told('[[bodies]]\nname = "' + "x" * 3_000_000 + '"', "bodies[0]", "name"),
+    "key of a third of a megabyte": told(BALL + '"' + "k" * 300_000 + '" = 1', "unknown, got 1, expected one of name, mass"),
     "key of megabytes": told(BALL + '"' + "k" * 1_000_000 + '" = 1', "unknown, got 1, expected one of name, mass"),
     "10 000 troubles": told('{"bodies": [' + ",".join(["1"] * 10_000) + "]}", "and 9980 more of this kind", ending="json"),
     "100 000 troubles": told('{"bodies": [' + ",".join(["1"] * 100_000) + "]}", "more of this kind", ending="json"),
@@ -225,6 +226,15 @@ LIMITS: dict[str, Fault] = {
         lambda path: path.write_text("bodies = [" + '{name="b123456"},' * 1_000_000 + "]"),
         ("100001",),
         options=("--limit", "bytes=1e8"),
+    ),
+    "bodies inline, two too many": told(
+        "bodies = [" + '{name="b123456"},' * 2002 + "]", "2001", options=("--limit", "bodies=2000")
+    ),
+    "joints, two too many": told(
+        '{"joints": [' + '{"type": "fixed"},' * 2002,
+        "joints: at least 2001",
+        ending="json",
+        options=("--limit", "joints=2000"),
     ),
     "a million joints": told(
         '{"joints": [' + '{"type": "fixed"},' * 1_000_000,

@@ -42,6 +42,23 @@ def _light(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     clear()
 
 
+@pytest.fixture(scope="module")
+def carried_out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A whole run folder, which is only read and copied."""
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    with pytest.MonkeyPatch.context() as patch:
+        light(patch)
+        carry_out(folder)
+    return folder
+
+
+@pytest.fixture
+def run(carried_out: Path, tmp_path: Path) -> Path:
+    """A copy of it, to go on in."""
+    shutil.copytree(carried_out, tmp_path / "run")
+    return tmp_path / "run"
+
+
 def marks(folder: Path) -> set[tuple[str, ...]]:
     """What tells rows apart that do not belong together."""
     trials = Store(folder).trials
@@ -78,69 +95,67 @@ def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
     ids=lambda value: value.name if isinstance(value, Path) else "",
 )
 def test_a_changed_source_runs_its_trials_anew(
-    file: Path, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+    file: Path, words: str, run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
 ) -> None:
-    before = set(carry_out(tmp_path / "run").trials["trial"])
+    before = set(Store(run).trials["trial"])
     edit(monkeypatch, file)
-    after = set(carry_out(tmp_path / "run").trials["trial"])
+    after = set(carry_out(run).trials["trial"])
     assert not before & after
     assert words in capsys.readouterr().err
-    unmixed(tmp_path / "run")
+    unmixed(run)
     ledger.survived(FAMILY, f"{file.name} edited before a resume", "unmarked rows 0")
 
 
-def test_an_edit_that_is_taken_back_brings_its_rows_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page) -> None:
-    first = carry_out(tmp_path / "run").trials
+def test_an_edit_that_is_taken_back_brings_its_rows_back(run: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page) -> None:
+    first = Store(run).trials
     with monkeypatch.context() as patch:
         edit(patch, PLUGINS / "faulty.py")
-        carry_out(tmp_path / "run")
+        carry_out(run)
     clear()
-    lines = len(read_written(tmp_path / "run" / "journal.jsonl").checksums)
-    again = carry_out(tmp_path / "run").trials
+    lines = len(read_written(run / "journal.jsonl").checksums)
+    again = carry_out(run).trials
     assert again.equals(first)
     # One line brings two trials back, one withdraws those of the edit, one says what the session began under; two are clocked.
-    assert len(read_written(tmp_path / "run" / "journal.jsonl").checksums) <= lines + 5
-    unmixed(tmp_path / "run")
+    assert len(read_written(run / "journal.jsonl").checksums) <= lines + 5
+    unmixed(run)
     ledger.survived(FAMILY, "an edit made and taken back", "unmarked rows 0, run anew 0")
 
 
 def test_another_version_of_an_engine_runs_its_trials_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+    run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
 ) -> None:
-    carry_out(tmp_path / "run")
     monkeypatch.setattr(campaign, "version_of", lambda _engine: ("2.0", None))
-    carry_out(tmp_path / "run")
+    carry_out(run)
     assert "runs anew 2: sound: version 1.0 -> 2.0" in capsys.readouterr().err
-    unmixed(tmp_path / "run")
-    assert set(Store(tmp_path / "run").trials["engine_version"]) == {"2.0"}
+    unmixed(run)
+    assert set(Store(run).trials["engine_version"]) == {"2.0"}
     ledger.survived(FAMILY, "another engine version", "unmarked rows 0")
 
 
 def test_other_numeric_libraries_run_trials_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+    run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
 ) -> None:
-    carry_out(tmp_path / "run")
     monkeypatch.setattr(sources, "libraries", lambda: "numpy 9.9")
     clear()
-    carry_out(tmp_path / "run")
+    carry_out(run)
     assert "-> numpy 9.9" in capsys.readouterr().err
-    unmixed(tmp_path / "run")
+    unmixed(run)
     ledger.survived(FAMILY, "other numeric libraries", "unmarked rows 0")
 
 
 def test_another_machine_clocks_anew_and_answers_nothing_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+    run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
 ) -> None:
-    first = carry_out(tmp_path / "run").trials
+    first = Store(run).trials
     plain = campaign.fingerprint
     monkeypatch.setattr(campaign, "fingerprint", lambda: plain() | OTHER_MACHINE)
-    second = carry_out(tmp_path / "run").trials
+    second = carry_out(run).trials
     said = capsys.readouterr().err
     assert "clocks anew 2: clocked on another machine (processor " in said
     assert "-> another, cores " in said
     assert list(second["trial"]) == list(first["trial"])
     assert set(first["clocked_on"]) != set(second["clocked_on"])
-    unmixed(tmp_path / "run")
+    unmixed(run)
     ledger.survived(FAMILY, "another machine", "unmarked timings 0, run anew 0")
 
 
@@ -148,44 +163,44 @@ def test_another_machine_clocks_anew_and_answers_nothing_anew(
     ("other", "where"),
     [
         (replace(STUDY, name="other"), "name"),
-        (replace(STUDY, experiments=(replace(STUDY.experiments[0], dt=(0.1,)),)), r"experiments\[0\].dt\[0\]"),
+        pytest.param(
+            replace(STUDY, experiments=(replace(STUDY.experiments[0], dt=(0.1,)),)),
+            r"experiments\[0\].dt\[0\]",
+            marks=pytest.mark.slow,
+        ),
         (replace(STUDY, experiments=(replace(STUDY.experiments[0], tracks=("tuned",)),)), r"experiments\[0\].tracks"),
     ],
     ids=["name", "dt", "tracks"],
 )
-def test_another_study_is_refused_and_merged_where_that_is_asked(other: Any, where: str, tmp_path: Path, ledger: Page) -> None:
-    folder = tmp_path / "run"
-    carry_out(folder)
-    before = (folder / "journal.jsonl").read_bytes()
+def test_another_study_is_refused_and_merged_where_that_is_asked(other: Any, where: str, run: Path, ledger: Page) -> None:
+    before = (run / "journal.jsonl").read_bytes()
     with pytest.raises(FolderTaken, match=f"a run of study 'light', which differs in {where}.*--resume=merge"):
-        carry_out(folder, other)
-    assert (folder / "journal.jsonl").read_bytes() == before
-    assert [*problems(folder)] == []
-    merged = carry_out(folder, other, resume="merge").trials
+        carry_out(run, other)
+    assert (run / "journal.jsonl").read_bytes() == before
+    assert [*problems(run)] == []
+    merged = carry_out(run, other, resume="merge").trials
     assert len(merged) == (4 if where != r"experiments\[0\].tracks" else 2)
-    assert [*problems(folder)] == []
-    carry_out(folder)
-    carry_out(folder, other)
-    assert len(Store(folder).trials) == len(merged)
+    assert [*problems(run)] == []
+    carry_out(run)
+    carry_out(run, other)
+    assert len(Store(run).trials) == len(merged)
     ledger.survived(
         FAMILY, f"another study (its {where.rpartition('.')[2].partition(chr(92))[0]})", "refused; merged on request"
     )
 
 
-def test_an_engine_that_is_gone_and_comes_back_keeps_its_rows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
-) -> None:
-    first = carry_out(tmp_path / "run").trials
+def test_an_engine_that_is_gone_and_comes_back_keeps_its_rows(run: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page) -> None:
+    first = Store(run).trials
     with monkeypatch.context() as patch:
         patch.setattr(campaign, "version_of", lambda _engine: ("none", "not installed"))
         plain = campaign.describe_engine
         patch.setattr(campaign, "describe_engine", lambda engine: plain(engine) | {"unavailable": "not installed"})
-        gone = carry_out(tmp_path / "run").trials
+        gone = carry_out(run).trials
         assert set(gone["status"]) == {"unavailable"}
         assert len(gone) == 2
-    again = carry_out(tmp_path / "run").trials
+    again = carry_out(run).trials
     assert list(again["trajectory_hash"]) == list(first["trajectory_hash"])
-    unmixed(tmp_path / "run")
+    unmixed(run)
     ledger.survived(FAMILY, "an engine that is gone, and back", "unmarked rows 0, run anew 0")
 
 
@@ -217,7 +232,6 @@ def test_a_folder_of_the_first_schema_is_read_and_run_anew(
 
 
 def test_records_beside_what_is_asked_now_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    carry_out(tmp_path / "run")
     study = replace(STUDY, experiments=(replace(STUDY.experiments[0], cases=("*",), engines=("*",)),))
     fall = {"stress_fall": plugins.case("stress_fall")}
     for name in ("sound", "raise"):

@@ -38,7 +38,7 @@ FEW = SOUND[:: len(SOUND) // 2]
 
 @pytest.fixture(scope="module")
 def few() -> dict[Path, dict[str, Any]]:
-    return read_mutants(FEW, 60, 5.0)
+    return read_mutants(FEW, 20, 5.0)
 
 
 @pytest.mark.parametrize("sound", FEW, ids=lambda path: path.name)

@@ -22,7 +22,10 @@ Asked = tuple[str, list[str], Mapping[str, str], bool]
 LIGHTER = ("a million bodies", "65 MB")
 """Bombs that are refused for their bytes alone, before any of them is read."""
 BOMBS = ("a million bodies with room", "a million bodies in TOML")
-HEAVY = ("message of megabytes", "100 000 troubles", "two million arrays")
+HEAVY = (
+    *("message of megabytes", "key of megabytes", "100 000 troubles", "two million arrays"),
+    *("a million bodies inline", "a million joints"),
+)
 """Files that take long, with a smaller one of their kind beside each."""
 SLOW = pytest.mark.slow
 

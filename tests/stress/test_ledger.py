@@ -50,7 +50,13 @@ EXPECTED = [
 ]
 
 
-@pytest.mark.parametrize("more", [[], ["-p", "xdist", "-n", "2"]], ids=["in this process", "in two others"])
+@pytest.mark.parametrize(
+    "more",
+    [
+        pytest.param([], id="in this process", marks=pytest.mark.slow),
+        pytest.param(["-p", "xdist", "-n", "2"], id="in two others"),
+    ],
+)
 def test_every_fault_has_one_line_and_none_is_survived_whose_test_failed(more: list[str], tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text((HERE / "conftest.py").read_text())
     (tmp_path / "test_planted.py").write_text(TESTS)

@@ -100,6 +100,7 @@ MARKUP = {
     "struck out": "~~failed~~",
     "line feed that ends the table": "a\n\n# Everything passed\n",
     "carriage return that ends the row": "a\r# Everything passed",
+    "tenth of a megabyte": "x" * 100_000,
     "megabyte": "x" * 1_000_000,
 }
 TEMPLATE = {
@@ -213,7 +214,7 @@ def read(markdown: str) -> Elements:
     return Elements(MarkdownIt("commonmark", {"html": True}).enable(["table", "strikethrough"]).render(markdown))
 
 
-@pytest.mark.parametrize("name", MARKUP)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "megabyte")) for name in MARKUP])
 def test_a_cell_of_markdown_is_text(name: str, printed: dict[str, Printed], summaries: Any, ledger: Page) -> None:
     text = MARKUP[name]
     shown = " ".join(text[:2000].split())

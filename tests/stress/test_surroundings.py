@@ -12,8 +12,10 @@ import pytest
 
 from harness.store.store import Store
 from tests.conftest import PLUGINS, Command
+from tests.in_process import in_this_process
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import CELLS, answers, start, write_study
+from tests.stress.unreported import summarised
 
 
 @pytest.mark.slow
@@ -52,9 +54,9 @@ def test_a_lock_of_a_dead_holder_does_not_hold(tmp_path: Path, with_plugins: Map
     "room", [pytest.param(300, marks=pytest.mark.slow), 3000, pytest.param(30_000, marks=pytest.mark.slow)]
 )
 def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
-    room: int, tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page
+    room: int, tmp_path: Path, with_plugins: Mapping[str, str], printed: Command, monkeypatch: pytest.MonkeyPatch, ledger: Page
 ) -> None:
-    """No file may grow beyond so many bytes, which a full disk looks like to the one that writes."""
+    """No file may grow beyond so many bytes, which a full disk looks like to the one that writes. This process resumes it."""
     study, out = write_study(tmp_path), tmp_path / "out"
     command = [sys.executable, "-m", "harness.cli", "run", str(study), "--engine", "sound", "--out", str(out)]
     done = subprocess.run(
@@ -69,9 +71,11 @@ def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
     assert done.returncode == 3, done.stderr
     assert str(out) in done.stderr or "File too large" in done.stderr
     assert "Traceback" not in done.stderr
-    process = start(study, out, with_plugins, "--resume")
-    _, errors = process.communicate(timeout=250)
-    assert process.returncode == 0, errors
+    monkeypatch.syspath_prepend(str(PLUGINS))
+    in_this_process(monkeypatch)
+    monkeypatch.setattr("harness.cli.run_study.publish", summarised)
+    again = printed("run", study, "--engine", "sound", "--out", out, "--resume")
+    assert again.returncode == 0, again.stderr
     assert len(answers(out)) == CELLS
     ledger.survived("surroundings", f"no file beyond {room} bytes", "exit 3; cells lost 0 after --resume")
 

@@ -12,10 +12,10 @@ import harness.cli.run_study
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["end_with_the_summary"]
+__all__ = ["end_with_the_summary", "summarised"]
 
 
-def _publish(store: "Store", _recordings: bool) -> Path:
+def summarised(store: "Store", _recordings: bool) -> Path:
     """What stands beside the tables."""
     from harness.findings.summary import write_summary  # late, as above
 
@@ -25,7 +25,7 @@ def _publish(store: "Store", _recordings: bool) -> Path:
 
 def end_with_the_summary() -> None:
     """Let every run of this process end without a report."""
-    harness.cli.run_study.publish = _publish
+    harness.cli.run_study.publish = summarised
 
 
 if __name__ == "__main__":

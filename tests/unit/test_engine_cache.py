@@ -287,9 +287,10 @@ def _machine_code(content: Any) -> Iterator[tuple[bytes, bytes]]:
             yield from _machine_code(one)
 
 
-@pytest.mark.parametrize("tests", [FEW, *(pytest.param((file,), marks=pytest.mark.slow) for file in MORE)])
+@pytest.mark.slow
+@pytest.mark.parametrize("tests", [FEW, *((file,) for file in MORE)])
 def test_the_unit_tests_pass_without_the_compiler(tests: tuple[str, ...]) -> None:
-    """Some that take a second; `make test-nojit` runs them all."""
+    """`make test-nojit` runs them all; what each solver makes of a fall is compared in `test_engine_world`."""
     here = Path(__file__).parent
     ran = subprocess.run(
         [sys.executable, "-m", "pytest", *(str(here / name) for name in tests)],

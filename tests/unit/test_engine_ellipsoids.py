@@ -111,10 +111,10 @@ def _highest(value: Callable[[Array], Array], starts: Array) -> Array:
 
 def test_two_ellipsoids_apart_are_as_far_apart_as_an_optimiser_finds() -> None:
     """Least |x - y| over x in A, y in B, each a ball in coordinates divided by its semi-axes; SLSQP ends within 1e-9 m."""
-    p, r_a, r_b = _poses(1, 30, 1.2)
+    p, r_a, r_b = _poses(1, 15, 1.2)
     found = _measure(engine.Ellipsoid(tuple(AXES)), engine.Ellipsoid(tuple(OTHER)), p, r_a, r_b)
     apart = np.flatnonzero(found[:, 0] > 1e-3)
-    assert len(apart) > 10
+    assert len(apart) > 5
     for k in apart:
         a, b = r_a[k] @ np.diag(AXES), r_b[k] @ np.diag(OTHER)
 
@@ -130,7 +130,7 @@ def test_two_ellipsoids_apart_are_as_far_apart_as_an_optimiser_finds() -> None:
         assert found[k, 0] == pytest.approx(math.sqrt(best.fun), abs=1e-7)
 
 
-@pytest.mark.parametrize("count", [10, pytest.param(25, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [5, pytest.param(25, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", PARTNERS)
 def test_the_gap_is_the_largest_separation_over_all_directions(name: str, count: int) -> None:
     """Signed: of 4000 directions the best ten, polished; what EPA finds may be another maximum only where it is as good.

@@ -124,7 +124,7 @@ def test_the_certificate_calls_impulses_that_are_not_numbers_infinitely_wrong() 
 def test_relaxation_to_convergence_finds_the_same_velocities(seed: int) -> None:
     """Six contacts with twelve or more degrees of freedom: W is regular, so velocities agree as far as relaxation got."""
     problem = _random_problem(seed, ratio=10.0)
-    slow, exact = _gauss_seidel(problem, 1000), solve(problem)
+    slow, exact = _gauss_seidel(problem, 200), solve(problem)
     reached = relative_residual(problem, slow)
     assert exact.residual <= EXACT
     assert reached < 1e-6

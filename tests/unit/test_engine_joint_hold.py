@@ -16,6 +16,7 @@ TREES = pytest.mark.usefixtures("both_coordinates")
 
 G = 9.81
 TRACKS = pytest.mark.parametrize("integrator", ["rk4", "semi_implicit_euler"])
+FIRST = pytest.mark.parametrize("integrator", [pytest.param("rk4", marks=pytest.mark.slow), "semi_implicit_euler"])
 
 
 def lasts(*seconds: float) -> pytest.MarkDecorator:
@@ -91,7 +92,7 @@ def test_a_pendulum_of_hardly_any_inertia_stays_on_its_anchor(
 
 
 @TREES
-@TRACKS
+@FIRST
 @pytest.mark.parametrize("inertia", [1e-10, *(pytest.param(i, marks=pytest.mark.slow) for i in (1e-11, 1e-12)), 1e-13])
 @pytest.mark.parametrize("links", [2, 3])
 def test_a_chain_of_thin_links_on_skew_axes_holds(links: int, inertia: float, integrator: str) -> None:
@@ -145,7 +146,7 @@ def test_a_rod_too_thin_for_joints_is_refused_by_name() -> None:
 
 
 @TREES
-@TRACKS
+@FIRST
 def test_a_slider_of_hardly_any_inertia_stays_on_its_rail(integrator: str) -> None:
     """Down a rail at slope 4/5 it goes 1/2 g 4/5 t^2, under semi-implicit Euler t h / 2 g 4/5 more; across, round-off."""
     way = np.array([0.6, 0.0, -0.8])
@@ -159,7 +160,7 @@ def test_a_slider_of_hardly_any_inertia_stays_on_its_rail(integrator: str) -> No
 
 
 @TREES
-@TRACKS
+@FIRST
 @lasts(2.0, 10.0)
 def test_lines_of_10_km_and_links_under_heavy_bobs_hold(integrator: str, seconds: float) -> None:
     """A centimetre's ball on a line of 10 km, and a link of 1e-6 kg under a bob of 1e6 kg: round-off of 1e4 m is 2e-12 m."""
@@ -247,7 +248,7 @@ def _sarrus(angle: float, inertia: float) -> tuple[list[engine.Body], list[engin
     return bodies, joints
 
 
-@TRACKS
+@FIRST
 @pytest.mark.parametrize("inertia", [1e-2, 1e-14])
 def test_a_spatial_loop_with_a_constraint_too_many_moves_in_its_straight_line(inertia: float, integrator: str) -> None:
     """Sarrus's linkage: six hinges take thirty freedoms of thirty, and one is left, the angle of the links from the vertical.
@@ -291,7 +292,7 @@ def _pulled() -> tuple[list[engine.Body], list[engine.Joint]]:
     return bodies, [hip, rope]
 
 
-@TRACKS
+@FIRST
 def test_a_joint_that_cannot_close_is_diverged_by_name(integrator: str) -> None:
     """The rod of .5 m lets the carrier go by .2 m or so; at .3 m/s no pose closes it after 3 s."""
     bodies, joints = _pulled()

@@ -14,6 +14,7 @@ from tests.four_bar import MASSES, PINS, START, G, Linkage, Pose, angles_of, coo
 from tests.loops import bennett
 
 TRACKS = pytest.mark.parametrize("integrator", ["rk4", "semi_implicit_euler"])
+FIRST = pytest.mark.parametrize("integrator", [pytest.param("rk4", marks=pytest.mark.slow), "semi_implicit_euler"])
 WIDE = engine.Limits(lower=-50.0, upper=50.0)
 Floats = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ STOPS = {
 """Ranges that the fall from the start uses up within .3 s, where gravity goes on pressing; none is used up before."""
 
 
-@TRACKS
+@FIRST
 @pytest.mark.parametrize("last", ["revolute", "ball"])
 @pytest.mark.parametrize("limited", [pytest.param(("rocker_pin",), marks=pytest.mark.slow), PINS], ids=["one", "all"])
 @pytest.mark.parametrize("steps", [1500, pytest.param(5000, marks=pytest.mark.slow)])
@@ -109,7 +110,7 @@ def test_a_drive_in_a_loop_gives_its_limit_and_no_more(pins: tuple[str, ...], in
     assert angles_of(world) == pytest.approx([angle, pose.coupler, pose.rocker], abs=1e-5 if integrator == "rk4" else 2e-2)
 
 
-@TRACKS
+@FIRST
 def test_a_drive_presses_a_loop_against_a_limit_of_another_pin(integrator: str) -> None:
     """It would lift the crank back to the start and beyond, but for the coupler's pin: what it cannot move it leaves."""
     drive = engine.Drive(stiffness=200.0, damping=2.0, target=-3.0, limit=5.0)
@@ -122,7 +123,7 @@ def test_a_drive_presses_a_loop_against_a_limit_of_another_pin(integrator: str) 
     assert widest_gap(world) < 1e-9
 
 
-@TRACKS
+@FIRST
 def test_a_rope_to_a_loop_is_slack_or_stops_it(integrator: str) -> None:
     """Slack, it changes nothing but the order of the joints: round-off, 1e-15 a step. Taut, it is as long as it may be."""
     worlds = [Linkage(rope=rope).world(integrator) for rope in (None, engine.Limits(upper=9.0), engine.Limits(upper=0.56))]
@@ -159,7 +160,7 @@ def test_limits_in_a_loop_beside_contacts_change_nothing_until_they_are_reached(
     assert angles_of(worlds[2])[2] == pytest.approx(-0.5, abs=2e-3)
 
 
-@TRACKS
+@FIRST
 def test_equal_limits_of_all_cranks_of_a_parallelogram_chain_act_as_one(integrator: str) -> None:
     """Three cranks of 1 m and a coupler, one crank too many, fall through their flat pose onto three stops at 2 rad.
 
@@ -187,7 +188,7 @@ def test_equal_limits_of_all_cranks_of_a_parallelogram_chain_act_as_one(integrat
     assert np.abs(state[:, 7:]).max() < 0.05
 
 
-@TRACKS
+@FIRST
 def test_a_spatial_loop_with_constraints_too_many_has_limits_too(integrator: str) -> None:
     """Bennett's linkage: far ranges change nothing, bit for bit; a range of .2 rad of all hinges is kept, to w dt of a step."""
     worlds = [bennett(limits, integrator) for limits in (None, WIDE, engine.Limits(lower=-0.2, upper=0.2))]
@@ -208,7 +209,8 @@ def _settled(matrix: Floats, asked: Floats, low: Floats, high: Floats) -> Floats
     return side
 
 
-def test_sides_found_one_by_one_are_those_of_the_problem() -> None:
+@pytest.mark.parametrize("draws", [500, pytest.param(2000, marks=pytest.mark.slow)])
+def test_sides_found_one_by_one_are_those_of_the_problem(draws: int) -> None:
     """Rows of up to three independent directions, some of them twice and opposite, soft ones between finite bounds.
 
     Impulses between their bounds, and at a bound what is left presses against it: 1e-8 of numbers of order one. Hard rows of
@@ -216,7 +218,7 @@ def test_sides_found_one_by_one_are_those_of_the_problem() -> None:
     """
     rng = np.random.default_rng(0)
     unmet = 0
-    for draw in range(2000):
+    for draw in range(draws):
         m, k = rng.integers(1, 6), rng.integers(1, 4)
         J = np.round(rng.normal(size=(m, k))) if draw % 4 < 2 else rng.normal(size=(m, k))
         hard = rng.random(m) < 0.6

@@ -207,8 +207,10 @@ def test_an_open_mesh_that_forces_move_and_its_swept_collision_are_refused() -> 
 @pytest.mark.parametrize(
     "options",
     [
-        *({"broad_phase": name} for name in ("octree", "sweep_and_prune", "bvh", "brute_force")),
-        *({"bounding_volume": name} for name in ("obb", "sphere")),
+        {"broad_phase": "octree"},
+        {"bounding_volume": "sphere"},
+        *(pytest.param({"broad_phase": name}, marks=pytest.mark.slow) for name in ("sweep_and_prune", "bvh", "brute_force")),
+        pytest.param({"bounding_volume": "obb"}, marks=pytest.mark.slow),
     ],
     ids=str,
 )

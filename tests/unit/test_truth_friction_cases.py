@@ -22,7 +22,9 @@ def test_a_truth_starts_in_the_state_of_the_scene(case: Case) -> None:
         np.testing.assert_allclose(getattr(truth, name)[0], getattr(start, name), atol=1e-12)
 
 
-@pytest.mark.parametrize(("static", "kinetic", "drawn"), [(0.6, 0.4, 0.2), (0.9, 0.1, 0.5), (0.5, 0.49, 0.05)])
+@pytest.mark.parametrize(
+    ("static", "kinetic", "drawn"), [(0.6, 0.4, 0.2), (0.9, 0.1, 0.5), pytest.param(0.5, 0.49, 0.05, marks=pytest.mark.slow)]
+)
 def test_stick_and_slip_is_the_limit_of_small_steps(static: float, kinetic: float, drawn: float) -> None:
     module = friction_static_kinetic
     step, x, v, stuck = 1e-5, 0.0, 0.0, True

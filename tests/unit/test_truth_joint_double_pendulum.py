@@ -33,7 +33,9 @@ def _newton_euler(_t: float, y: Floats) -> Floats:
     return np.concatenate([v, np.linalg.solve(matrix, load)[:6]])
 
 
-@pytest.mark.parametrize(("upper", "lower"), [(20.0, 30.0), (-40.0, 60.0), (120.0, 80.0)])
+@pytest.mark.parametrize(
+    ("upper", "lower"), [(20.0, 30.0), *(pytest.param(*far, marks=pytest.mark.slow) for far in ((-40.0, 60.0), (120.0, 80.0)))]
+)
 def test_the_reference_solves_newtons_and_eulers_equations(upper: float, lower: float) -> None:
     time = np.linspace(0.0, 2.0, 41)
     truth = CASE.truth_at(time, {"upper": upper, "lower": lower})

@@ -159,7 +159,7 @@ def rods(dt: float, seen: bool) -> Trajectory:
     return run
 
 
-@pytest.mark.parametrize("dt", [1 / 240, 1 / 480, 1 / 960])
+@pytest.mark.parametrize("dt", [1 / 240, pytest.param(1 / 480, marks=pytest.mark.slow), 1 / 960])
 def test_a_discrete_test_of_rods_misses_with_the_probability_of_its_blind_angle(dt: float) -> None:
     run = rods(dt, seen=True)
     scene, truth = tunnel_rod.scene(), tunnel_rod.expected(run.time)

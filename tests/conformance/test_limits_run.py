@@ -75,8 +75,9 @@ def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> Non
     rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", printed)}
     # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too. MuJoCo's
     # contacts let slow spheres through by their softness: few of them tell no help of shorter steps.
-    for engine, helping in (("mujoco", ("wall four times as thick",)), ("bullet", ("sub-steps x 4", "wall four times as thick"))):
-        for remedy in helping:
+    helping = {"mujoco": ("wall four times as thick",), "bullet": ("sub-steps x 4", "wall four times as thick")}
+    for engine, remedies in helping.items():
+        for remedy in remedies:
             assert rows[engine, remedy]["verdict"] == "helps"
             assert rows[engine, remedy]["farther"] > 0
         assert rows[engine, "sub-steps x 4"]["cost_ratio"] > 1

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.maths.cross import cross
+
 __all__ = ["FLAT", "Polyhedron", "box_polyhedron", "hull_polyhedron", "inner_edges", "triangle_polyhedron"]
 
 FLAT = 1e-9
@@ -88,7 +90,7 @@ def _areas(points: NDArray[np.float64], facets: NDArray[Any]) -> NDArray[np.floa
 
 def triangle_polyhedron(corners: NDArray[np.float64]) -> Polyhedron:
     """A triangle (3, 3) as a solid without thickness; the first face is the outer one."""
-    n = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    n = cross(corners[1] - corners[0], corners[2] - corners[0])
     n = n / np.linalg.norm(n)
     return Polyhedron(corners, np.array([n, -n]), ((0, 1, 2), (0, 2, 1)))
 
@@ -106,7 +108,7 @@ def inner_edges(vertices: NDArray[np.float64], faces: NDArray[Any]) -> NDArray[n
     bits = np.zeros(len(faces), np.int64)
     for f, t in enumerate(ring):
         a, b, c = vertices[faces[f]]
-        n = np.cross(b - a, c - a)
+        n = cross(b - a, c - a)
         n = n / np.linalg.norm(n)
         for k in range(3):
             other = beyond.get((int(t[(k + 1) % 3]), int(t[k])))

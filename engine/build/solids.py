@@ -14,6 +14,7 @@ from engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, 
 from engine.describe.bodies import Body
 from engine.describe.check import unit_quaternion
 from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from engine.maths.cross import cross
 from engine.memory import arena as at
 
 __all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
@@ -42,7 +43,7 @@ class Solid:
 def quat_mul(a: FloatArray, b: FloatArray) -> FloatArray:
     """Hamilton product: first b, then a."""
     w = a[0] * b[0] - a[1:] @ b[1:]
-    return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])))
+    return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])))
 
 
 def quat_mat(q: FloatArray) -> FloatArray:
@@ -108,9 +109,9 @@ def _triangle(corners: FloatArray, inner: int, offset: FloatArray, turn: FloatAr
     """A triangle with its normal along z and its origin in its plane."""
     x = corners[1] - corners[0]
     x = x / np.linalg.norm(x)
-    z = np.cross(x, corners[2] - corners[0])
+    z = cross(x, corners[2] - corners[0])
     z = z / np.linalg.norm(z)
-    own = np.column_stack([x, np.cross(z, x), z])
+    own = np.column_stack([x, cross(z, x), z])
     flat = (corners - corners[0]) @ own
     flat[:, 2] = 0.0
     middle = (flat.max(axis=0) + flat.min(axis=0)) / 2

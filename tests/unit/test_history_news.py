@@ -65,6 +65,7 @@ def test_a_slower_engine_is_told_with_how_much_and_what_shows_it(root: Path) -> 
     assert "--engine reference --case friction_stop" in command(one, news.changes)
 
 
+@pytest.mark.slow  # the night of the command below has more friction too
 def test_more_friction_is_told_of_the_case_that_has_any(root: Path) -> None:
     with planted(Fault(engine="reference", scene=rougher)):
         _, news, _ = night(root)
@@ -97,6 +98,7 @@ def test_one_ulp_under_the_same_digest_is_another_answer_and_then_everything_of_
     }
 
 
+@pytest.mark.slow
 def test_one_ulp_under_another_digest_is_told_as_no_worse(root: Path) -> None:
     with planted(Fault(engine="reference", state=one_ulp_off)):
         _, news, _ = night(root)
@@ -133,9 +135,10 @@ samples = 3
 def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_summary_to_who_is_notified(
     tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Each finding about an engine is a process a night: one of them shows that nights ask.
+    # Each finding about an engine is a process a night: one of them in one night shows that nights ask.
     finding = next(each for each in shelf() if each.engine == "mujoco")
-    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: (finding,))
+    on_the_shelf = iter([(), (finding,), ()])
+    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: next(on_the_shelf))
     study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
     study.write_text(FILE)
     words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]

@@ -30,7 +30,7 @@ CASES = plugins.cases()
 ENGINES = ("mujoco", "bullet", "dart")
 
 BYTES = 40.0
-INSTANTS = 240
+INSTANTS = 120
 """Of each case the beginning, of so many samples."""
 
 QUICK = (

@@ -43,7 +43,7 @@ PARTS: dict[str, Kept] = {
 }
 """What is left of a run of two cases."""
 LONG_ONES = ("one case", "one engine", "no price")
-"""Of one case there are pages in other tests here too; the yardstick alone is one engine too; what has no answer has no price."""
+"""Of one case there are pages in other tests here too; the yardstick alone is one engine too; no answer, no price."""
 
 
 @pytest.fixture(scope="module")

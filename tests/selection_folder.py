@@ -31,12 +31,14 @@ class Made:
     lacks: tuple[str, ...] = ()
 
 
-def write_selection_folder(folder: Path, engines: Mapping[str, Made], seed: int, noise: float = 0.3) -> Path:
-    """Args: noise: of the logarithm of each error and each cost, from case to case."""
+def write_selection_folder(
+    folder: Path, engines: Mapping[str, Made], seed: int, noise: float = 0.3, most: int | None = None
+) -> Path:
+    """Args: noise: of the logarithm of each error and each cost, from case to case. most: so many cases, all for None."""
     folder.mkdir(parents=True, exist_ok=True)
     draw = np.random.default_rng(seed)
     trials, measurements = list[dict[str, Any]](), list[dict[str, Any]]()
-    for case, (_, metric, unit, scale) in CASES.items():
+    for case, (_, metric, unit, scale) in [*CASES.items()][:most]:
         for engine, made in engines.items():
             off, dear = (math.exp(noise * draw.normal()) for _ in range(2))
             for dt in STEPS:

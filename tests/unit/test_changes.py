@@ -230,7 +230,7 @@ def test_a_verdict_that_flips_is_said_first_and_bars_the_gate_of_its_engine_alon
         mine = other_bits(trials, measurements, "joint_pendulum", "dart", 500.0) & (trials["status"] == "passed")
         trials.loc[mine, ["status", "reason"]] = ["failed", "angle_error above its bound"]
 
-    changes = compared(tmp_path, planted)
+    changes = compared(tmp_path, planted, ("joint_pendulum",))
     first = changes.rows[0]
     assert (first.kind, first.sense, first.before, first.after) == ("verdict", "worse", "passed", "failed")
     assert changes.regressions(["dart"])

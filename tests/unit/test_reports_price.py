@@ -22,7 +22,7 @@ from reports.steps import survival
 from reports.text import duration, power
 from reports.work_precision import miniatures, priced, scenes, work_precision
 from tests.links import texts_of
-from tests.run_folder import HOSTILE, write_run_folder
+from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
 from tests.unit.test_prices import Priced, Told, ladder
 
 
@@ -42,7 +42,8 @@ def told() -> list[Told]:
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
-    return Store(write_run_folder(tmp_path_factory.mktemp("price") / "run", hostile=True))
+    cases = ("flight_projectile", "friction_stop", "joint_pendulum", "stack_tower", BAD_CASE)
+    return Store(write_run_folder(tmp_path_factory.mktemp("price") / "run", hostile=True, only=cases))
 
 
 def chart_of(store: Store, case: str) -> Figure:

@@ -42,7 +42,7 @@ def told() -> list[Told]:
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
-    cases = ("flight_projectile", "friction_stop", "joint_pendulum", "stack_tower", BAD_CASE)
+    cases = ("flight_projectile", "friction_creep", "friction_stop", "joint_pendulum", "stack_tower", BAD_CASE)
     return Store(write_run_folder(tmp_path_factory.mktemp("price") / "run", hostile=True, only=cases))
 
 

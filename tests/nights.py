@@ -1,7 +1,7 @@
 """Nights carried out in this process, clocked by formula, with faults planted in an engine: what a history makes of them."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from harness.adapter import Adapter
-from harness.case import Case
+from harness.case import Case, Converged
 from harness.findings.summary import write_summary
 from harness.history import steering
 from harness.history.folder import History, Night, created
@@ -24,9 +24,11 @@ from harness.study import plugins
 from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.study.trial import Trial
+from harness.trajectory import Floats
 from harness.trial import accuracy, ensemble
 from harness.trial.accuracy import Answer, run_trial
 from harness.trial.ensemble import endure
+from harness.trial.truth_cache import truth_of
 from tests.in_process import clocked_by
 
 __all__ = ["CELLS", "STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]
@@ -131,6 +133,18 @@ def _remembered(fault: Fault) -> Callable[[Trial, Case, Any, Scene], Answer]:
     return answer_of
 
 
+_TRUE: dict[str, Converged | None] = {}
+"""What answers were measured by, likewise."""
+
+
+def _truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, Any], *others: Any) -> Converged | None:
+    """As the one that it stands for, which is asked once in a process for the same."""
+    key = repr((case.name, dict(parameters), time.tolist(), scene))
+    if key not in _TRUE:
+        _TRUE[key] = truth_of(case, scene, time, parameters, *others)
+    return _TRUE[key]
+
+
 @contextmanager
 def planted(fault: Fault = NONE) -> Iterator[list[str]]:
     """Run nights in this process with a fault in one engine; steps cost the same under all settings. Gives: the names of the
@@ -160,6 +174,7 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
     with pytest.MonkeyPatch.context() as patch:
         for module in (accuracy, ensemble):
             patch.setattr(module, "answer_of", _remembered(fault))
+            patch.setattr(module, "truth_of", _truth_of)
         patch.setattr(campaign, "run_isolated", answers)
         clocked_by(patch, blocks)
         patch.setattr(campaign, "sources_of", sources)

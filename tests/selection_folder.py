@@ -18,6 +18,8 @@ from tests.run_folder import CASES, LADDER, catalogue, row
 __all__ = ["Made", "write_selection_folder"]
 
 DT = 1 / 240
+STEPS = LADDER[0], DT, LADDER[-1]
+"""Errors and costs are powers of the step: three tell them as well as more."""
 
 
 @dataclass(frozen=True)
@@ -29,15 +31,17 @@ class Made:
     lacks: tuple[str, ...] = ()
 
 
-def write_selection_folder(folder: Path, engines: Mapping[str, Made], seed: int, noise: float = 0.3) -> Path:
-    """Args: noise: of the logarithm of each error and each cost, from case to case."""
+def write_selection_folder(
+    folder: Path, engines: Mapping[str, Made], seed: int, noise: float = 0.3, most: int | None = None
+) -> Path:
+    """Args: noise: of the logarithm of each error and each cost, from case to case. most: so many cases, all for None."""
     folder.mkdir(parents=True, exist_ok=True)
     draw = np.random.default_rng(seed)
     trials, measurements = list[dict[str, Any]](), list[dict[str, Any]]()
-    for case, (_, metric, unit, scale) in CASES.items():
+    for case, (_, metric, unit, scale) in [*CASES.items()][:most]:
         for engine, made in engines.items():
             off, dear = (math.exp(noise * draw.normal()) for _ in range(2))
-            for dt in LADDER:
+            for dt in STEPS:
                 error, bound = 1e-2 * scale * made.error * off * dt * 240, 1e-2 * scale * dt * 240
                 cost = made.cost * dear * DT / dt
                 timed = {"cpu_per_sim_s": cost, "cpu_low": 0.97 * cost, "cpu_high": 1.03 * cost, "rough_cost": cost}

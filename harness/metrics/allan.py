@@ -33,7 +33,15 @@ SHARPEST = 8.2
 
 def overlapping_variance(signal: Floats, m: int) -> Floats:
     """Overlapping Allan variance of each column of signal (n, k), averaged over m samples, (k,) in the unit squared."""
-    total = np.concatenate([np.zeros((1, signal.shape[1])), np.cumsum(signal - signal.mean(axis=0), axis=0)])
+    return _of_sums(_sums(signal), m)
+
+
+def _sums(signal: Floats) -> Floats:
+    """Of the first 0, 1, ..., n samples of each column about its mean, (n + 1, k)."""
+    return np.concatenate([np.zeros((1, signal.shape[1])), np.cumsum(signal - signal.mean(axis=0), axis=0)])
+
+
+def _of_sums(total: Floats, m: int) -> Floats:
     z = (total[2 * m :] - 2.0 * total[m:-m] + total[: -2 * m]) / m
     variance: Floats = 0.5 * np.mean(np.square(z), axis=0)
     return variance
@@ -98,9 +106,10 @@ def _score(channel: Channel) -> Metric:
 
         scores = []
         for law, noise, interval in _noise(scene, actual, channel):
+            total = _sums(noise)
             for m in octaves(len(noise)):
                 mean, freedom = expected_variance(law, m, len(noise), interval)
-                level = freedom * overlapping_variance(noise, m) / mean
+                level = freedom * _of_sums(total, m) / mean
                 tail = np.minimum(stats.chi2.sf(level, freedom), stats.chi2.cdf(level, freedom))
                 scores.append(np.minimum(np.abs(stats.norm.ppf(np.minimum(tail, 0.5))), SHARPEST))
         return maximum(np.array(scores))

@@ -45,15 +45,26 @@ _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied"
 """What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
 _PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep")
+_TRIAL_TYPES = dict.fromkeys((*_NUMBERS, *_PRICES), "float64") | {
+    "unstable_timing": "boolean",
+    "seed": "int64",
+    "steps": "int64",
+}
+_MEASUREMENT_TYPES = {"value": "float64", "at_most": "float64", "passed": "boolean"}
 
 
-Table = Callable[[Sequence[Mapping[str, Any]], Sequence[str]], pd.DataFrame]
-"""A table of these rows and columns."""
+Table = Callable[[Sequence[Mapping[str, Any]], Sequence[str], Mapping[str, str]], pd.DataFrame]
+"""A table of these rows and columns, some of which have their types by name."""
 
 
-def _in_arrow(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
-    """A table as pandas makes it, to be written."""
-    return pd.DataFrame(rows, columns=list(columns))
+def _in_arrow(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], types: Mapping[str, str]) -> pd.DataFrame:
+    """A table as pandas makes it, to be written. Most columns have their types: what has is left alone, since each change costs
+    as much as the table."""
+    frame = pd.DataFrame(rows, columns=list(columns))
+    for name, kind in types.items():
+        if frame[name].dtype != kind:
+            frame[name] = frame[name].astype(kind)
+    return frame
 
 
 def tables_of(records: Mapping[str, Record], table: Table = _in_arrow) -> dict[str, pd.DataFrame]:
@@ -68,16 +79,11 @@ def tables_of(records: Mapping[str, Record], table: Table = _in_arrow) -> dict[s
         trials.append(row)
         measurements += [{"trial": record.trial, **_plain(m, _MEASUREMENT_COLUMNS)} for m in record.measurements]
         samples += [{"trial": record.trial, **_plain(s, _SAMPLE_COLUMNS)} for s in record.samples]
-    frame, measured, sampled = (
-        table(rows, columns)
-        for rows, columns in (
-            (trials, TRIAL_COLUMNS), (measurements, _MEASUREMENT_COLUMNS), (samples, _SAMPLE_COLUMNS)
-        )
-    )  # fmt: skip
-    numbers = dict.fromkeys((*_NUMBERS, *_PRICES), "float64")
-    _set_types(frame, numbers | {"unstable_timing": "boolean", "seed": "int64", "steps": "int64"})
-    _set_types(measured, {"value": "float64", "at_most": "float64", "passed": "boolean"})
-    return {"trials": frame, "measurements": measured, "samples": sampled}
+    return {
+        "trials": table(trials, TRIAL_COLUMNS, _TRIAL_TYPES),
+        "measurements": table(measurements, _MEASUREMENT_COLUMNS, _MEASUREMENT_TYPES),
+        "samples": table(samples, _SAMPLE_COLUMNS, {}),
+    }
 
 
 def _plain(row: Measurement | Sample, columns: Sequence[str]) -> dict[str, Any]:
@@ -85,24 +91,21 @@ def _plain(row: Measurement | Sample, columns: Sequence[str]) -> dict[str, Any]:
     return {name: getattr(row, name) for name in columns[1:]}
 
 
-def _set_types(frame: pd.DataFrame, types: Mapping[str, str]) -> None:
-    """Give columns these types: most have them, and what has is left alone, since each change costs as much as the table."""
-    for name, kind in types.items():
-        if frame[name].dtype != kind:
-            frame[name] = frame[name].astype(kind)
-
-
-def _in_python(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> pd.DataFrame:
+def _in_python(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], types: Mapping[str, str]) -> pd.DataFrame:
     """A table with words as Python's own strings: reports take rows and cells out of it by the ten thousand, and each string
     that Arrow keeps is made anew whenever it is looked at."""
-    return pd.DataFrame({name: _column([row[name] for row in rows]) for name in columns}, columns=list(columns))
+    index = pd.RangeIndex(len(rows))
+    return pd.DataFrame({name: _column([row[name] for row in rows], index, types.get(name)) for name in columns}, index)
 
 
-def _column(values: list[Any]) -> "list[Any] | pd.Series[Any]":
-    """Words with nan for none, as the type of words has it, and nothing at all; or what pandas makes of numbers."""
+def _column(values: list[Any], index: pd.Index, kind: str | None) -> "list[Any] | pd.Series[Any]":
+    """Of that type; or words with nan for none, as the type of words has it, and nothing at all; or what pandas makes of
+    numbers."""
+    if kind is not None:
+        return pd.Series(values, index, kind)
     if values and not any(isinstance(value, str) for value in values):
         return values
-    return pd.Series([math.nan if value is None else value for value in values], dtype=object)
+    return pd.Series([math.nan if value is None else value for value in values], index, object)
 
 
 def parquet(frame: pd.DataFrame) -> bytes:

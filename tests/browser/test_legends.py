@@ -18,7 +18,11 @@ LINES = """() => [...document.querySelectorAll('.switches')].map(
 
 @pytest.mark.parametrize(
     ("settings", "third"),
-    [pytest.param((), "", marks=pytest.mark.slow), (ONE, "default with solver cg, tolerance 10⁻⁵"), (SEVERAL, "others")],
+    [
+        pytest.param((), "", marks=pytest.mark.slow),
+        (ONE, "default with solver cg, tolerance 10⁻⁵"),
+        pytest.param(SEVERAL, "others", marks=pytest.mark.slow),
+    ],
 )
 def test_the_legend_is_one_line_and_switches_off_a_third_track(
     tmp_path: Path, visit: Any, settings: tuple[tuple[str, str], ...], third: str

@@ -109,7 +109,7 @@ def test_a_robot_runs_and_its_folder_says_what_became_of_it(
     clocked_by(monkeypatch, lambda _: [1e-6] * 3)
     monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name == "index"))
     out = tmp_path / "out"
-    of_run = ("--dt", "4ms", "--duration", "0.2", "--budget", "1s")
+    of_run = ("--dt", "4ms", "--duration", "0.1", "--budget", "1s")
     done = command("run", robot, "--drop", "friction_loss", "--engine", "mujoco", *of_run, "--out", out)
     assert done.exit_code == 0, done.output
     assert "dropped by the user: friction_loss" in done.stderr
@@ -120,7 +120,7 @@ def test_a_robot_runs_and_its_folder_says_what_became_of_it(
     assert all(row["case"].endswith("/r.toml") for row in trials)
     assert max(row["dt"] for row in trials) == 0.004
     (companion,) = out.glob("scenes/*/r.plumb.toml")
-    assert (load_companion(companion).duration, load_companion(companion).dt) == (0.2, 0.004)
+    assert (load_companion(companion).duration, load_companion(companion).dt) == (0.1, 0.004)
     assert "budget = 1.0" in (out / "study.toml").read_text()
     assert command("verify", out).exit_code == 0
 

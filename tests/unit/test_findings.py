@@ -6,6 +6,7 @@ import subprocess
 import sys
 import sysconfig
 import venv
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ import pytest
 from harness.findings.vendor.finding import Finding, FindingError, read_finding
 from harness.findings.vendor.issue_text import issue_text
 from harness.findings.vendor.shelf import FOLDER, chosen, shelf
-from harness.findings.vendor.still_there import ask
+from harness.findings.vendor.still_there import Standing, ask
 from harness.study.plugins import names
 from tests.conftest import Command
 
@@ -21,6 +22,12 @@ PACKAGE = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}
 EVERY = shelf()
 OTHER = "dart/urdf_frame_weighs_a_kilogram"
 DAMPED = next(finding for finding in EVERY if finding.name == "bullet/damping_by_default")
+
+
+@cache
+def damped() -> Standing:
+    """What is said of one that is still there."""
+    return ask(DAMPED)
 
 
 def test_each_of_three_engines_has_five_findings_and_more() -> None:
@@ -48,7 +55,7 @@ def test_a_script_needs_its_vendor_numpy_and_python_alone(finding: Finding) -> N
 
 def test_a_trap_is_still_there_and_a_planted_mended_version_is_told_as_gone(tmp_path: Path) -> None:
     """The planted pybullet makes bodies without damping; an environment of its own finds it first."""
-    assert ask(DAMPED).verdict == "still there"
+    assert damped().verdict == "still there"
     venv.create(tmp_path / "env", with_pip=False, symlinks=True)
     python = tmp_path / "env" / "bin" / "python"
     inside = sysconfig.get_path("purelib", vars={"base": str(tmp_path / "env"), "platbase": str(tmp_path / "env")})
@@ -105,7 +112,7 @@ def test_a_head_that_is_wrong_is_refused_by_file_and_field(tmp_path: Path, old: 
 
 
 def test_the_text_for_the_vendor_has_the_figure_the_documentation_and_the_script_whole() -> None:
-    text = issue_text(ask(DAMPED))
+    text = issue_text(damped())
     for words in (DAMPED.title, "1.449 m from the parabola", DAMPED.documented, DAMPED.mend, DAMPED.text.strip(), "3.2.7"):
         assert words in text
 

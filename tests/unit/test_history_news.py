@@ -4,6 +4,7 @@ import json
 import shutil
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from harness.findings.vendor.shelf import shelf
 from harness.history.acknowledged import acknowledge
 from harness.history.folder import opened, stamp_of
 from harness.history.identity import Named, change_id
+from harness.history.night import Asked
 from harness.history.regressions import read_trends
 from harness.history.soundness import problems_of
 from harness.history.words import unanswered_in_short, worse_in_short
@@ -26,7 +28,7 @@ from harness.store.record import Record
 from harness.store.store import write_json
 from harness.study.trial import Trial
 from tests.conftest import Command
-from tests.nights import CELLS, Fault, drawn, night, one_ulp_off, planted, rougher
+from tests.nights import CELLS, STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
 from tests.synthetic_history import priced
 
 
@@ -34,6 +36,11 @@ from tests.synthetic_history import priced
 def root(first_night: Path, tmp_path: Path) -> Path:
     """A copy of a history with one night."""
     return Path(shutil.copytree(first_night, tmp_path / "h"))
+
+
+def few() -> Asked:
+    """The first experiment of the study alone: half of its answers."""
+    return asked(replace(STUDY, experiments=STUDY.experiments[:1]))
 
 
 def test_a_second_night_recalls_what_is_known_and_tells_nothing(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -65,6 +72,7 @@ def test_a_slower_engine_is_told_with_how_much_and_what_shows_it(root: Path) -> 
     assert "--engine reference --case friction_stop" in command(one, news.changes)
 
 
+@pytest.mark.slow  # the night of the command below has more friction too
 def test_more_friction_is_told_of_the_case_that_has_any(root: Path) -> None:
     with planted(Fault(engine="reference", scene=rougher)):
         _, news, _ = night(root)
@@ -80,15 +88,15 @@ def test_one_ulp_under_the_same_digest_is_another_answer_and_then_everything_of_
 ) -> None:
     drawn(monkeypatch, 1.0)
     with planted(Fault(engine="reference", state=one_ulp_off, known=False)):
-        last, news, account = night(root)
+        last, news, account = night(root, few())
     assert news is not None
     told = [row for row in news.changes.rows if row.kind in ("digest", "verdict", "error", "price", "limit")]
     assert {(row.kind, row.engine, row.sense) for row in told} == {("digest", "reference", "worse")}
-    assert account["disagreements"] == len(told) == CELLS // 2
+    assert account["disagreements"] == len(told) == CELLS // 4
     assert "same digest, another answer" in sentence(told[0])
     drawn(monkeypatch, 0.0)
     with planted() as computed:
-        _, later, _ = night(root)
+        _, later, _ = night(root, few())
     # What it answered before that night is not trusted; what it answered in it is.
     assert computed == []
     assert later is not None
@@ -97,6 +105,7 @@ def test_one_ulp_under_the_same_digest_is_another_answer_and_then_everything_of_
     }
 
 
+@pytest.mark.slow
 def test_one_ulp_under_another_digest_is_told_as_no_worse(root: Path) -> None:
     with planted(Fault(engine="reference", state=one_ulp_off)):
         _, news, _ = night(root)
@@ -110,11 +119,11 @@ def test_what_is_acknowledged_is_not_told_again(root: Path, monkeypatch: pytest.
     drawn(monkeypatch, 1.0)
     fault = Fault(engine="mujoco", state=one_ulp_off, known=False)
     with planted(fault):
-        _, _, account = night(root)
+        _, _, account = night(root, few())
     for row in account["told"]:
         acknowledge(opened(root), Named.told(row), "a new C library")
     with planted():
-        _, news, _ = night(root)
+        _, news, _ = night(root, few())
     assert news is not None
     assert not [row for row in news.changes.rows if row.kind == "digest"]
     assert {row.kind for row in news.acknowledged} == {"digest"}
@@ -133,9 +142,10 @@ samples = 3
 def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_summary_to_who_is_notified(
     tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Each finding about an engine is a process a night: one of them shows that nights ask.
+    # Each finding about an engine is a process a night: one of them in one night shows that nights ask.
     finding = next(each for each in shelf() if each.engine == "mujoco")
-    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: (finding,))
+    on_the_shelf = iter([(), (finding,), ()])
+    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: next(on_the_shelf))
     study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
     study.write_text(FILE)
     words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]

@@ -78,7 +78,7 @@ def configuration(model: Any, base: np.ndarray, values: dict[str, float]) -> np.
     return q
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))])
 @pytest.mark.parametrize("root", ["fixed", "floating"])
 def test_a_urdf_tree_has_pinocchios_mass_matrix_and_accelerations(tmp_path: Path, seed: int, root: str) -> None:
     path = tmp_path / "tree.urdf"

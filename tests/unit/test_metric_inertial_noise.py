@@ -58,8 +58,9 @@ def test_noise_of_the_law_raises_no_alarm_in_many_seeds_and_scores_as_normal_var
         assert 0.6 * expected < np.median(found[:, column]) < expected + 0.3
 
 
-def test_slopes_of_the_law_stay_within_their_bounds() -> None:
-    for seed in range(30):
+@pytest.mark.parametrize("seeds", [15, pytest.param(30, marks=pytest.mark.slow)])
+def test_slopes_of_the_law_stay_within_their_bounds(seeds: int) -> None:
+    for seed in range(seeds):
         for (_channel, regime), metric in SLOPES.items():
             assert metric(SCENE, _answer(_streams(seed=seed))) < slope_bound(LAW, regime, COUNT, 1 / RATE)
 

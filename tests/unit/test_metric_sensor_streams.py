@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -212,28 +213,39 @@ def test_stamps_are_judged_one_by_one() -> None:
     assert np.isnan(STAMP_ERROR(scene, _answer(good | {"l/time": bad}, 1.0)))
 
 
-def _coning(late: float = 0.0, swapped: bool = False) -> tuple[Scene, Trajectory]:
-    """A body whose rate goes round in B: w_B = (cos 3t, sin 3t, 2), integrated in small steps as the truth."""
-    fine, every, count = 20, 0.01, 200
-    time = np.arange(count * fine + 1) * every / fine
+EVERY, TURNS = 0.01, 200
+"""s between two readings of a turning gyroscope, and how many there are."""
 
-    def rate(t: Floats) -> Floats:
-        return np.stack([np.cos(3 * t), np.sin(3 * t), 2 + 0 * t], axis=-1)
 
+def _rate(t: Floats) -> Floats:
+    """Goes round in B: w_B = (cos 3t, sin 3t, 2)."""
+    return np.stack([np.cos(3 * t), np.sin(3 * t), 2 + 0 * t], axis=-1)
+
+
+@cache
+def _attitudes() -> Floats:
+    """Of a body with that rate, integrated in small steps as the truth; they are only copied."""
+    fine = 20
+    time = np.arange(TURNS * fine + 1) * EVERY / fine
     # A rotation by the rate in the middle of a small step errs by its third power.
-    turns = Rotation.from_rotvec(rate((time[:-1] + time[1:]) / 2) * every / fine)
+    turns = Rotation.from_rotvec(_rate((time[:-1] + time[1:]) / 2) * EVERY / fine)
     here, attitudes = Rotation.from_quat(axis_angle((1, 1, 0), 0.5), scalar_first=True), []
     attitudes.append(here.as_quat(scalar_first=True))
     for k, turn in enumerate(turns):
         here = here * turn
         if (k + 1) % fine == 0:
             attitudes.append(here.as_quat(scalar_first=True))
-    stamps = np.arange(count + 1) * every
+    return np.array(attitudes)
+
+
+def _coning(late: float = 0.0, swapped: bool = False) -> tuple[Scene, Trajectory]:
+    """What a gyroscope reads on a body whose rate goes round, and the body's motion."""
+    stamps = np.arange(TURNS + 1) * EVERY
     run = Trajectory.of(stamps, 1)
-    run.q_WB[:, 0] = np.array(attitudes)
-    run.w_WB[:, 0] = Rotation.from_quat(run.q_WB[:, 0], scalar_first=True).apply(rate(stamps))
+    run.q_WB[:, 0] = _attitudes()
+    run.w_WB[:, 0] = Rotation.from_quat(run.q_WB[:, 0], scalar_first=True).apply(_rate(stamps))
     mount = axis_angle((0.2, 1.0, 0.3), 0.7)
-    read = Rotation.from_quat(mount, scalar_first=True).inv().apply(rate(stamps[1:] - late))
+    read = Rotation.from_quat(mount, scalar_first=True).inv().apply(_rate(stamps[1:] - late))
     scene = _scene(q_BS=mount)
     streams = {"imu/time": stamps[1:], "imu/gyroscope_ideal": read[:, [1, 0, 2]] if swapped else read}
     return scene, replace(run, streams=streams)

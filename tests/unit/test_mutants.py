@@ -45,6 +45,7 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "def test_none() -> None:\n    assert twice(0.0) == 0.0\n\n"
         "def test_skipped() -> None:\n    pytest.skip('no reason')\n"
     )
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # the tests of one law need none of these
     monkeypatch.setattr(kit, "ROOT", tmp_path)
     monkeypatch.setattr(kit, "CARRIED", ("law.py", "test_law.py"))
     return tmp_path

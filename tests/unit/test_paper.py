@@ -18,14 +18,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_run_folder(tmp_path_factory.mktemp("paper") / "run", only=("joint_chain", "stack_tower"))
 
 
-@pytest.mark.parametrize(("form", "begins"), [("svg", b"<svg"), ("pdf", b"%PDF-"), ("png", b"\x89PNG")])
+@pytest.mark.parametrize(
+    ("form", "begins", "charts"),
+    [("svg", b"<svg", ("step", "price")), ("pdf", b"%PDF-", ("step",)), ("png", b"\x89PNG", ("step",))],
+)
 def test_the_charts_of_a_case_are_files_of_the_format_asked_for(
-    folder: Path, tmp_path: Path, printed: Command, form: str, begins: bytes
+    folder: Path, tmp_path: Path, printed: Command, form: str, begins: bytes, charts: tuple[str, ...]
 ) -> None:
-    done = printed("figure", folder, "--case", "joint_chain", "--format", form, "--out", tmp_path)
+    asked = ("--chart", *charts) if len(charts) == 1 else ()
+    done = printed("figure", folder, "--case", "joint_chain", *asked, "--format", form, "--out", tmp_path)
     assert done.returncode == 0
     paths = [Path(line) for line in done.stdout.splitlines()]
-    assert [path.name for path in paths] == [f"case-joint_chain-step.{form}", f"case-joint_chain-price.{form}"]
+    assert [path.name for path in paths] == [f"case-joint_chain-{chart}.{form}" for chart in charts]
     assert all(path.read_bytes().startswith(begins) for path in paths)
 
 

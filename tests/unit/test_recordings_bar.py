@@ -30,8 +30,8 @@ CASES = plugins.cases()
 ENGINES = ("mujoco", "bullet", "dart")
 
 BYTES = 40.0
-INSTANTS = 240
-"""Of each case the beginning, of so many samples."""
+INSTANTS, FEWER = 240, 120
+"""Of each case the beginning, of so many samples; of fewer in `make test`."""
 
 QUICK = (
     "flight_box",
@@ -49,7 +49,7 @@ FEW = 30
 """Rows are packed by what they repeat of those before them: of fewer than these, what stands first is a large part."""
 
 
-def moved(case: Case, engine: str) -> Trajectory | None:
+def moved(case: Case, engine: str, instants: int) -> Trajectory | None:
     """What an engine's default track makes of the beginning of a case; None of one that it cannot express."""
     adapter, scene = plugins.adapter(engine), replace(case.scene(**case.parameters), sensors=())
     try:
@@ -64,7 +64,7 @@ def moved(case: Case, engine: str) -> Trajectory | None:
             simulation,
             scene,
             pace=Pace(case.dt),
-            duration=min(case.duration, INSTANTS * max(case.sample_interval, case.dt)),
+            duration=min(case.duration, instants * max(case.sample_interval, case.dt)),
             sample_interval=case.sample_interval,
             with_contacts=False,
             seed=0,
@@ -74,11 +74,11 @@ def moved(case: Case, engine: str) -> Trajectory | None:
     return answer
 
 
-def seen_of(case: Case) -> dict[str, dict[str, Floats]]:
+def seen_of(case: Case, instants: int = FEWER) -> dict[str, dict[str, Floats]]:
     """By the name of each engine that can express a case, the arrays of the instants that a recording shows."""
-    answers = {engine: moved(case, engine) for engine in ENGINES}
+    answers = {engine: moved(case, engine, instants) for engine in ENGINES}
     if all(answer is None for answer in answers.values()):
-        answers = {"reference": moved(case, "reference")}
+        answers = {"reference": moved(case, "reference", instants)}
     return {
         engine: at_instants({"time": a.time, "p_WB": a.p_WB, "q_WB": a.q_WB}, shown(a.time, float(a.time[-1])))
         for engine, a in answers.items()
@@ -122,8 +122,11 @@ def test_the_quick_ones_are_cases_with_bodies_that_move() -> None:
     assert set(QUICK) <= {name for name, case in CASES.items() if moving_of(case)}
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in CASES])
-def test_a_pose_takes_at_most_forty_bytes_and_is_where_the_engine_put_it(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "instants"),
+    [*((name, FEWER) for name in QUICK), *(pytest.param(name, INSTANTS, marks=pytest.mark.slow) for name in CASES)],
+)
+def test_a_pose_takes_at_most_forty_bytes_and_is_where_the_engine_put_it(name: str, instants: int, tmp_path: Path) -> None:
     """Forty: by how much all instants take more than half of them, over the poses more, with what is written once left aside.
 
     Where: a place, put together from what is written, is off by one rounding; that of what turns about a point by four of
@@ -132,7 +135,7 @@ def test_a_pose_takes_at_most_forty_bytes_and_is_where_the_engine_put_it(name: s
     moving = moving_of(CASES[name])
     if not moving:
         pytest.skip("nothing in it moves")
-    runs = seen_of(CASES[name])
+    runs = seen_of(CASES[name], instants)
     whole = recorded(tmp_path / "whole.rrd", moving, runs)
     half = {engine: {key: rows[: len(rows) // 2] for key, rows in arrays.items()} for engine, arrays in runs.items()}
     more = sum(len(batch.bodies) for batch in moving) * sum(

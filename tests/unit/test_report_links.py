@@ -42,8 +42,8 @@ PARTS: dict[str, Kept] = {
     "no answer": crashed,
 }
 """What is left of a run of two cases."""
-LONG_ONES = ("one case", "one engine")
-"""Of one case there are pages in other tests here too; the yardstick alone is one engine too."""
+LONG_ONES = ("one case", "one engine", "no price")
+"""Of one case there are pages in other tests here too; the yardstick alone is one engine too; no answer, no price."""
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ def test_equal_evidence_to_the_digit_shares_the_first_place_by_half(tmp_path: Pa
 
 
 def test_there_is_no_order_where_all_that_is_known_counts_for_nothing(tmp_path: Path) -> None:
-    folder = write_selection_folder(tmp_path / "run", {"dart": EQUAL, "mujoco": GOOD}, 0)
+    folder = write_selection_folder(tmp_path / "run", {"dart": EQUAL, "mujoco": GOOD}, 0, most=2)
     known = {criterion for criterion, _, _ in choose(Store(folder), Wish(), draws=10).evidence.table}
     found = choose(Store(folder), Wish(weights=dict.fromkeys(known, 0.0)), draws=10)
     assert found.rank is None
@@ -174,7 +174,7 @@ def test_the_command_its_json_the_page_and_the_cards_say_that_there_is_no_contes
 
 
 def test_a_run_of_one_engine_has_no_page_of_selection_and_no_link_to_it(tmp_path: Path) -> None:
-    store = Store(write_selection_folder(tmp_path / "run", {"reference": GOOD, "mujoco": GOOD}, 0))
+    store = Store(write_selection_folder(tmp_path / "run", {"reference": GOOD, "mujoco": GOOD}, 0, most=2))
     assert not select.concerns(store)
     assert "select.html" not in str(index.render(store)["index.html"])
 

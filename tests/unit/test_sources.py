@@ -49,8 +49,10 @@ def by_the_parser(module: str, path: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("tops", [("adapters", "cases", "engine"), pytest.param(("harness",), marks=pytest.mark.slow)])
-def test_the_quick_scan_finds_every_import_that_the_parser_finds(tops: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(
+    ("tops", "least"), [(("adapters",), 300), pytest.param(("cases", "engine", "harness"), 1000, marks=pytest.mark.slow)]
+)
+def test_the_quick_scan_finds_every_import_that_the_parser_finds(tops: tuple[str, ...], least: int) -> None:
     seen = 0
     for top in tops:
         for path in (ROOT / top).rglob("*.py"):
@@ -60,7 +62,7 @@ def test_the_quick_scan_finds_every_import_that_the_parser_finds(tops: tuple[str
             due = {name for name in ours if sources._file(name) and not sources.keeps(name)}
             assert due <= sources.imported(module), module
             seen += len(due)
-    assert seen > 1000
+    assert seen > least
 
 
 def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:

@@ -41,7 +41,7 @@ def _contacts(mesh: engine.TriangleMesh, centres: np.ndarray) -> dict[int, list[
 
 
 def test_it_is_met_at_its_closest_point_from_outside_and_never_from_behind() -> None:
-    centres = np.random.default_rng(0).uniform(-0.3, 1.2, (3000, 3)) * (1, 1, 0.4)
+    centres = np.random.default_rng(0).uniform(-0.2, 1.0, (800, 3)) * (1, 1, 0.3)
     found = _contacts(engine.TriangleMesh(TRIANGLE.tolist(), [(0, 1, 2)]), centres)
     outward = np.cross(TRIANGLE[1] - TRIANGLE[0], TRIANGLE[2] - TRIANGLE[0])
     met = {"face": 0, "beside": 0}
@@ -56,7 +56,7 @@ def test_it_is_met_at_its_closest_point_from_outside_and_never_from_behind() -> 
         assert normal == pytest.approx((spot - centre) / apart, abs=1e-12)
         assert place == pytest.approx(centre + normal * (R + gap / 2), abs=1e-14)
         met["face" if np.linalg.norm(np.cross(spot - centre, outward)) < 1e-9 else "beside"] += 1
-    assert min(met.values()) > 100
+    assert min(met.values()) > 25
 
 
 @pytest.mark.parametrize("fold", [0.0, 0.5, -0.5])
@@ -65,7 +65,7 @@ def test_the_edge_between_two_triangles_is_met_where_it_sticks_out_alone(fold: f
     corners = [(0, 0, 0), (1, 0, 0), (0.5, 1, -fold), (0.5, -1, -fold)]
     mesh = engine.TriangleMesh(corners, [(0, 1, 2), (1, 0, 3)])
     rng = np.random.default_rng(1)
-    centres = np.column_stack([rng.uniform(0.2, 0.8, 400), rng.uniform(-0.05, 0.05, 400), rng.uniform(0.02, 0.1, 400)])
+    centres = np.column_stack([rng.uniform(0.2, 0.8, 200), rng.uniform(-0.05, 0.05, 200), rng.uniform(0.02, 0.1, 200)])
     found = _contacts(mesh, centres)
     faces = np.array([(0, -fold, -1), (0, fold, -1)]) / np.hypot(1, fold)
     of_edge = 0
@@ -74,8 +74,8 @@ def test_the_edge_between_two_triangles_is_met_where_it_sticks_out_alone(fold: f
             if np.abs(faces @ normal - 1).min() > 1e-9:
                 of_edge += 1
                 assert abs(normal[0]) < 1e-12
-    assert len(found) > 300
-    assert (of_edge > 50) == (fold > 0)
+    assert len(found) > 150
+    assert (of_edge > 25) == (fold > 0)
 
 
 def test_a_centre_on_the_triangle_is_pushed_out_along_its_normal() -> None:

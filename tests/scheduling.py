@@ -13,25 +13,20 @@ from _pytest.runner import runtestprotocol
 if TYPE_CHECKING:
     from xdist.scheduler import LoadFileScheduling
 
-__all__ = ["CLOCK", "DEAREST", "SHARED", "file_of", "order", "telling", "unit_of"]
+__all__ = ["CLOCK", "DEAREST", "SHARED", "WAITING", "file_of", "order", "telling", "unit_of"]
 
 DEAREST = (
-    "tests/conformance/test_conformance.py",
-    "tests/browser/test_report.py",
     "tests/unit/test_known_prices.py",
+    "tests/conformance/test_conformance.py",
     "tests/conformance/test_limits_run.py",
     "tests/unit/test_history.py",
-    "tests/browser/test_serve.py",
-    "tests/stress/test_planted.py",
     "tests/unit/test_engine_loop_limits.py",
     "tests/conformance/test_tracks.py",
     "tests/property/test_scene_files.py",
     "tests/conformance/test_fault_matrix.py",
-    "tests/stress/test_interruption.py",
     "tests/unit/test_selection.py",
     "tests/stress/test_input.py",
     "tests/unit/test_changes.py",
-    "tests/stress/test_server.py",
     "tests/conformance/test_bullet_contact.py",
     "tests/unit/test_reports_html.py",
     "tests/golden/test_contract.py",
@@ -71,6 +66,17 @@ CLOCK = (
 )
 """Files that run with a clock on: their tests are marked `clock`, and are one unit, so that no two of them run side by side."""
 
+WAITING = (
+    "tests/browser/test_report.py",
+    "tests/browser/test_serve.py",
+    "tests/stress/test_interruption.py",
+    "tests/stress/test_planted.py",
+    "tests/stress/test_server.py",
+    "tests/unit/test_merge_folders.py",
+)
+"""Files that wait for others, a browser or processes that they start, longer than they compute. They go with those of a clock,
+which wait too, and with these they come first: beside one process that waits, two have the two cores nearly to themselves."""
+
 
 def file_of(test: str) -> str:
     """The file of a test. Args: test: its node id."""
@@ -79,8 +85,8 @@ def file_of(test: str) -> str:
 
 def unit_of(test: str) -> str:
     """What goes to one process along with a test: its file, or that which its file goes with. Args: test: its node id."""
-    file = file_of(test)
-    return CLOCK[0] if file in CLOCK else SHARED.get(file, file)
+    file = SHARED.get(file_of(test), file_of(test))
+    return CLOCK[0] if file in CLOCK or file in WAITING else file
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -9,13 +9,13 @@ from typing import Literal
 
 import pytest
 
-from tests.scheduling import CLOCK, DEAREST, SHARED, order, telling, unit_of
+from tests.scheduling import CLOCK, DEAREST, SHARED, WAITING, file_of, order, telling, unit_of
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_every_file_that_is_named_is_there_and_once() -> None:
-    for file in (*DEAREST, *SHARED, *SHARED.values(), *CLOCK):
+    for file in (*DEAREST, *SHARED, *SHARED.values(), *CLOCK, *WAITING):
         assert (ROOT / file).is_file(), file
     assert len(set(DEAREST)) == len(DEAREST)
 
@@ -28,14 +28,16 @@ def test_the_dearest_go_first_and_the_others_by_the_number_of_their_tests() -> N
 
 def test_files_that_share_a_fixture_are_one_unit() -> None:
     for file, other in SHARED.items():
-        assert unit_of(f"{file}::test_a[x::y]") == unit_of(f"{other}::test_b") == other
+        assert unit_of(f"{file}::test_a[x::y]") == unit_of(f"{other}::test_b")
+        assert other in WAITING or unit_of(f"{other}::test_b") == other
 
 
-def test_files_with_a_clock_on_are_one_unit_and_marked(request: pytest.FixtureRequest) -> None:
-    assert {unit_of(f"{file}::test") for file in CLOCK} == {CLOCK[0]}
+def test_files_with_a_clock_on_are_one_unit_and_marked_and_those_that_wait_go_with_them(request: pytest.FixtureRequest) -> None:
+    assert {unit_of(f"{file}::test") for file in (*CLOCK, *WAITING)} == {CLOCK[0]} == {DEAREST[0]}
     assert not {*SHARED, *SHARED.values()} & {*CLOCK}
+    assert not {*DEAREST[1:]} & {*CLOCK, *WAITING, *SHARED}
     for item in request.session.items:
-        assert (item.get_closest_marker("clock") is not None) == (unit_of(item.nodeid) == CLOCK[0]), item.nodeid
+        assert (item.get_closest_marker("clock") is not None) == (file_of(item.nodeid) in CLOCK), item.nodeid
 
 
 Outcome = Literal["passed", "failed", "skipped"]

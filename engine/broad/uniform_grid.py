@@ -64,8 +64,8 @@ def bucket_of(x: int, y: int, z: int, buckets: int) -> int:
 
 
 @kernel
-def lie_aside(floats: Floats, ints: Ints, cell: Ints) -> None:
-    """Tell what cannot move, and lies beyond the box of all that can, from the rest: cell[s, 3] is OUTSIDE or IN_NONE."""
+def mark_outside(floats: Floats, ints: Ints, cell: Ints) -> None:
+    """Write OUTSIDE to cell[s, 3] of what cannot move and lies beyond the box of all that can, IN_NONE to that of the rest."""
     fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
     shape_kind, low, high = ints_of(ints, SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf)
     for s in range(len(cell)):
@@ -73,10 +73,10 @@ def lie_aside(floats: Floats, ints: Ints, cell: Ints) -> None:
             for k in range(3):
                 low[k], high[k] = min(low[k], fat[s, k]), max(high[k], fat[s, k + 3])
     for s in range(len(cell)):
-        aside = shape[s, BALL_RADIUS] == math.inf
+        beyond = shape[s, BALL_RADIUS] == math.inf
         for k in range(3):
-            aside = aside or fat[s, k] > high[k] or fat[s, k + 3] < low[k]
-        cell[s, 3] = OUTSIDE if aside and not may_move(shape_kind, kind, s) else IN_NONE
+            beyond = beyond or fat[s, k] > high[k] or fat[s, k + 3] < low[k]
+        cell[s, 3] = OUTSIDE if beyond and not may_move(shape_kind, kind, s) else IN_NONE
 
 
 @kernel
@@ -96,11 +96,11 @@ def cell_side(fat: Floats, cell: Ints) -> float:
 
 @kernel
 def fill_grid(floats: Floats, ints: Ints) -> Grid:
-    """The grid of all bounded shapes."""
+    """The grid of all bounded shapes but those that lie where nothing can move."""
     fat, kind, shape_kind = floats_of(floats, ints, FAT), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
     shapes, inside, moving = ints_of(ints, COUNT)[0, SHAPES], 0, 0
     cell = np.empty((shapes, 4), np.int64)
-    lie_aside(floats, ints, cell)
+    mark_outside(floats, ints, cell)
     side = cell_side(fat, cell)
     for s in range(shapes):
         inside += 1 if cell[s, 3] == IN_NONE and width(fat, s) <= side else 0

@@ -33,7 +33,7 @@ LARGE = 4.0
 FAR = 1e9
 """Cells are counted up to here; all that lies beyond shares the last one."""
 OWN = 13
-"""The cell in the middle of the 27."""
+"""The cell in the middle of the 27, which is a shape's own."""
 IN_NONE, OUTSIDE = -1, -2
 """In place of a bucket: of a shape that is too wide for a cell, and of one that lies where nothing can move."""
 
@@ -64,19 +64,35 @@ def bucket_of(x: int, y: int, z: int, buckets: int) -> int:
 
 
 @kernel
-def mark_outside(floats: Floats, ints: Ints, cell: Ints) -> None:
-    """Write OUTSIDE to cell[s, 3] of what cannot move and lies beyond the box of all that can, IN_NONE to that of the rest."""
+def mark_outside(floats: Floats, ints: Ints, cell: Ints) -> int:
+    """Write OUTSIDE to cell[s, 3] of an endless shape and, where most stand still, of what cannot move and lies beyond the box
+    of all that can; IN_NONE to that of the rest.
+
+    Returns: the number of the rest.
+    """
     fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
-    shape_kind, low, high = ints_of(ints, SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf)
+    shape_kind, low, high, rest = ints_of(ints, SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf), 0
+    moving = 0
     for s in range(len(cell)):
-        if shape[s, BALL_RADIUS] < math.inf and may_move(shape_kind, kind, s):
+        bounded = shape[s, BALL_RADIUS] < math.inf
+        cell[s, 3] = IN_NONE if bounded else OUTSIDE
+        rest += 1 if bounded else 0
+        moving += 1 if bounded and may_move(shape_kind, kind, s) else 0
+    if 2 * moving >= rest:
+        return rest
+    for s in range(len(cell)):
+        if cell[s, 3] == IN_NONE and may_move(shape_kind, kind, s):
             for k in range(3):
                 low[k], high[k] = min(low[k], fat[s, k]), max(high[k], fat[s, k + 3])
     for s in range(len(cell)):
-        beyond = shape[s, BALL_RADIUS] == math.inf
-        for k in range(3):
-            beyond = beyond or fat[s, k] > high[k] or fat[s, k + 3] < low[k]
-        cell[s, 3] = OUTSIDE if beyond and not may_move(shape_kind, kind, s) else IN_NONE
+        if cell[s, 3] == IN_NONE and not may_move(shape_kind, kind, s):
+            beyond = False
+            for k in range(3):
+                beyond = beyond or fat[s, k] > high[k] or fat[s, k + 3] < low[k]
+            if beyond:
+                cell[s, 3] = OUTSIDE
+                rest -= 1
+    return rest
 
 
 @kernel
@@ -100,12 +116,9 @@ def fill_grid(floats: Floats, ints: Ints) -> Grid:
     fat, kind, shape_kind = floats_of(floats, ints, FAT), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
     shapes, inside, moving = ints_of(ints, COUNT)[0, SHAPES], 0, 0
     cell = np.empty((shapes, 4), np.int64)
-    mark_outside(floats, ints, cell)
-    side = cell_side(fat, cell)
-    for s in range(shapes):
-        inside += 1 if cell[s, 3] == IN_NONE and width(fat, s) <= side else 0
-    buckets = 1
-    while buckets < 2 * inside:
+    rest = mark_outside(floats, ints, cell)
+    side, buckets = cell_side(fat, cell), 1
+    while buckets < 2 * rest:
         buckets *= 2
     start = np.zeros(buckets + 1, np.int64)
     for s in range(shapes):
@@ -114,6 +127,7 @@ def fill_grid(floats: Floats, ints: Ints) -> Grid:
                 cell[s, k] = cell_of(fat, s, k, side)
             cell[s, 3] = bucket_of(cell[s, 0], cell[s, 1], cell[s, 2], buckets)
             start[cell[s, 3] + 1] += 1
+            inside += 1
             moving += 1 if may_move(shape_kind, kind, s) else 0
     for c in range(buckets):
         start[c + 1] += start[c]
@@ -137,7 +151,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
     buckets = len(start) - 1
     for i in range(first, last):
         moves = may_move(shape_kind, kind, i)
-        if cell[i, 3] == OUTSIDE or shape[i, BALL_RADIUS] == math.inf:
+        if cell[i, 3] == OUTSIDE:
             continue
         if cell[i, 3] == IN_NONE:
             for j in range(shapes):
@@ -151,19 +165,29 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             continue
         if around and not moves:
             continue
-        for near in range(0 if around else OWN, 27):
+        for near in range(0 if around else OWN + 1, 27):
             x, y, z = cell[i, 0] + near % 3 - 1, cell[i, 1] + near // 3 % 3 - 1, cell[i, 2] + near // 9 - 1
             bucket = bucket_of(x, y, z, buckets)
             for c in range(start[bucket], start[bucket + 1]):
                 j = member[c]
-                if cell[j, 0] != x or cell[j, 1] != y or cell[j, 2] != z:
+                if cell[j, 0] != x or cell[j, 1] != y or cell[j, 2] != z or not boxes_overlap(fat, i, j):
                     continue
                 movable = may_move(shape_kind, kind, j)
-                once = j > i or (not movable if around else near > OWN)
-                if once and (moves or movable) and boxes_overlap(fat, i, j):
+                # Of two that look into each other's cells the first finds the other.
+                if (moves or movable) and not (around and movable and j <= i):
                     if found < candidate.shape[0]:
                         candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
                     found += 1
+        if around:
+            continue
+        for c in range(start[cell[i, 3]], start[cell[i, 3] + 1]):
+            j = member[c]
+            if j <= i or cell[j, 0] != cell[i, 0] or cell[j, 1] != cell[i, 1] or cell[j, 2] != cell[i, 2]:
+                continue
+            if (moves or may_move(shape_kind, kind, j)) and boxes_overlap(fat, i, j):
+                if found < candidate.shape[0]:
+                    candidate[found, 0], candidate[found, 1] = i, j
+                found += 1
     return found
 
 

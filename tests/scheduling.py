@@ -75,7 +75,7 @@ WAITING = (
     "tests/unit/test_merge_folders.py",
 )
 """Files that wait for others, a browser or processes that they start, longer than they compute. They go with those of a clock,
-which wait too, and with these they come first: beside one process that waits, two have the two cores nearly to themselves."""
+which wait too, and with these they come first, so that no two processes wait side by side."""
 
 
 def file_of(test: str) -> str:

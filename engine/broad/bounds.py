@@ -19,6 +19,7 @@ from engine.memory.arena import (
     ELLIPSOID,
     GRAVITY,
     HULL,
+    LEAST,
     MARGIN,
     MOTION,
     OFFSET,
@@ -44,9 +45,6 @@ from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Shapes, shapes_of
 
 __all__ = ["boxes_overlap", "brute_force", "overlap", "place_shapes", "pose_shapes", "reaches_plane"]
-
-LEAST = 13
-"""Column of PLACED, behind those of a state: by how much the bounds of what stands are widened [m]."""
 
 
 @kernel

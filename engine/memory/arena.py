@@ -116,7 +116,8 @@ TRIANGLE: Final = 7
 
 POSE: Final = float_columns(Per.SHAPE, 12)  # position and rotation matrix in W
 BOUNDS: Final = float_columns(Per.SHAPE, 7)  # lower and upper corner, and by how much they are widened
-PLACED: Final = float_columns(Per.BODY, 14)  # state and `least` that the shapes of a static body were placed with
+PLACED: Final = float_columns(Per.BODY, 14)  # state that the shapes of a static body were placed with
+LEAST: Final = 13  # by how much their bounds are widened [m]
 FAT: Final = float_columns(Per.SHAPE, 6)  # widened bounds, which candidates were found for
 ORDER: Final = int_columns(Per.SHAPE, 1)  # the sorted axis
 

@@ -10,14 +10,12 @@ from engine.maths.vec import Floats, Vec, axpy, load3, load9, mat_vec, neg, norm
 from engine.memory.arena import BALL_RADIUS, FIRST_VERTEX, INNER, SIZE
 from engine.narrow.point import Points, put_point
 from engine.narrow.support import Solids
-from engine.narrow.triangle import BACK, BESIDE, leans_over
+from engine.narrow.triangle import BACK, BESIDE, ON_EDGE, leans_over
 
 __all__ = ["closest_on_triangle", "sphere_triangle"]
 
 TOUCHING = 1e-9
 """Share of the size [1] of a distance whose direction rounding spoils: the triangle's own normal is taken there."""
-ON_EDGE = 1e-6
-"""Share of the triangle's size [1] within which a centre beyond an edge is still above the triangle."""
 
 
 @kernel

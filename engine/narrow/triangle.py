@@ -9,7 +9,7 @@ from engine.maths.vec import Vec, cross, dot, load3, load9, norm, sub, tmat_vec
 from engine.memory.arena import BALL_RADIUS, FIRST_VERTEX
 from engine.narrow.support import Solids
 
-__all__ = ["BACK", "BESIDE", "leans_over"]
+__all__ = ["BACK", "BESIDE", "ON_EDGE", "leans_over"]
 
 ON_EDGE = 1e-6
 """Share of the triangle's size [1] within which a point lies on an edge."""

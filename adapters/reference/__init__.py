@@ -29,9 +29,9 @@ Deviations:
       open mesh has none, and decomposition needs CoACD: both are `Unsupported`.
     * Trees of joints are solved in joint coordinates on both tracks, those in contact unless more bodies are loose than they
       have links. Semi-implicit Euler moves trees that nothing touches as it does bodies with coordinates of their own. With
-      contacts the soft solver and semi-implicit Euler alone know them, and 'tuned' takes both, in four sub-steps. With loops
-      the option 'coordinates' as 'joint' takes them, and 'automatic' leaves them in the bodies' own. A joint that closes a
-      loop has no law there: limits, springs, drives, rotors and friction of its own are `Unsupported`.
+      contacts the soft solver and semi-implicit Euler alone know them, and 'tuned' takes both, in one sub-step unless masses
+      are unlike. With loops the option 'coordinates' as 'joint' takes them, and 'automatic' leaves them in the bodies' own. A
+      joint that closes a loop has no law there: limits, springs, drives, rotors and friction of its own are `Unsupported`.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart

@@ -197,6 +197,23 @@ def test_tuned_takes_whole_steps_where_sub_steps_would_see_nothing() -> None:
     assert "steps" not in ADAPTER.build(plugins.case("friction_backspin").scene(), TUNED.with_dt(1 / 60)).resolved.options
 
 
+@pytest.mark.parametrize(("ball", "asked", "substeps", "sweeps"), [
+    (1.0, 8, 1, 4), (1.0, 16, 2, 2), (1.0, 2, 1, 4), (4.0, 8, 2, 2), (15.0, 8, 4, 2), (1e-4, 8, 8, 2),
+])  # fmt: skip
+def test_tuned_takes_the_sub_steps_that_unlike_masses_call_for_where_trees_of_joints_are_touched(
+    ball: float, asked: int, substeps: int, sweeps: int
+) -> None:
+    """A box on a vertical slide, which a loose ball of some mass may touch."""
+    slide = Prismatic(name="slide", parent=WORLD, child="box", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 0.0, 1.0))
+    loose = Body(name="ball", mass=ball, collision=(PlacedShape(shape=Sphere(radius=0.05)),), p_WB=(0.0, 0.0, 1.0))
+    box = Body(name="box", collision=CUBE, p_WB=(0.0, 0.0, 0.1))
+    scene = Scene(bodies=(GROUND, box, loose), joints=(slide,), surfaces=(RUBS,))
+    used = ADAPTER.build(scene, replace(TUNED, substeps=asked)).resolved
+    assert used.options["coordinates"] == "joint"
+    assert (used.substeps, used.iterations, used.integrator) == (substeps, sweeps, "semi_implicit_euler")
+    assert ADAPTER.build(scene, used).resolved == used
+
+
 def test_the_tolerance_of_exact_contacts_leaves_room_for_the_rounding_of_the_load() -> None:
     assert ADAPTER.build(_pair(1e3), TUNED).resolved.tolerance == 1e-11
     assert ADAPTER.build(_pair(1e6), TUNED).resolved.tolerance == 1e-9

@@ -13,7 +13,7 @@ from _pytest.runner import runtestprotocol
 if TYPE_CHECKING:
     from xdist.scheduler import LoadFileScheduling
 
-__all__ = ["CLOCK", "DEAREST", "SHARED", "WAITING", "file_of", "order", "telling", "unit_of"]
+__all__ = ["APART", "CLOCK", "DEAREST", "SHARED", "WAITING", "file_of", "order", "telling", "unit_of"]
 
 DEAREST = (
     "tests/unit/test_known_prices.py",
@@ -78,6 +78,12 @@ WAITING = (
 which wait too, and with these they come first, so that no two processes wait side by side."""
 
 
+APART = (
+    "tests/conformance/test_tracks.py::test_over_the_ladder_tuned_is_no_worse_on_the_whole_but_where_the_adapter_says_why",
+)
+"""Tests that take minutes for each of their parameters, and share nothing: each of these is a unit of its own."""
+
+
 def file_of(test: str) -> str:
     """The file of a test. Args: test: its node id."""
     return test.partition("::")[0]
@@ -85,6 +91,8 @@ def file_of(test: str) -> str:
 
 def unit_of(test: str) -> str:
     """What goes to one process along with a test: its file, or that which its file goes with. Args: test: its node id."""
+    if test.partition("[")[0] in APART:
+        return test
     file = SHARED.get(file_of(test), file_of(test))
     return CLOCK[0] if file in CLOCK or file in WAITING else file
 
@@ -100,7 +108,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def order(units: Mapping[str, Mapping[str, bool]]) -> list[str]:
     """The units, the dearest first. Args: units: to the tests of each."""
     rank = {file: number for number, file in enumerate(DEAREST)}
-    return sorted(units, key=lambda unit: (rank.get(unit, len(rank)), -len(units[unit])))
+    return sorted(units, key=lambda unit: (file_of(unit) == unit, rank.get(unit, len(rank)), -len(units[unit])))
 
 
 def telling(reports: Sequence[pytest.TestReport]) -> list[pytest.TestReport]:

@@ -87,7 +87,7 @@ def test_no_page_is_wider_than_the_screen(pages: dict[Path, Read], width: int) -
     assert {path.name: page.needs[width] for path, page in pages.items() if page.needs[width] > width} == {}
 
 
-@pytest.mark.parametrize("scheme", ["dark", "light"])
+@pytest.mark.parametrize("scheme", [pytest.param("dark", marks=pytest.mark.slow), "light"])
 def test_charts_are_drawn_as_svg_with_marks_and_have_a_size(plain: Path, visit: Any, look: Any, scheme: str) -> None:
     for name in ("index.html", "case-stack_tower.html"):
         page = look(plain / name) if scheme == "light" else visit(plain / name, color_scheme=scheme).page

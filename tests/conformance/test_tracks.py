@@ -142,9 +142,11 @@ def test_every_trade_off_names_a_case(name: str) -> None:
     assert {one.removesuffix(LADDER) for one in adapter(name).trade_offs} <= set(CASES)
 
 
-def _run(folder: Path, ladder: bool, cases: Mapping[str, Case] = CASES) -> Mapping[str, Sequence[Comparison]]:
+def _run(
+    folder: Path, ladder: bool, cases: Mapping[str, Case] = CASES, names: Sequence[str] = NAMES
+) -> Mapping[str, Sequence[Comparison]]:
     """Comparisons by engine, of every engine that is there."""
-    engines = {name: adapter(name) for name in NAMES if not why_unavailable(name)}
+    engines = {name: adapter(name) for name in names if not why_unavailable(name)}
     return comparisons(run_both_tracks(folder, cases, engines, ladder), cases)
 
 
@@ -153,12 +155,6 @@ def own_steps(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     """The whole catalogue at each case's own time step, in two parts."""
     part = {name: case for name, case in CASES.items() if (name in LONG) == request.param}
     return _run(tmp_path_factory.mktemp("own") / "run", ladder=False, cases=part)
-
-
-@pytest.fixture(scope="session")
-def ladders(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Sequence[Comparison]]:
-    """The whole catalogue over each case's ladder of time steps."""
-    return _run(tmp_path_factory.mktemp("ladders") / "run", ladder=True)
 
 
 @ENGINES
@@ -179,12 +175,11 @@ def test_tuned_is_never_worse_than_default_but_where_the_adapter_says_why(
 @ENGINES
 @pytest.mark.slow
 @pytest.mark.timeout(7200)
-def test_over_the_ladder_tuned_is_no_worse_on_the_whole_but_where_the_adapter_says_why(
-    name: str, ladders: Mapping[str, Sequence[Comparison]]
-) -> None:
+def test_over_the_ladder_tuned_is_no_worse_on_the_whole_but_where_the_adapter_says_why(name: str, tmp_path: Path) -> None:
+    """The whole catalogue over each case's ladder of time steps."""
     if why_unavailable(name):
         pytest.skip(why_unavailable(name))
-    worse = {}
+    ladders, worse = _run(tmp_path / "run", ladder=True, names=(name,)), {}
     for case in CASES:
         steps = [one for one in ladders[name] if one.case == case]
         assert len(steps) == len(CASES[case].ladder)

@@ -18,10 +18,10 @@ FAULTY = {
     "simulation.py": (
         # A fifth more CPU time, by work that does nothing.
         (
-            "            self._world.step(count)\n",
+            "            self._world.step(count * self._steps - listened)\n",
             "            from time import thread_time\n"
             "            begun = thread_time()\n"
-            "            self._world.step(count)\n"
+            "            self._world.step(count * self._steps - listened)\n"
             "            until = begun + 1.2 * (thread_time() - begun)\n"
             "            while thread_time() < until:\n"
             "                pass\n",

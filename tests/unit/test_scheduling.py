@@ -9,7 +9,7 @@ from typing import Literal
 
 import pytest
 
-from tests.scheduling import CLOCK, DEAREST, SHARED, WAITING, file_of, order, telling, unit_of
+from tests.scheduling import APART, CLOCK, DEAREST, SHARED, WAITING, file_of, order, telling, unit_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,6 +24,14 @@ def test_the_dearest_go_first_and_the_others_by_the_number_of_their_tests() -> N
     tests = {"tests/a.py": 1, "tests/b.py": 3, DEAREST[1]: 1, DEAREST[0]: 1}
     units = {file: {f"{file}::test[{k}]": False for k in range(count)} for file, count in tests.items()}
     assert order(units) == [DEAREST[0], DEAREST[1], "tests/b.py", "tests/a.py"]
+
+
+def test_what_takes_minutes_for_each_parameter_is_a_unit_for_each_and_goes_first() -> None:
+    long = f"{APART[0]}[bullet]"
+    assert unit_of(long) == long
+    assert order({DEAREST[0]: {}, long: {}}) == [long, DEAREST[0]]
+    file, _, name = APART[0].partition("::")
+    assert f"def {name}(" in (ROOT / file).read_text()
 
 
 def test_files_that_share_a_fixture_are_one_unit() -> None:

@@ -41,7 +41,7 @@ class Batch:
         worlds: of any kinds, with the same number of bodies; they are copied. threads: how many run at once at most, of those
         that Numba was started with (NUMBA_NUM_THREADS).
     Raises: ValueError for no world, for worlds of other numbers of bodies, and for worlds with threads of their own;
-        NotSupported for the exact solver and for swept collision.
+        NotSupported for the exact solver, swept collision and sweeps by colours.
     """
 
     def __init__(self, worlds: Sequence[World], threads: int = 1) -> None:
@@ -55,7 +55,11 @@ class Batch:
                 raise ValueError(f"batch: world {k} has {len(world.state())} bodies, expected {self._bodies} as world 0")
             if world.options.threads > 1:
                 raise ValueError(f"batch: world {k} has {world.options.threads} threads, expected 1: a batch has its own")
-            for found, what in ((world.certificate, "the solver 'exact'"), (world.impacts, "swept collision")):
+            for found, what in (
+                (world.certificate, "the solver 'exact'"),
+                (world.impacts, "swept collision"),
+                (world.coloured or None, "sweeps by colours"),
+            ):
                 if found is not None:
                     raise NotSupported(f"a batch of worlds with {what}", "it does not run in one compiled step")
         self._threads = threads

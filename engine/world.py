@@ -100,11 +100,15 @@ class World:
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
         self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
         volume, threads = self.options.bounding_volume, self.options.threads
-        self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads) if self.touching else None
+        coloured = self.touching and self.options.coloured
+        self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads, coloured) if self.touching else None
         self._drop_apart = load_volume(volume) if self.touching else None
         int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
         if self.touching and self.options.sleeping and not islands_know(self.options):
             raise NotSupported("sleep", "islands are known to the soft solver alone, without swept collision")
+        self.coloured = coloured
+        if coloured and (joints or self.options.sleeping or not islands_know(self.options)):
+            raise NotSupported("sweeps by colours", "the soft solver knows them, without joints, sleep and swept collision")
         self._exact = None
         if self.touching and self.options.solver == "exact":
             from engine.respond.exact.steps import ExactSteps
@@ -225,7 +229,12 @@ class World:
     def _search(self) -> int:
         """Find the pairs of the coming step. Returns: DONE, or FULL."""
         assert self._find_pairs is not None
-        return search_pairs(self._find_pairs, self._drop_apart, self._floats, self._ints)
+        status = search_pairs(self._find_pairs, self._drop_apart, self._floats, self._ints)
+        if status == DONE and self.coloured:
+            from engine.contact.colours import sort_pairs
+
+            sort_pairs(self._floats, self._ints)
+        return status
 
     def _all_asleep(self) -> bool:
         """Whether all dynamic bodies sleep."""

@@ -102,7 +102,9 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
         Job(("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.strike.strike"), _swept),
         _step("steps.contact.step_contact"),
         _step("steps.sequential.step_sequential_impulses"),
+        _step("steps.contact_coloured.step_contact_coloured"),
         _step("steps.spheres.step_spheres"),
+        _step("steps.spheres_coloured.step_spheres_coloured"),
         Job(
             tuple(
                 f"respond.exact.{name}"
@@ -123,6 +125,7 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
             _exact,
         ),
         Job(tuple(f"respond.exact.joint_kernels.{name}" for name in ("write_joint_rows", "look_at_joints")), _exact_jointed),
+        _stage("contact.colours.sort_pairs"),
         _stage("contact.collide_convex.collide_convex"),
         _stage("contact.collide_meshes.collide_meshes"),
         _typed("contact.measure_convex.measure_convex", FLOATS, INTS, types.int64, types.int64, TABLE, TABLE, TABLE),

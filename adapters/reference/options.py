@@ -39,6 +39,7 @@ OPTIONS: Mapping[str, type] = {
     "bounding_volume": str,
     "level_of_detail": str,
     "threads": int,
+    "coloured": bool,
     "contact_hertz": float,
     "contact_damping_ratio": float,
     "max_push": float,
@@ -58,7 +59,9 @@ UNSUBSTEPPED = 4
 """Sub-steps of the soft solver where the settings leave them open."""
 CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
-SOFT_OPTIONS = ("relaxations", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time")
+SOFT_OPTIONS = (
+    "relaxations", "coloured", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time",
+)  # fmt: skip
 """Options of the soft solver alone."""
 EXACT_OPTIONS = ("effort",)
 """Options of the exact solver alone."""

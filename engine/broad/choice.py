@@ -31,9 +31,12 @@ def choose_broad_phase(wanted: str | None, shapes: int) -> str:
     return "brute_force" if shapes <= FEW else "uniform_grid"
 
 
-def load_search(broad_phase: str, volume: str, shapes: int, threads: int) -> FindPairs | None:
-    """The search to run before each step, or None where the step tests all pairs itself."""
-    if broad_phase == "brute_force" and volume == "aabb" and shapes <= FEW:
+def load_search(broad_phase: str, volume: str, shapes: int, threads: int, coloured: bool) -> FindPairs | None:
+    """The search to run before each step, or None where the step tests all pairs itself.
+
+    Args: coloured: whether the pairs are to be sorted by colours then.
+    """
+    if broad_phase == "brute_force" and volume == "aabb" and shapes <= FEW and not coloured:
         return None
     if threads == 1:
         found: FindPairs = import_module(f"engine.broad.{broad_phase}").find_pairs

@@ -69,6 +69,8 @@ def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     """
     if not islands_know(options):
         return False
+    if options.coloured:
+        return False
     if options.threads > 1 or options.sleeping:
         return True
     above = {body.name: body.name for body in bodies if body.motion == "dynamic"}
@@ -127,6 +129,7 @@ def assemble_world(
         Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2, Per.CLIP_POINT: 32,
         Per.PRINCIPAL_BODY: n + 1 if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n + 1 if spheres else 0,
         Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
+        **_colour_sizes(n, near, options, spheres),
         **_convex_sizes([polyhedron for _, polyhedron in polyhedra], pairs if convex else 0, convex, options.continuous),
         **_island_sizes(n, nj, pairs, options, islands),
     }  # fmt: skip
@@ -221,6 +224,16 @@ def _convex_sizes(polyhedra: Sequence[Polyhedron], pairs: int, convex: bool, con
         Per.CONVEX_POINT: 4 * pairs,
         Per.SIMPLEX_CORNER: 560 if convex or continuous == "swept" else 0,
         Per.POLYGON_CORNER: 3 * (2 * max(widest, 16) + 2) if convex else 0,
+    }
+
+
+def _colour_sizes(bodies: int, pairs: int, options: Options, spheres: bool) -> dict[Per, int]:
+    """How many rows the tables of colours have, none where a world needs none."""
+    return {
+        Per.COLOURED: pairs if options.coloured else 0,
+        Per.BAND: at.COLOURS * at.MOST_BANDS + 1 if options.coloured else 0,
+        Per.BANDED_WORLD: int(options.coloured),
+        Per.COLOURED_MOVER: bodies + 1 if options.coloured and spheres else 0,
     }
 
 

@@ -18,11 +18,13 @@ from engine.memory.arena import (
     BROAD,
     CLIP,
     CLIP_KEY,
+    COLOURED,
     CONTINUOUS,
     COUNT,
     DT,
     DYNAMIC,
     FIRST_GAP,
+    FOLLOWING,
     GRAVITY,
     INV_INERTIA,
     INV_MASS,
@@ -32,6 +34,7 @@ from engine.memory.arena import (
     K_PAIR,
     K_ROUND,
     K_SLIPS,
+    LAST_OF_SPHERE,
     M_INV_INERTIA,
     M_INV_MASS,
     MANIFOLDS,
@@ -125,10 +128,22 @@ def keep_old(touch: Floats, key: Ints, first: int, last: int, old: Floats, old_k
 
 
 @kernel
+def list_by_sphere(key: Ints, first: int, last: int, head: Ints, table: Ints) -> None:
+    """List the contacts of the last step in a range of rows by their sphere A. Args: head: LAST_OF_SPHERE; table: COLOURED."""
+    for b in range(head.shape[0]):
+        head[b, 0] = -1
+    for m in range(first, last):
+        table[m, FOLLOWING] = head[key[m, K_BODY_A], 0]
+        head[key[m, K_BODY_A], 0] = m
+
+
+@kernel
 def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     """Run the narrow phase on all pairs and take over the impulses of those that touched in the last step.
 
-    Up to the first pair that did not, or that does no longer, contacts stay in their rows with all that never changes.
+    Up to the first pair that did not, or that does no longer, contacts stay in their rows with all that never changes. Pairs
+    come in rising order, and both steps' contacts are walked at once; where colours sort them otherwise, those of the last step
+    are looked up by their sphere.
     """
     tables, surface = shapes_of(floats, ints), floats_of(floats, ints, SURFACE)
     shape, pose, shape_kind = tables
@@ -140,7 +155,8 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     key, old_key, pair = ints_of(ints, TOUCH_KEY), ints_of(ints, OLD_TOUCH_KEY), ints_of(ints, PAIR)
     kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
     last, shapes, materials, continuous = count[0, MANIFOLDS], count[0, SHAPES], count[0, MATERIALS], count[0, CONTINUOUS]
-    least, dt = setting[0, MARGIN], setting[0, DT]
+    head, table = ints_of(ints, LAST_OF_SPHERE), ints_of(ints, COLOURED)
+    least, dt, coloured = setting[0, MARGIN], setting[0, DT], head.shape[0] > 0
     fall = dt * norm(load3(setting, 0, GRAVITY))
     found, new, walk, as_before = 0, 0, 0, True
     for p in range(pairs):
@@ -173,6 +189,8 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
         if as_before and (t >= last or key[t, K_PAIR] != code):
             as_before, walk = False, t
             keep_old(touch, key, t, last, old, old_key)
+            if coloured:
+                list_by_sphere(key, t, last, head, table)
         store3(touch, t, 0, n)
         touch[t, T_GAP] = gap
         touch[t, T_TANGENT_MASS] = 1.0 / (mass + la * la * mover[i, M_INV_INERTIA] + lb * lb * mover[j, M_INV_INERTIA])
@@ -195,8 +213,14 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
         rest[t, R_STRUCK], rest[t, R_SPIKE] = 0.0, 0.0
         key[t, K_BODY_A], key[t, K_BODY_B], key[t, K_PAIR], key[t, K_ROUND] = i, j, code, is_round
         key[t, K_MOVES] = 1 if kind[j, MOTION] == DYNAMIC else 0
-        while walk < last and old_key[walk, 0] < code:
-            walk += 1
+        if coloured:
+            walk = head[i, 0]
+            while walk >= 0 and old_key[walk, 0] != code:
+                walk = table[walk, FOLLOWING]
+            walk = walk if walk >= 0 else last
+        else:
+            while walk < last and old_key[walk, 0] < code:
+                walk += 1
         if walk < last and old_key[walk, 0] == code:
             key[t, K_SLIPS], touch[t, T_NORMAL] = old_key[walk, 1], old[walk, 0]
             held = load3(old, walk, 1)

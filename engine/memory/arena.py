@@ -338,6 +338,25 @@ UNEASY: Final = 7  # bodies that are not slow, or not for long
 ROWS: Final = 8
 EQUALITIES: Final = 9
 
+COLOURED: Final = int_columns(Per.COLOURED, 4)
+BAND: Final = 0  # of a pair, those of one colour numbered after each other
+UNSORTED: Final = 1  # 2: a pair as it was found
+FOLLOWING: Final = 3  # the next contact of the last step of the same sphere
+
+COLOURS: Final = 2
+MOST_BANDS: Final = 32  # of a colour
+BANDS: Final = int_columns(Per.BAND, 2)
+FIRST_IN_BAND: Final = 0  # of the contacts of a band
+SLIPPING: Final = 1  # of a lane: whether a contact of its last sweep slips
+
+BANDING: Final = float_columns(Per.BANDED_WORLD, 4)  # how the world is cut
+BAND_AXIS: Final = 0
+BAND_COUNT: Final = 1
+BAND_START: Final = 2
+BAND_WIDTH: Final = 3
+
+LAST_OF_SPHERE: Final = int_columns(Per.COLOURED_MOVER, 1)  # a contact of the last step
+
 GROUPED: Final = int_columns(Per.LINK, 1)  # manifolds, island by island
 GROUPED_JOINT: Final = int_columns(Per.TIE, 1)
 LOCAL_STATE: Final = float_columns(Per.LOCAL, 13)

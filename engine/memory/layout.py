@@ -39,6 +39,10 @@ class Per(Enum):
     CONVEX_POINT = auto()
     TOUCH = auto()  # pairs in a world of spheres alone
     LINK = auto()  # pairs where islands are wanted
+    COLOURED = auto()  # pairs whose contacts are swept by colours, or no rows
+    BAND = auto()  # bands of a world whose contacts are swept by colours, and one, or no rows
+    BANDED_WORLD = auto()
+    COLOURED_MOVER = auto()  # bodies in such a world of spheres alone, or no rows
     LOCAL = auto()  # the bodies of every island beside each other, fixed ones once for each island
     RESTING_PAIR = auto()
     RESTING_POINT = auto()
@@ -51,8 +55,8 @@ class Per(Enum):
 
 _GROWING = frozenset(
     {
-        Per.NEAR, Per.PAIR, Per.POINT, Per.OLD_POINT, Per.CONVEX_PAIR, Per.CONVEX_POINT, Per.TOUCH, Per.LINK, Per.LOCAL,
-        Per.RESTING_PAIR, Per.RESTING_POINT,
+        Per.NEAR, Per.PAIR, Per.POINT, Per.OLD_POINT, Per.CONVEX_PAIR, Per.CONVEX_POINT, Per.TOUCH, Per.LINK,
+        Per.COLOURED, Per.LOCAL, Per.RESTING_PAIR, Per.RESTING_POINT,
     }
 )  # fmt: skip
 

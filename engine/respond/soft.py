@@ -28,7 +28,22 @@ Dynamics Algorithms, 2008, section 2.4 (motion and force as six-vectors).
 import math
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Mat, Sym, Vec, add, axpy, load3, load6, load9, mat_vec, store3, sub, sym_vec, tmat_vec
+from engine.maths.vec import (
+    Floats,
+    Mat,
+    Sym,
+    Vec,
+    add,
+    axpy,
+    load3,
+    load6,
+    load9,
+    mat_vec,
+    store3,
+    sub,
+    sym_vec,
+    tmat_vec,
+)
 from engine.memory.arena import (
     APPROACH,
     BODY_A,
@@ -178,8 +193,8 @@ def resist(contacts: Contacts, m: int, v: Vec, w: Vec, soft: Softness, aim: int)
 
 
 @kernel
-def sweep(bodies: Bodies, contacts: Contacts, manifolds: int, soft: Softness, aim: int) -> None:
-    """One sweep over all manifolds: rolling and torsional friction, then friction and normal.
+def sweep(bodies: Bodies, contacts: Contacts, end: int, soft: Softness, aim: int, first: int = 0) -> None:
+    """One sweep over the manifolds first..end - 1: rolling and torsional friction, then friction and normal.
 
     While the position error is corrected the normal comes last, since it matters most; in the relaxing sweeps friction does,
     so that it ends on the cone of the final normal impulse.
@@ -188,7 +203,7 @@ def sweep(bodies: Bodies, contacts: Contacts, manifolds: int, soft: Softness, ai
     the velocity after restitution instead.
     """
     manifold, key = contacts.manifold, contacts.key
-    for m in range(manifolds):
+    for m in range(first, end):
         a, b = key[m, BODY_A], key[m, BODY_B]
         frame = frame_of(manifold, m)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)

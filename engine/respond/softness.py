@@ -29,6 +29,10 @@ PRESS: Final = 0  # velocities that also correct the position error
 RELAX: Final = 1  # velocities alone
 REBOUND: Final = 2  # the velocity after restitution, where a point struck
 
+# What else is done to each contact in turn.
+PUSH: Final = 3  # the impulses of the last sub-step
+TURN: Final = 4  # arms, gaps and normals at the present poses
+
 
 class Softness(NamedTuple):
     """How a contact gives way in a sub-step of h [s].

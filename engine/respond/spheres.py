@@ -6,7 +6,7 @@ With n from A to B and arms l_A n and -l_B n, the velocity of B's surface agains
 
 and an impulse t at right angles to n turns A by -I_A^-1 l_A (n x t) and B by -I_B^-1 l_B (n x t). Between two spheres the
 normal is taken anew in each sub-step, so that both arms lead to one place and angular momentum is kept. The law of the contact
-is that of `soft`.
+is that of `soft`. Sweeps go over the contacts first..end - 1.
 
 Source: Catto, Solver2D, 2024 (TGS Soft).
 """
@@ -145,10 +145,10 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
 
 
 @kernel
-def push_again(touches: Touches, count: int, share: float) -> None:
+def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None:
     """Apply the impulses of the last sub-step, and count a share of them to the step's: 0 for those of the step before."""
     touch, key, mover = touches.touch, touches.key, touches.mover
-    for t in range(count):
+    for t in range(first, end):
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
         tangent, half = load3(touch, t, T_TANGENT), 0.5 * touch[t, T_GAP]
         impulse, turn = add_to_sum(touch, t, share), cross(n, tangent)
@@ -160,14 +160,14 @@ def push_again(touches: Touches, count: int, share: float) -> None:
 
 
 @kernel
-def turn_normals(touches: Touches, count: int, state: Floats) -> None:
+def turn_normals(touches: Touches, end: int, state: Floats, first: int = 0) -> None:
     """Normals and gaps at the present places; friction is turned along with its normal.
 
     So is the impulse of a blow, with what it did to the velocities: the whole of it has then the direction that the rebound
     is measured along. A blow at the angle of an earlier place gives energy, in proportion to the time step.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    for t in range(count):
+    for t in range(first, end):
         pa = load3(state, key[t, K_BODY_A], P)
         if key[t, K_ROUND] == 1:
             d = sub(load3(state, key[t, K_BODY_B], P), pa)
@@ -233,13 +233,13 @@ def store_moving(mover: Floats, a: int, b: int, moves: int, motion: Motion) -> N
 
 
 @kernel
-def press_spheres(touches: Touches, count: int, soft: Softness) -> None:
+def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) -> None:
     """One sweep that corrects positions, as `soft.sweep` does to PRESS: friction and then the normal of each contact.
 
     Neither changes the velocity that the other answers, so that both are taken from one.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    for t in range(count):
+    for t in range(first, end):
         a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
         s, before, held = touch[t, T_GAP], touch[t, T_NORMAL], load3(touch, t, T_TANGENT)
         motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
@@ -257,7 +257,7 @@ def press_spheres(touches: Touches, count: int, soft: Softness) -> None:
 
 
 @kernel
-def relax_spheres(touches: Touches, count: int, aim: int) -> bool:
+def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
     """One sweep without the position error, as `soft.sweep`: the normal and then friction, both from one velocity.
 
     Args: aim: RELAX, or REBOUND to give struck contacts their rebound.
@@ -265,7 +265,7 @@ def relax_spheres(touches: Touches, count: int, aim: int) -> bool:
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     slipping = False
-    for t in range(count):
+    for t in range(first, end):
         before = touch[t, T_NORMAL]
         if touch[t, T_GAP] > 0.0 and before == 0.0:
             continue

@@ -53,10 +53,10 @@ def kept_impulse(contacts: Contacts, m: int, frame: Mat) -> tuple[Vec, Vec]:
 
 
 @kernel
-def warm_start(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
-    """Apply the impulses of the last sub-step."""
+def warm_start(bodies: Bodies, contacts: Contacts, end: int, first: int = 0) -> None:
+    """Apply the impulses of the last sub-step, of the manifolds first..end - 1."""
     state, manifold, key = bodies.state, contacts.manifold, contacts.key
-    for m in range(manifolds):
+    for m in range(first, end):
         a, b = key[m, BODY_A], key[m, BODY_B]
         frame = frame_of(manifold, m)
         force, moment = kept_impulse(contacts, m, frame)

@@ -47,14 +47,14 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
         from engine.steps.sequential import step_sequential_impulses
 
         return step_sequential_impulses
+    if touching and options.coloured:
+        return _named("spheres_coloured" if spheres else "contact_coloured")
     if spheres:
         from engine.steps.spheres import step_spheres
 
         return step_spheres
     if islands:
-        name = f"islands{'_jointed' if jointed else ''}"
-        module = import_module(f"engine.steps.{name}")
-        return cast(Step, getattr(module, f"step_{name}{'_parallel' if options.threads > 1 else ''}"))
+        return _named("islands_jointed" if jointed else "islands", "_parallel" if options.threads > 1 else "")
     if touching and jointed:
         from engine.steps.contact_jointed import step_contact_jointed
 
@@ -69,6 +69,11 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
         return smooth.step_free
     refuse_unsmooth(integrator, unsmooth)
     return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler
+
+
+def _named(module: str, suffix: str = "") -> Step:
+    """The step of a module of this package, or of those that it has the one with a suffix."""
+    return cast(Step, getattr(import_module(f"engine.steps.{module}"), f"step_{module}{suffix}"))
 
 
 def refuse_unsmooth(integrator: str, unsmooth: str) -> None:

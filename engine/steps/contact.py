@@ -1,28 +1,36 @@
 """Steps of worlds with contact, without joints: find contacts, advance what is free, solve what is touched in sub-steps."""
 
-from engine.compile.jit import entry
+from collections.abc import Callable
+
+from engine.compile.jit import entry, template
+from engine.contact.colours import leave_as_found
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, RELAXATIONS, SETTING, START, SUBSTEPS
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of, shapes_of
-from engine.respond.arms import refresh
+from engine.memory.tables import bodies_of, contacts_of
+from engine.respond.manifold_sweeps import as_found
 from engine.respond.share_loads import share_loads
-from engine.respond.soft import sweep
-from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, slow_approach, softness_of
-from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
+from engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
+from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet, patience
 
-__all__ = ["step_contact"]
+__all__ = ["advance_contacts", "step_contact"]
 
 
-@entry
-def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance bodies in contact. Returns: steps done, and DONE, DIVERGED, FULL or CONVEX_PENDING."""
+@template
+def advance_contacts(
+    floats: Floats, ints: Ints, steps: int, mark: Callable[[Floats, Ints], None], visit: Callable[..., None]
+) -> tuple[int, int]:
+    """Advance bodies in contact.
+
+    Args: mark: notes the colours of a step's contacts; visit: does to all what is to be done to each, as
+        `as_found`. Returns: as `step_contact`.
+    """
     bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
-    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
     soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
     slow = slow_approach(setting, soft.h)
     for step in range(steps):
@@ -32,25 +40,32 @@ def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         advance_untouched(bodies, setting, count)
         n = count[0, MANIFOLDS]
         if n > 0:
+            mark(floats, ints)
             for substep in range(count[0, SUBSTEPS]):
                 kick_touched(bodies, setting, count, soft.h)
                 strikes = approach(bodies, contacts, n, setting, soft.h, slow)
                 times = patience(count, substep, strikes)
                 share_loads(bodies, contacts, n, sums)
-                warm_start(bodies, contacts, n)
+                visit(floats, ints, bodies, contacts, soft, PUSH)
                 for _ in range(count[0, ITERATIONS] * times):
-                    sweep(bodies, contacts, n, soft, PRESS)
+                    visit(floats, ints, bodies, contacts, soft, PRESS)
                 drift_touched(bodies, count, soft.h)
-                refresh(bodies.state, shapes, contacts, n)
+                visit(floats, ints, bodies, contacts, soft, TURN)
                 share_loads(bodies, contacts, n, sums)
                 for _ in range(count[0, RELAXATIONS] * times):
-                    sweep(bodies, contacts, n, soft, RELAX)
+                    visit(floats, ints, bodies, contacts, soft, RELAX)
                 if bounce(contacts, n):
                     for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-                        sweep(bodies, contacts, n, soft, REBOUND)
+                        visit(floats, ints, bodies, contacts, soft, REBOUND)
                 friction_mode(bodies, contacts, n)
                 end_substep(contacts, n)
             end_step(contacts, n)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED
     return steps, DONE
+
+
+@entry
+def step_contact(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance bodies in contact. Returns: steps done, and DONE, DIVERGED, FULL or CONVEX_PENDING."""
+    return advance_contacts(floats, ints, steps, leave_as_found, as_found)

@@ -4,7 +4,10 @@ It serves worlds whose moving bodies are single spheres about their centres of m
 static spheres, boxes and planes, without joints, rolling or torsional friction.
 """
 
-from engine.compile.jit import entry
+from collections.abc import Callable
+
+from engine.compile.jit import entry, template
+from engine.contact.colours import leave_as_found
 from engine.contact.sphere_contacts import find_touches
 from engine.integrate.all_bodies import advance_untouched
 from engine.maths.vec import Floats, Ints
@@ -12,30 +15,27 @@ from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, NEW, RELAXATIO
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of
-from engine.respond.softness import FRESH, REBOUND, RELAX, slow_approach, softness_of
+from engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
 from engine.respond.sphere_motion import drift_spheres, end_spheres, kick_spheres
-from engine.respond.spheres import (
-    any_struck,
-    choose_friction,
-    drop_blows,
-    note_strikes,
-    press_spheres,
-    push_again,
-    relax_spheres,
-    touches_of,
-    turn_normals,
-)
+from engine.respond.sphere_sweeps import as_found
+from engine.respond.spheres import any_struck, choose_friction, drop_blows, note_strikes, touches_of
 from engine.steps.count_step import count_step
 
-__all__ = ["step_spheres"]
+__all__ = ["advance_spheres", "step_spheres"]
 
 MANY = 16
 """New or struck contacts get more sweeps where they are one in so many: elsewhere the others' impulses carry the load."""
 
 
-@entry
-def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance spheres in contact. Returns: as `step_contact`."""
+@template
+def advance_spheres(
+    floats: Floats, ints: Ints, steps: int, mark: Callable[[Floats, Ints], None], visit: Callable[..., bool]
+) -> tuple[int, int]:
+    """Advance spheres in contact.
+
+    Args: mark: notes the colours of a step's contacts; visit: does to all what is to be done to each, as
+        `as_found`. Returns: as `step_contact`.
+    """
     bodies, touches = bodies_of(floats, ints), touches_of(floats, ints)
     setting, count, mover = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), touches.mover
     soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
@@ -46,6 +46,8 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
             return step, status
         advance_untouched(bodies, setting, count)
         n = count[0, MANIFOLDS]
+        if n > 0:
+            mark(floats, ints)
         for substep in range(count[0, SUBSTEPS]):
             if n == 0:
                 break
@@ -54,17 +56,17 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
             if touches.elastic == 1:
                 fresh = max(fresh, note_strikes(touches, n, setting, soft.h, slow, share))
             times = FRESH if fresh * MANY >= n else 1
-            push_again(touches, n, share)
+            visit(floats, ints, touches, soft, PUSH, share)
             for _ in range(count[0, ITERATIONS] * times):
-                press_spheres(touches, n, soft)
+                visit(floats, ints, touches, soft, PRESS, share)
             drift_spheres(bodies, mover, count, soft.h)
-            turn_normals(touches, n, bodies.state)
+            visit(floats, ints, touches, soft, TURN, share)
             slipping = count[0, RELAXATIONS] == 0  # nothing looks at it then
             for _ in range(count[0, RELAXATIONS] * times):
-                slipping = relax_spheres(touches, n, RELAX)
+                slipping = visit(floats, ints, touches, soft, RELAX, share)
             if touches.elastic == 1 and any_struck(touches, n):
                 for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
-                    slipping = relax_spheres(touches, n, REBOUND)
+                    slipping = visit(floats, ints, touches, soft, REBOUND, share)
             if slipping:
                 choose_friction(touches, n)
             if touches.elastic == 1:
@@ -73,3 +75,9 @@ def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED
     return steps, DONE
+
+
+@entry
+def step_spheres(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance spheres in contact. Returns: as `step_contact`."""
+    return advance_spheres(floats, ints, steps, leave_as_found, as_found)

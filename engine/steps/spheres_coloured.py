@@ -1,0 +1,15 @@
+"""Steps of worlds of spheres whose contacts are swept by colours: as `spheres`, in another order, on one thread or several."""
+
+from engine.compile.jit import parallel_entry
+from engine.contact.colours import mark_touches
+from engine.maths.vec import Floats, Ints
+from engine.respond.sphere_sweeps import by_colour
+from engine.steps.spheres import advance_spheres
+
+__all__ = ["step_spheres_coloured"]
+
+
+@parallel_entry
+def step_spheres_coloured(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """Advance spheres in contact, swept by colours. Returns: as `step_contact`."""
+    return advance_spheres(floats, ints, steps, mark_touches, by_colour)

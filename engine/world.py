@@ -18,7 +18,7 @@ from engine.build.assembly import assemble_world, islands_know, moves_meshes, sp
 from engine.build.initial_rates import check_initial_rates
 from engine.build.joint_order import elimination_order
 from engine.build.slenderness import check_slenderness
-from engine.contact.choice import load_collide
+from engine.contact.choice import load_collide, load_sorting
 from engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from engine.describe.bodies import Body, Surface
 from engine.describe.check import finite, number, whole
@@ -107,6 +107,7 @@ class World:
         if self.touching and self.options.sleeping and not islands_know(self.options):
             raise NotSupported("sleep", "islands are known to the soft solver alone, without swept collision")
         self.coloured = coloured
+        self._sort_pairs = load_sorting(coloured)
         if coloured and (joints or self.options.sleeping or not islands_know(self.options)):
             raise NotSupported("sweeps by colours", "the soft solver knows them, without joints, sleep and swept collision")
         self._exact = None
@@ -230,10 +231,8 @@ class World:
         """Find the pairs of the coming step. Returns: DONE, or FULL."""
         assert self._find_pairs is not None
         status = search_pairs(self._find_pairs, self._drop_apart, self._floats, self._ints)
-        if status == DONE and self.coloured:
-            from engine.contact.colours import sort_pairs
-
-            sort_pairs(self._floats, self._ints)
+        if status == DONE and self._sort_pairs is not None:
+            self._sort_pairs(self._floats, self._ints)
         return status
 
     def _all_asleep(self) -> bool:

@@ -25,7 +25,7 @@ ROUNDED = 1e-15
 """Least tolerance of exact contacts over the ratio of masses: impulses are known to rounding of the heaviest load, and
 residuals are relative to the light body's; for two boxes of 100 : 1 to 1e6 : 1 the least are 2e-16 to 6e-16 of the ratio."""
 MERGED = 8
-"""Sub-steps that are taken as one where trees of joints in joint coordinates stand on what does not move."""
+"""Sub-steps that are taken as one where trees of joints, in joint coordinates, may touch something."""
 TURNING = 2**0.5
 """Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 
@@ -50,7 +50,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
 
     Trees of joints that touch something: joint coordinates know contacts under semi-implicit Euler alone, and what a tree does
     to its contacts is answered whole in a sub-step of any length: as many are taken as unlike masses call for, r = n^2, and
-    else one for `MERGED` of those asked for, a single one with twice the sweeps. Stands are as exact then, at half of the time.
+    else one for `MERGED` of those asked for, a single one with twice the sweeps. At half of the time stands err from a quarter
+    to five times as much as in four sub-steps of two (docs/decisions/0022).
 
     Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
     Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made

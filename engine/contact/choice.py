@@ -1,11 +1,11 @@
-"""Which compiled narrow phase answers the pairs of a world that have no closed form."""
+"""Which compiled narrow phase answers the pairs of a world that have no closed form, and what sorts them by colours."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Collide", "load_collide"]
+__all__ = ["Collide", "load_collide", "load_sorting"]
 
 Collide = Callable[[NDArray[np.float64], NDArray[np.int64]], None]
 
@@ -19,3 +19,12 @@ def load_collide(moving_meshes: bool) -> Collide:
     from engine.contact.collide_convex import collide_convex
 
     return collide_convex
+
+
+def load_sorting(coloured: bool) -> Collide | None:
+    """What sorts the pairs of a step by colours, where these are wanted."""
+    if not coloured:
+        return None
+    from engine.contact.colours import sort_pairs
+
+    return sort_pairs

@@ -28,22 +28,7 @@ Dynamics Algorithms, 2008, section 2.4 (motion and force as six-vectors).
 import math
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import (
-    Floats,
-    Mat,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    load3,
-    load6,
-    load9,
-    mat_vec,
-    store3,
-    sub,
-    sym_vec,
-    tmat_vec,
-)
+from engine.maths.vec import Floats, Mat, Sym, Vec, add, axpy, load3, load6, load9, mat_vec, store3, sub, sym_vec, tmat_vec
 from engine.memory.arena import (
     APPROACH,
     BODY_A,

@@ -11,15 +11,15 @@ from engine.memory.arena import int_table
 from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
-FAR = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+AXES = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def ball(name: str, place: object, radius: float = 0.1, **more: object) -> engine.Body:
+def ball(name: str, place: object, radius: float = 0.1) -> engine.Body:
     """A ball of the density that gives one of .1 m a kilogram."""
     mass = 1e3 * radius**3
     inertia = 0.4 * mass * radius**2 * np.eye(3)
     shapes = [engine.Placed(engine.Sphere(radius))]
-    return engine.Body(name=name, mass=mass, inertia=inertia, shapes=shapes, p_WB=tuple(np.asarray(place)), **more)  # type: ignore[arg-type]
+    return engine.Body(name=name, mass=mass, inertia=inertia, shapes=shapes, p_WB=tuple(np.asarray(place)))
 
 
 def box(name: str, place: object) -> engine.Body:
@@ -41,7 +41,7 @@ def heap(kind: str, restitution: float = 0.0, gravity: float = -9.81, lift: floa
         if kind == "about a large one":
             bodies.append(ball("large", (0.6, 0.3, 0.35), 0.3))
     else:
-        axis = FAR["xyz".index(kind)]
+        axis = AXES["xyz".index(kind)]
         bodies = [ball(f"b{k}", 0.199 * k * np.array(axis)) for k in range(40)]
     law = engine.Surface(static_friction=0.6, kinetic_friction=0.5, restitution=restitution)
     return engine.World(
@@ -97,7 +97,7 @@ for threads in (1, 2, 3, 4):
     ("spheres", 60), ("boxes", 30), *(pytest.param(kind, 500, marks=pytest.mark.slow) for kind in ("spheres", "boxes", "z")),
 ])  # fmt: skip
 def test_one_heap_ends_with_the_same_bits_on_any_number_of_threads(kind: str, steps: int, fork: Fork) -> None:
-    """All of it is one island: what threads share is its sweeps. Blows and slips are in it."""
+    """All of it is one island: what threads share is its sweeps. Surfaces rub and bounce."""
     said = fork(THREADS.format(folder=str(Path(__file__).parent), kind=kind, steps=steps)).split()
     assert len(said) == 4
     assert len(set(said)) == 1

@@ -13,6 +13,7 @@ from engine.describe.check import finite
 from engine.describe.errors import Diverged, NotSupported
 from engine.memory import arena as at
 from engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
+from engine.options import GAUSS_SEIDEL
 from engine.steps.choice import Kernels
 from engine.steps.many_worlds import (
     address_of_collide,
@@ -41,7 +42,7 @@ class Batch:
         worlds: of any kinds, with the same number of bodies; they are copied. threads: how many run at once at most, of those
         that Numba was started with (NUMBA_NUM_THREADS).
     Raises: ValueError for no world, for worlds of other numbers of bodies, and for worlds with threads of their own;
-        NotSupported for the exact solver, swept collision and sweeps by colours.
+        NotSupported for the exact solver, swept collision, and sweeps of which threads share the contacts of one world.
     """
 
     def __init__(self, worlds: Sequence[World], threads: int = 1) -> None:
@@ -55,13 +56,11 @@ class Batch:
                 raise ValueError(f"batch: world {k} has {len(world.state())} bodies, expected {self._bodies} as world 0")
             if world.options.threads > 1:
                 raise ValueError(f"batch: world {k} has {world.options.threads} threads, expected 1: a batch has its own")
-            for found, what in (
-                (world.certificate, "the solver 'exact'"),
-                (world.impacts, "swept collision"),
-                (world.coloured or None, "sweeps by colours"),
-            ):
+            for found, what in ((world.certificate, "the solver 'exact'"), (world.impacts, "swept collision")):
                 if found is not None:
                     raise NotSupported(f"a batch of worlds with {what}", "it does not run in one compiled step")
+            if world.sweeps != GAUSS_SEIDEL:
+                raise NotSupported(f"a batch of worlds with sweeps '{world.sweeps}'", "a batch shares worlds among threads")
         self._threads = threads
         self._worlds = [copy(world) for world in worlds]
         self._kinds: dict[Kernels, IntArray] = {

@@ -28,7 +28,7 @@ from engine.describe.optics import Sun
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
-from engine.options import Options
+from engine.options import COLOURED, GAUSS_SEIDEL, Options
 from engine.rays.cast import METHODS, as_rays, cast_on_shapes, unit_directions
 from engine.rays.hits import Hits
 from engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
@@ -100,16 +100,16 @@ class World:
         self.spheres = self.touching and spheres_only(bodies, joints, surfaces or {}, self.options)
         self.broad_phase = choose_broad_phase(self.options.broad_phase, len(kinds))
         volume, threads = self.options.bounding_volume, self.options.threads
-        coloured = self.touching and self.options.coloured
+        self.sweeps = self.options.sweeps if self.touching else GAUSS_SEIDEL
+        coloured = self.sweeps == COLOURED
         self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads, coloured) if self.touching else None
         self._drop_apart = load_volume(volume) if self.touching else None
         int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
         if self.touching and self.options.sleeping and not islands_know(self.options):
             raise NotSupported("sleep", "islands are known to the soft solver alone, without swept collision")
-        self.coloured = coloured
         self._sort_pairs = load_sorting(coloured)
-        if coloured and (joints or self.options.sleeping or not islands_know(self.options)):
-            raise NotSupported("sweeps by colours", "the soft solver knows them, without joints, sleep and swept collision")
+        if self.sweeps != GAUSS_SEIDEL and (joints or self.options.sleeping or not islands_know(self.options)):
+            raise NotSupported(f"sweeps '{self.sweeps}'", "the soft solver has them, without joints, sleep and swept collision")
         self._exact = None
         if self.touching and self.options.solver == "exact":
             from engine.respond.exact.steps import ExactSteps

@@ -103,6 +103,7 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
         _step("steps.contact.step_contact"),
         _step("steps.sequential.step_sequential_impulses"),
         _step("steps.contact_coloured.step_contact_coloured"),
+        _step("steps.contact_jacobi.step_contact_jacobi"),
         _step("steps.spheres.step_spheres"),
         _step("steps.spheres_coloured.step_spheres_coloured"),
         Job(

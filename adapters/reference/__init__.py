@@ -40,7 +40,7 @@ Deviations:
       with Runge-Kutta 145, sequential impulses 59; exact contacts have all those right whose masses are 10 : 1 or more unlike.
     * More than three contacts of one body leave open how they share its load. The soft solver shares it evenly where a body
       stands on what does not move, with one normal, outside of worlds solved island by island; elsewhere the order of bodies
-      decides.
+      decides, unless the option 'sweeps' is 'jacobi'.
     * Boxes tumbling on a plane without friction at e = 1 gain energy in proportion to dt: 0.2 % in 0.5 s at dt = 1e-3.
     * Restitution is Newton's, of normal velocities: u_after = -e u_before. Where friction acts off the centre of mass, that law
       itself can give energy (Kane and Levinson, *Dynamics*, 1985; Stronge, *Impact Mechanics*, 2000): of 300 blows of a

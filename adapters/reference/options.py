@@ -39,7 +39,7 @@ OPTIONS: Mapping[str, type] = {
     "bounding_volume": str,
     "level_of_detail": str,
     "threads": int,
-    "coloured": bool,
+    "sweeps": str,
     "contact_hertz": float,
     "contact_damping_ratio": float,
     "max_push": float,
@@ -60,7 +60,7 @@ UNSUBSTEPPED = 4
 CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
 SOFT_OPTIONS = (
-    "relaxations", "coloured", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time",
+    "relaxations", "sweeps", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time",
 )  # fmt: skip
 """Options of the soft solver alone."""
 EXACT_OPTIONS = ("effort",)

@@ -19,7 +19,7 @@ from engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table, new_arena
 from engine.memory.layout import FLOATS, INTS, Per, shapes_of
-from engine.options import CONTINUOUS, FREE_INTEGRATORS, Options
+from engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
 
 __all__ = ["assemble_world", "grow", "islands_know", "moves_meshes", "spheres_only", "wants_islands"]
 
@@ -41,6 +41,8 @@ def spheres_only(
 ) -> bool:
     """Whether the world is one that `engine.steps.spheres` serves."""
     if not options.contacts or options.sleeping or options.solver != "tgs_soft" or options.continuous == "swept":
+        return False
+    if options.sweeps == JACOBI:
         return False
     if joints or any(law.rolling_friction > 0 or law.torsional_friction > 0 for law in surfaces.values()):
         return False
@@ -69,7 +71,7 @@ def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     """
     if not islands_know(options):
         return False
-    if options.coloured:
+    if options.sweeps != GAUSS_SEIDEL:
         return False
     if options.threads > 1 or options.sleeping:
         return True
@@ -129,7 +131,7 @@ def assemble_world(
         Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2, Per.CLIP_POINT: 32,
         Per.PRINCIPAL_BODY: n + 1 if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n + 1 if spheres else 0,
         Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
-        **_colour_sizes(n, near, options, spheres),
+        **_sweep_sizes(n, near, options, spheres),
         **_convex_sizes([polyhedron for _, polyhedron in polyhedra], pairs if convex else 0, convex, options.continuous),
         **_island_sizes(n, nj, pairs, options, islands),
     }  # fmt: skip
@@ -227,13 +229,15 @@ def _convex_sizes(polyhedra: Sequence[Polyhedron], pairs: int, convex: bool, con
     }
 
 
-def _colour_sizes(bodies: int, pairs: int, options: Options, spheres: bool) -> dict[Per, int]:
-    """How many rows the tables of colours have, none where a world needs none."""
+def _sweep_sizes(bodies: int, pairs: int, options: Options, spheres: bool) -> dict[Per, int]:
+    """How many rows the tables of colours, and of answers at once, have, none where a world needs none."""
+    coloured = options.sweeps == COLOURED
     return {
-        Per.COLOURED: pairs if options.coloured else 0,
-        Per.BAND: at.COLOURS * at.MOST_BANDS + 1 if options.coloured else 0,
-        Per.BANDED_WORLD: int(options.coloured),
-        Per.COLOURED_MOVER: bodies + 1 if options.coloured and spheres else 0,
+        Per.COLOURED: pairs if coloured else 0,
+        Per.BAND: at.COLOURS * at.MOST_BANDS + 1 if coloured else 0,
+        Per.BANDED_WORLD: int(coloured),
+        Per.COLOURED_MOVER: bodies + 1 if coloured and spheres else 0,
+        Per.ANSWERING_PAIR: pairs if options.sweeps == JACOBI else 0,
     }
 
 

@@ -241,6 +241,12 @@ def sym_vec(s: Sym, v: Vec) -> Vec:
 
 
 @kernel
+def sym_scale(a: float, s: Sym) -> Sym:
+    """a S."""
+    return a * s[0], a * s[1], a * s[2], a * s[3], a * s[4], a * s[5]
+
+
+@kernel
 def sym_rotate(m: Mat, s: Sym) -> Sym:
     """M S M^T."""
     a = sym_vec(s, (m[0], m[1], m[2]))

@@ -355,6 +355,8 @@ BAND_COUNT: Final = 1
 BAND_START: Final = 2
 BAND_WIDTH: Final = 3
 
+ANSWER: Final = float_columns(Per.ANSWERING_PAIR, 6)  # what a manifold gives in a sweep: force and moment, in its frame
+
 LAST_OF_SPHERE: Final = int_columns(Per.COLOURED_MOVER, 1)  # a contact of the last step
 
 GROUPED: Final = int_columns(Per.LINK, 1)  # manifolds, island by island

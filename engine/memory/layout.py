@@ -42,6 +42,7 @@ class Per(Enum):
     COLOURED = auto()  # pairs whose contacts are swept by colours, or no rows
     BAND = auto()  # bands of a world whose contacts are swept by colours, and one, or no rows
     BANDED_WORLD = auto()
+    ANSWERING_PAIR = auto()  # pairs whose contacts are swept at once, or no rows
     COLOURED_MOVER = auto()  # bodies in such a world of spheres alone, or no rows
     LOCAL = auto()  # the bodies of every island beside each other, fixed ones once for each island
     RESTING_PAIR = auto()
@@ -56,7 +57,7 @@ class Per(Enum):
 _GROWING = frozenset(
     {
         Per.NEAR, Per.PAIR, Per.POINT, Per.OLD_POINT, Per.CONVEX_PAIR, Per.CONVEX_POINT, Per.TOUCH, Per.LINK,
-        Per.COLOURED, Per.LOCAL, Per.RESTING_PAIR, Per.RESTING_POINT,
+        Per.COLOURED, Per.ANSWERING_PAIR, Per.LOCAL, Per.RESTING_PAIR, Per.RESTING_POINT,
     }
 )  # fmt: skip
 

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Sym, Vec, load3, load6, store3
+from engine.maths.vec import Floats, Sym, Vec, load3, load6, store3, sym_scale
 from engine.memory.arena import INV_MASS, V, W
 
-__all__ = ["Motion", "Pair", "motion_of", "pair_of", "store_motion"]
+__all__ = ["Motion", "Pair", "lighter", "motion_of", "pair_of", "store_motion"]
 
 
 class Pair(NamedTuple):
@@ -34,6 +34,13 @@ def pair_of(body: Floats, turned: Floats, a: int, b: int) -> Pair:
     """Two bodies as they weigh now."""
     mass_a, mass_b = body[a, INV_MASS], body[b, INV_MASS]
     return Pair(a, b, mass_a, load6(turned, a, 0), mass_b, load6(turned, b, 0))
+
+
+@inlined
+def lighter(pair: Pair, by_a: float, by_b: float) -> Pair:
+    """The pair with A `by_a` times lighter, and B `by_b` times, in mass and inertia."""
+    light_a, light_b = sym_scale(by_a, pair.inertia_a), sym_scale(by_b, pair.inertia_b)
+    return Pair(pair.a, pair.b, by_a * pair.mass_a, light_a, by_b * pair.mass_b, light_b)
 
 
 @inlined

@@ -41,11 +41,27 @@ from engine.memory.tables import Bodies, Contacts, Shapes
 from engine.respond.arms import spread
 from engine.respond.centre import Centre, frame_of
 from engine.respond.mobility import effective_masses, write_blocks, write_stop
-from engine.respond.pair import pair_of
+from engine.respond.pair import Pair, pair_of
 from engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
 from engine.respond.rolling_rims import radius, rim_of, rolls_on
 
-__all__ = ["prepare"]
+__all__ = ["prepare", "weigh"]
+
+
+@kernel
+def weigh(contacts: Contacts, m: int, centre: Centre, pair: Pair) -> None:
+    """Effective masses of manifold m between two bodies of the inverse masses of `pair`."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    write_blocks(manifold, m, centre, pair)
+    normals, tangents = load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK)
+    for i in range(4 * m, 4 * m + key[m, POINTS]):
+        point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(
+            normals, tangents, point[i, SPREAD], point[i, SPREAD + 1]
+        )
+    write_stop(manifold, m, key, point)
+    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+        manifold[m, SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
+        manifold[m, SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
 
 
 @kernel
@@ -95,13 +111,4 @@ def prepare(bodies: Bodies, shapes: Shapes, contacts: Contacts, m: int) -> None:
         store3(manifold, m, RIM_AXIS_B, tmat_vec(rb_wb, rim_b.axis))
     manifold[m, POINT_SHARE] = 1.0 / key[m, POINTS]
     spread(m, sub(pb, pa), manifold, key, point)
-    write_blocks(manifold, m, Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B)), pair)
-    normals, tangents = load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK)
-    for i in range(4 * m, 4 * m + key[m, POINTS]):
-        point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(
-            normals, tangents, point[i, SPREAD], point[i, SPREAD + 1]
-        )
-    write_stop(manifold, m, key, point)
-    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
-        manifold[m, SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
-        manifold[m, SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
+    weigh(contacts, m, Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B)), pair)

@@ -61,7 +61,7 @@ from engine.respond.centre import Centre, frame_of, give_impulse, relative_motio
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import PRESS, REBOUND, Softness
 
-__all__ = ["resist", "sweep"]
+__all__ = ["resist", "resist_at", "roll", "sweep"]
 
 
 @kernel
@@ -123,22 +123,42 @@ def rub(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point:
 
 
 @inlined
+def roll(contacts: Contacts, m: int, w: Vec) -> Vec:
+    """The moment of manifold m against rolling and torsion at the angular velocity W, in the frame."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    moment = (0.0, 0.0, 0.0)
+    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+        total = 0.0
+        for i in range(4 * m, 4 * m + key[m, POINTS]):
+            total += point[i, NORMAL_IMPULSE]
+        moment = resist_spin(manifold, m, frame_of(manifold, m), w, total)
+    return moment
+
+
+@inlined
 def resist(contacts: Contacts, m: int, v: Vec, w: Vec, soft: Softness, aim: int) -> tuple[Vec, Vec]:
     """What manifold m gives against the relative motion (V, W) at its centre. Args: as `sweep`. Returns: force and moment."""
+    moment = roll(contacts, m, w)
+    return resist_at(contacts, m, (4 * m, 4 * m + contacts.key[m, POINTS]), (v, w), moment, soft, aim)
+
+
+@inlined
+def resist_at(
+    contacts: Contacts, m: int, points: tuple[int, int], motion: tuple[Vec, Vec], moment: Vec, soft: Softness, aim: int
+) -> tuple[Vec, Vec]:
+    """What some points of manifold m, one after the other, give against the relative motion (V, W) at its centre.
+
+    Args: points: their first and end; moment: that was given against (V, W) already. Returns: force and moment, with it.
+    """
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     normals, tangents, coupling = (
         load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK), load9(manifold, m, COUPLING)
     )  # fmt: skip
-    first, end = 4 * m, 4 * m + key[m, POINTS]
-    lift: Vec = (v[2], w[0], w[1])
-    slide: Vec = (v[0], v[1], w[2])
-    pressed, rubbed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    first, end = points
+    v, w = motion
+    pressed, rubbed = (0.0, moment[0], moment[1]), (0.0, 0.0, moment[2])
+    lift, slide = (v[2], w[0], w[1]), (v[0], v[1], w[2])
     if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
-        total = 0.0
-        for i in range(first, end):
-            total += point[i, NORMAL_IMPULSE]
-        moment = resist_spin(manifold, m, frame_of(manifold, m), w, total)
-        pressed, rubbed = (0.0, moment[0], moment[1]), (0.0, 0.0, moment[2])
         lift = add(add(lift, sym_vec(normals, pressed)), tmat_vec(coupling, rubbed))
         slide = add(add(slide, sym_vec(tangents, rubbed)), mat_vec(coupling, pressed))
     friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
@@ -169,7 +189,9 @@ def resist(contacts: Contacts, m: int, v: Vec, w: Vec, soft: Softness, aim: int)
             pressed = add(pressed, (f, m1, m2))
             slide = add(slide, mat_vec(coupling, (f, m1, m2)))
         elif friction > 0.0:
-            f1, f2, m3 = stick(manifold, m, slide, friction, first, end, point)
+            f1, f2, m3 = math.inf, 0.0, 0.0
+            if end - first == key[m, POINTS]:
+                f1, f2, m3 = stick(manifold, m, slide, friction, first, end, point)
             if f1 == math.inf:
                 f1, f2, m3 = rub(tangents, slide, friction, first, end, point)
             rubbed = add(rubbed, (f1, f2, m3))

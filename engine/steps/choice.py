@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from engine.broad.choice import DropApart, FindPairs
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
-from engine.options import ADAPTIVE, FREE_INTEGRATORS, Options
+from engine.options import ADAPTIVE, FREE_INTEGRATORS, GAUSS_SEIDEL, Options
 
 __all__ = ["Kernels", "Step", "choose_step", "joint_coordinates_step", "unsmooth_of"]
 
@@ -47,8 +47,8 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
         from engine.steps.sequential import step_sequential_impulses
 
         return step_sequential_impulses
-    if touching and options.coloured:
-        return _named("spheres_coloured" if spheres else "contact_coloured")
+    if touching and options.sweeps != GAUSS_SEIDEL:
+        return _named(f"{'spheres' if spheres else 'contact'}_{options.sweeps}")
     if spheres:
         from engine.steps.spheres import step_spheres
 

@@ -1,0 +1,124 @@
+"""Jacobi sweeps with split masses: every point answers the velocities that were there before the sweep, and then all are given.
+
+A body with n points of contact counts as n bodies of an n-th of its mass and inertia, one at each point:
+
+    M_split = n_A M_A + n_B M_B
+
+A point's answer is as if its two parts were alone in the world. What all points give to the body changes its velocity by the
+mean of the changes of its parts, so that no sweep overshoots however many there are. No point sees what another gives in the
+same sweep: in which order contacts are found, or which body of a pair is the first, shows in the rounding of sums alone, and
+threads share contacts of any graph.
+
+The spring of a contact is one of so many times a second, so that it is as soft as its parts are light: bodies lie deeper in
+each other than under Gauss-Seidel, by about the number of parts over the number of points that share a load. Springs of the
+whole masses between the parts were tried, and a tower of ten shook: the sweeps that load them are not there.
+
+Source: Tonge, Benevolenski, Voroshilov, Mass splitting for jitter-free parallel rigid body simulation, ACM Trans. Graph. 31(4),
+2012; Saad, Iterative Methods for Sparse Linear Systems, 2003, section 4.1.
+"""
+
+from numba import prange
+
+from engine.compile.jit import inlined, kernel, template
+from engine.maths.vec import Floats, Ints, Vec, add, load3, store3
+from engine.memory.arena import (
+    ANSWER,
+    BODY_A,
+    BODY_B,
+    COUNT,
+    DT,
+    LAW,
+    MANIFOLDS,
+    POINTS,
+    SETTING,
+    START,
+    SUBSTEPS,
+    TALLY,
+    THREADS,
+)
+from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
+from engine.respond.arms import refresh
+from engine.respond.centre import centre_of, give_impulse, relative_motion
+from engine.respond.pair import lighter, motion_of, pair_of
+from engine.respond.prepare import weigh
+from engine.respond.soft import resist_at, roll
+from engine.respond.softness import PUSH, TURN, Softness, softness_of
+from engine.respond.substep import kept_impulse
+
+__all__ = ["at_once", "split_masses"]
+
+
+@kernel
+def split_masses(floats: Floats, ints: Ints) -> None:
+    """Effective masses of all points between the parts of the bodies; rolling and torsional friction has a part of its own."""
+    bodies, contacts, parts = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
+    n = ints_of(ints, COUNT)[0, MANIFOLDS]
+    for b in range(parts.shape[0]):
+        parts[b, 0] = 0.0
+    for m in range(n):
+        turns = contacts.manifold[m, LAW + 3] > 0.0 or contacts.manifold[m, LAW + 4] > 0.0
+        more = contacts.key[m, POINTS] + (1 if turns else 0)
+        parts[contacts.key[m, BODY_A], 0] += more
+        parts[contacts.key[m, BODY_B], 0] += more
+    for m in range(n):
+        a, b = contacts.key[m, BODY_A], contacts.key[m, BODY_B]
+        part = lighter(pair_of(bodies.body, bodies.turned, a, b), parts[a, 0], parts[b, 0])
+        weigh(contacts, m, centre_of(contacts.manifold, m), part)
+
+
+@inlined
+def answer_of(contacts: Contacts, m: int, motion: tuple[Vec, Vec], soft: Softness, aim: int) -> tuple[Vec, Vec]:
+    """What the points of manifold m give against the relative motion, each as if it were alone: force and moment."""
+    moment = roll(contacts, m, motion[1])
+    force = (0.0, 0.0, 0.0)
+    for i in range(4 * m, 4 * m + contacts.key[m, POINTS]):
+        f, t = resist_at(contacts, m, (i, i + 1), motion, (0.0, 0.0, 0.0), soft, aim)
+        force, moment = add(force, f), add(moment, t)
+    return force, moment
+
+
+@kernel
+def answer_lane(floats: Floats, ints: Ints, aim: int, lane: int, lanes: int) -> None:
+    """Note what each contact of a lane gives, or take its points to the present poses, as `aim` says.
+
+    Tables are carved here, since no tuple of them can be handed to a thread.
+    """
+    bodies, contacts, answer = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, ANSWER)
+    setting, n = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)[0, MANIFOLDS]
+    soft = softness_of(setting, setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+    first, end = n * lane // lanes, n * (lane + 1) // lanes
+    if aim == TURN:
+        refresh(bodies.state, shapes_of(floats, ints), contacts, end, first)
+        return
+    for m in range(first, end):
+        centre = centre_of(contacts.manifold, m)
+        if aim == PUSH:
+            force, moment = kept_impulse(contacts, m, centre.frame)
+        else:
+            motion = relative_motion(centre, motion_of(bodies.state, contacts.key[m, BODY_A], contacts.key[m, BODY_B]))
+            force, moment = answer_of(contacts, m, motion, soft, aim)
+        store3(answer, m, 0, force)
+        store3(answer, m, 3, moment)
+
+
+@kernel
+def give_answers(bodies: Bodies, contacts: Contacts, answer: Floats, manifolds: int) -> None:
+    """Give what was noted to the whole bodies."""
+    for m in range(manifolds):
+        a, b = contacts.key[m, BODY_A], contacts.key[m, BODY_B]
+        pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
+        give_impulse(bodies.state, pair, centre_of(contacts.manifold, m), motion, load3(answer, m, 0), load3(answer, m, 3))
+
+
+@template
+def at_once(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts, _soft: Softness, aim: int) -> None:
+    """Do what `aim` says to all contacts, from one state of the world. Where there is one thread, none is sent for."""
+    lanes, n = ints_of(ints, TALLY)[0, THREADS], ints_of(ints, COUNT)[0, MANIFOLDS]
+    if lanes == 1:
+        answer_lane(floats, ints, aim, 0, 1)
+    else:
+        for lane in prange(lanes):
+            answer_lane(floats, ints, aim, lane, lanes)
+    if aim != TURN:
+        give_answers(bodies, contacts, floats_of(floats, ints, ANSWER), n)

@@ -4,10 +4,15 @@
 
 with p = M(q) q'. What is linear in p or of second degree in p and q is kept to round-off where nothing acts on it, so momentum
 and angular momentum about any point. The equation is solved by Newton's method with the mass matrix alone, whose rounds make
-the error smaller by about h/2 times the angular velocities; springs and drives are in it, limits act at the end of the step.
+the error smaller by about h/2 times the angular velocities; where that is no share, its rounds are mixed (`mixing`). Springs
+and drives are in it, limits act at the end of the step.
 
 Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1.1, V.1 and VI.4.2 (theorem 4.2).
 """
+
+import math
+
+import numpy as np
 
 from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
 from engine.articulated.articulated_body import accelerations
@@ -16,6 +21,7 @@ from engine.articulated.bounded import settle_laws, solve_laws
 from engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
 from engine.articulated.forces import load_links
 from engine.articulated.laws import SMOOTH, STIFF_ALONE, take_laws, write_laws
+from engine.articulated.mixing import DEPTH, mixed
 from engine.articulated.motion import move_links
 from engine.articulated.runge_kutta import push_columns
 from engine.articulated.tables import (
@@ -42,8 +48,11 @@ __all__ = ["implicit_midpoint"]
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
 
-MOST_ROUNDS = 50
-"""Some eight are needed where h times the angular velocities is small; more than these where the step is far too long."""
+PLAIN_ROUNDS = 20
+"""Some eight are needed where h times the angular velocities is small."""
+
+MOST_ROUNDS = 100
+"""Of those that are mixed; more are needed where the step is far too long."""
 
 
 @kernel
@@ -83,25 +92,69 @@ def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, floa
 
 
 @kernel
+def guess_middle(tables: Tables) -> None:
+    """Write the rates from which rounds begin: those of the start, changed as they were in the last step."""
+    column, kept = tables.column, tables.stage_rate
+    for k in range(column.shape[0]):
+        column[k, RATE] = kept[k, KEPT_RATE] + kept[k, KEPT_CHANGE]
+
+
+@kernel
+def refine_middle(
+    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, breaks: int
+) -> tuple[float, float]:
+    """One round. Args: breaks: as `write_laws` returns. Returns: as `change_middle`; inf where the laws have no answer."""
+    go_to_middle(tables, bodies, h)
+    column_momenta(tables, bodies, joints, setting, gyroscopic)
+    push_by_momenta(tables, joints, h)
+    if not settle_laws(tables, bodies, joints, setting, 0.5 * h, gyroscopic, SMOOTH, breaks):
+        return math.inf, 0.0
+    return change_middle(tables, joints, h)
+
+
+@kernel
+def mix_rounds(
+    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, breaks: int
+) -> bool:
+    """Write the rates of the middle by rounds that are mixed. Returns: whether they were found."""
+    column = tables.column
+    past, answer = np.empty((4, DEPTH + 1, column.shape[0])), np.empty(column.shape[0])
+    guess, step = past[0], past[1]
+    guess_middle(tables)
+    for done in range(MOST_ROUNDS):
+        for row in range(DEPTH, 0, -1):
+            guess[row, :], step[row, :] = guess[row - 1], step[row - 1]
+        for k in range(column.shape[0]):
+            guess[0, k] = column[k, RATE]
+        change, rate = refine_middle(tables, bodies, joints, setting, h, gyroscopic, breaks)
+        if change <= ROUND_OFF * rate:
+            return True
+        if not math.isfinite(change):
+            return False
+        for k in range(column.shape[0]):
+            step[0, k] = column[k, RATE] - guess[0, k]
+        mixed(guess, step, past[2], past[3], min(done, DEPTH - 1) + 1, answer)
+        for k in range(column.shape[0]):
+            column[k, RATE] = answer[k]
+    return False
+
+
+@kernel
 def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
     """Write the rates of the middle, whose bases are there already. Returns: whether they were found."""
-    column, kept, stage = tables.column, tables.stage_rate, tables.stage
+    stage = tables.stage
     breaks = write_laws(tables, joints, 0.5 * h, SMOOTH)
     for i in range(stage.shape[0]):
         for c in range(7):
             stage[i, c] = tables.coordinate[i, c]
-    for k in range(column.shape[0]):
-        column[k, RATE] = kept[k, KEPT_RATE] + kept[k, KEPT_CHANGE]
-    for _ in range(MOST_ROUNDS):
-        go_to_middle(tables, bodies, h)
-        column_momenta(tables, bodies, joints, setting, gyroscopic)
-        push_by_momenta(tables, joints, h)
-        if not settle_laws(tables, bodies, joints, setting, 0.5 * h, gyroscopic, SMOOTH, breaks):
-            return False
-        change, rate = change_middle(tables, joints, h)
+    guess_middle(tables)
+    for _ in range(PLAIN_ROUNDS):
+        change, rate = refine_middle(tables, bodies, joints, setting, h, gyroscopic, breaks)
         if change <= ROUND_OFF * rate:
             return True
-    return False
+        if not math.isfinite(change):
+            break
+    return mix_rounds(tables, bodies, joints, setting, h, gyroscopic, breaks)
 
 
 @kernel

@@ -190,6 +190,8 @@ def test_tuned_takes_whole_steps_where_sub_steps_would_see_nothing() -> None:
     used = ADAPTER.build(top(spin=2000.0), TUNED).resolved
     assert (used.substeps, used.options["steps"]) == (8, 8)
     assert ADAPTER.build(top(spin=2000.0), used).resolved == used
+    for spin, integrator in ((1900.0, "rk4"), (2000.0, "implicit_midpoint")):
+        assert ADAPTER.build(top(spin=spin), TUNED).resolved.integrator == integrator
     wall = plugins.case("tunnel_sphere_wall").scene
     for speed, continuous, steps in ((20.0, False, 8), (1.0, False, None), (20.0, True, None)):
         used = ADAPTER.build(wall(speed=speed, continuous=continuous), TUNED).resolved

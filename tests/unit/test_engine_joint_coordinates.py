@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 from scipy.spatial.transform import Rotation
 
 import engine
 from engine.articulated import tables as to
 from engine.articulated.forest import Forest, NoForest, forest_of
+from engine.articulated.mixing import DEPTH, mixed
 from tests.random_trees import Tree, pin, random_tree, table, world_of
 
 
@@ -217,3 +219,55 @@ def test_loops_are_taken_where_they_are_asked_for_and_what_is_no_tree_is_refused
         )
     with pytest.raises(ValueError, match="coordinates 'reduced'"):
         engine.Options(coordinates="reduced")
+
+
+@pytest.mark.parametrize(("spin", "rate"), [(500.0, 960), (5000.0, 960), (5000.0, 240)])
+def test_implicit_midpoint_follows_a_top_that_turns_far_in_a_step(spin: float, rate: int) -> None:
+    """By half a radian to 21 rad a step it precesses steadily, which it starts to do, and keeps its tilt and angular momentum.
+
+    A disc on a ball joint, I1 cos(tilt) W^2 - I3 spin W + m g l = 0 (Goldstein, Classical Mechanics, section 5.7). Gravity's
+    torque of a step that comes half a step early or late nutates with m g l sin(tilt) h / (I3 spin), both ways.
+    """
+    tilt, along, across, pull = np.radians(30.0), 5e-3, 1.25e-2, 0.981
+    b = along * spin
+    precession = 2 * pull / (b + np.sqrt(b * b - 4 * across * np.cos(tilt) * pull))
+    axis = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    w = (spin - precession * np.cos(tilt)) * axis + (0.0, 0.0, precession)
+    disc = engine.Body(
+        name="disc", inertia=np.diag([across - 0.01, across - 0.01, along]), p_WB=tuple(0.1 * axis),
+        q_WB=(np.cos(tilt / 2), 0.0, np.sin(tilt / 2), 0.0), v_WB=tuple(np.cross(w, 0.1 * axis)), w_WB=tuple(w),
+    )  # fmt: skip
+    tip = engine.Ball(name="tip", parent="world", child="disc", anchor_W=(0.0, 0.0, 0.0))
+    options = engine.Options(dt=1 / rate, substeps=1, integrator="implicit_midpoint")
+    world = engine.World([disc], [tip], gravity=(0.0, 0.0, -9.81), options=options)
+
+    def about_the_vertical() -> float:
+        """Angular momentum about the tip along gravity [kg m2/s], which nothing changes."""
+        state = world.state()[0]
+        turn = Rotation.from_quat(state[3:7], scalar_first=True).as_matrix()
+        spinning = turn @ np.asarray(disc.inertia) @ turn.T @ state[10:13]
+        return float((spinning + np.cross(state[:3], state[7:10]))[2])
+
+    before = about_the_vertical()
+    world.step(2 * rate)
+    x, y, z = world.state()[0, :3] / 0.1
+    nutation = pull * np.sin(tilt) / rate / (along * spin)
+    assert np.arccos(z) == pytest.approx(tilt, abs=nutation)
+    assert np.arctan2(y, x) == pytest.approx(2 * precession, abs=nutation / np.sin(tilt))
+    assert about_the_vertical() == pytest.approx(before, rel=1e-9)
+
+
+@pytest.mark.parametrize("slope", [0.9, 3.0, 50.0])
+def test_mixed_rounds_end_after_as_many_as_there_are_unknowns(slope: float) -> None:
+    """x <- A x + b in four unknowns, of any slope: plain rounds take hundreds, or leave for ever."""
+    rng = np.random.default_rng(1)
+    basis, _ = np.linalg.qr(rng.normal(size=(4, 4)))
+    turn = np.kron(np.eye(2), np.array([[0.0, -slope], [0.6 * slope, 0.0]]))
+    a, b = basis @ turn @ basis.T, rng.normal(size=4)
+    guess, step, work = np.zeros((DEPTH + 1, 4)), np.zeros((DEPTH + 1, 4)), np.zeros((2, DEPTH + 1, 4))
+    mix, x = njit(lambda *given: mixed(*given)), np.zeros(4)
+    for done in range(6):
+        guess[1:], step[1:] = guess[:-1].copy(), step[:-1].copy()
+        guess[0], step[0] = x, a @ x + b - x
+        mix(guess, step, work[0], work[1], min(done, DEPTH - 1) + 1, x)
+    assert x == pytest.approx(np.linalg.solve(np.eye(4) - a, b), rel=1e-8)

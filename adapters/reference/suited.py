@@ -45,8 +45,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     Whole steps: sub-steps divide the response to contacts alone. Where a body turns farther in dt than Runge-Kutta is trusted
     with, or without continuous collision goes through what it may meet, each sub-step is made a step of its own.
 
-    Farther than `FAR` in each of these steps: implicit midpoint, which keeps what momentum and angular momentum nothing changes,
-    and so does not lose a top that spins 5 rad a step.
+    Where joints turn it farther than `FAR` in each of these steps: implicit midpoint, which keeps the angular momentum that
+    nothing changes, and so does not lose a top that spins 5 rad a step.
 
     Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does.
 

@@ -113,9 +113,7 @@ def refine_middle(
 
 
 @kernel
-def mix_rounds(
-    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, breaks: int
-) -> bool:
+def mix_rounds(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, breaks: int) -> bool:
     """Write the rates of the middle by rounds that are mixed. Returns: whether they were found."""
     column = tables.column
     past, answer = np.empty((4, DEPTH + 1, column.shape[0])), np.empty(column.shape[0])

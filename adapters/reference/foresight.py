@@ -50,12 +50,20 @@ def heap_gives_way(scene: Scene, substep: float) -> bool:
 
 
 def way_through(scene: Scene) -> float:
-    """The fastest point of a movable body at the start, in widths of the thinnest body that it may meet [1/s].
+    """The fastest that two bodies may meet at the start, in widths of the thinnest body [1/s].
 
     Contacts are made half such a width ahead, and one found half of it deep is still pushed back to where it came from.
     """
     thinnest = min((half_width(body) for body in scene.bodies), default=float("inf"))
-    return max((_speed(body) for body in scene.bodies if body.movable and body.collision), default=0.0) / (2 * thinnest)
+    movers = sorted(((_speed(body), body) for body in scene.bodies if body.movable and body.collision), key=lambda m: -m[0])
+    fastest = movers[0][0] if movers else 0.0
+    for k, (speed, body) in enumerate(movers):
+        for other_speed, other in movers[k + 1 :]:
+            if speed + other_speed <= fastest:
+                break
+            if scene.collides(body, other):
+                fastest = speed + other_speed
+    return fastest / (2 * thinnest)
 
 
 def quickest_turn(scene: Scene) -> float:

@@ -55,5 +55,5 @@ def look_ahead(state: Floats, shape: Floats, shape_kind: Ints, a: int, b: int, s
             speed += norm(load3(state, owner, W)) * swing
     way = setting[0, MARGIN] + dt * (speed + dt * norm(load3(setting, 0, 1)))
     if continuous == OFF:
-        way = min(way, max(setting[0, MARGIN], 0.5 * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
+        way = min(way, max(setting[0, MARGIN], min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b))))
     return float(way)

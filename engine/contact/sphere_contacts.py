@@ -173,7 +173,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
             gap = length - ra - rb
             if gap > least:
                 way = least + dt * (norm(sub(load3(mover, j, 0), load3(mover, i, 0))) + fall)
-                if gap > (way if continuous == SPECULATIVE else min(way, max(least, 0.5 * min(ra, rb)))):
+                if gap > (way if continuous == SPECULATIVE else min(way, max(least, min(ra, rb)))):
                     continue
             n = scale(1.0 / length, d) if length > 1e-300 else (0.0, 0.0, 1.0)
             place = axpy(ra + 0.5 * gap, n, pa)

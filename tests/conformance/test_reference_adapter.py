@@ -196,6 +196,10 @@ def test_tuned_takes_whole_steps_where_sub_steps_would_see_nothing() -> None:
     for speed, continuous, steps in ((20.0, False, 8), (1.0, False, None), (20.0, True, None)):
         used = ADAPTER.build(wall(speed=speed, continuous=continuous), TUNED).resolved
         assert used.options.get("steps") == steps
+    pairs = plugins.case("tunnel_dynamic_pair").scene
+    for speed, steps in ((20.0, 8), (10.0, None)):  # of each against the other
+        used = ADAPTER.build(pairs(speed=speed, continuous=False), TUNED).resolved
+        assert used.options.get("steps") == steps
     assert "steps" not in ADAPTER.build(plugins.case("friction_backspin").scene(), TUNED.with_dt(1 / 60)).resolved.options
 
 

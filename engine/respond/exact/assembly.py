@@ -127,6 +127,7 @@ def write_problem(
     w[:] = 0.0
     for i in range(k):
         for j in range(i + 1):
+            apart = True
             for end in range(2):
                 b = bodies[i, end]
                 inverse_mass = body[b, INV_MASS]
@@ -135,6 +136,7 @@ def write_problem(
                 for other in range(2):
                     if bodies[j, other] != b:
                         continue
+                    apart = False
                     sign = 1.0 if end == other else -1.0
                     for c in range(3):
                         for d in range(c + 1 if i == j else 3):
@@ -143,6 +145,8 @@ def write_problem(
                                 linear += frame[i, x, c] * frame[j, x, d]
                                 turns += angular[i, end, c, x] * reach[j, other, d, x]
                             w[3 * i + c, 3 * j + d] += sign * (inverse_mass * linear + turns)
+            if apart:
+                continue
             for c in range(3):
                 for d in range(c + 1 if i == j else 3):
                     w[3 * j + d, 3 * i + c] = w[3 * i + c, 3 * j + d]

@@ -6,7 +6,7 @@ Source: Ericson, Real-Time Collision Detection, section 12.4; Catto, Iterative D
 from engine.compile.jit import kernel
 from engine.contact.look_ahead import look_ahead, thinnest
 from engine.contact.tables import OldContacts, Pairs, Rules
-from engine.contact.warm_starting import carry_over, last_manifold, start_anew, take_over
+from engine.contact.warm_starting import carry_over, go_on, last_manifold, start_anew, take_over
 from engine.maths.vec import Floats, Vec, add, axpy, cross, dot, load3, norm, store3, sub
 from engine.memory.arena import (
     BODY_A,
@@ -50,6 +50,8 @@ NEAR = 0.02
 """Share of half the thickness of the thinner shape [1] within which points of different features match."""
 AT_REST = 1e-6
 """Tangential speed [m/s] below which a new contact counts as sticking."""
+UNKNOWN = -1
+"""For whether a manifold slips that the last step did not have, until all that it had are found again."""
 
 
 @kernel
@@ -137,10 +139,15 @@ def build_manifolds(
         kind[i, TOUCHED] = 1
         kind[j, TOUCHED] = 1
         if m < 0:
-            fresh += 1
-            start_slip(state, new, row)
+            new.key[row, SLIPS] = UNKNOWN
         else:
             carry_over(new, row, old, m, NEAR * min(thinnest(shape, shape_kind, a), thinnest(shape, shape_kind, b)))
-        prepare(bodies, shapes, new, row)
+            prepare(bodies, shapes, new, row)
         row += 1
+    for m in range(row):
+        if new.key[m, SLIPS] == UNKNOWN:
+            if not go_on(shape, shape_kind, new, m, old):
+                fresh += 1
+                start_slip(state, new, m)
+            prepare(bodies, shapes, new, m)
     count[0, MANIFOLDS], count[0, NEW] = row, fresh

@@ -1,7 +1,7 @@
 """What a manifold takes over from the last step: the impulses of its points, or, where both bodies are still, all of it.
 
 Points match when shapes and feature are the same, or, where a corner has just crossed an edge and so changed its feature, when
-they lie close together.
+they lie close together. A ball that has gone on to the next triangle of a body goes on with what it bore on the last one.
 
 Source: Ericson, Real-Time Collision Detection, section 12.4 (features); Catto, Iterative Dynamics with Temporal Coherence,
 GDC 2005.
@@ -9,13 +9,14 @@ GDC 2005.
 
 from engine.compile.jit import kernel
 from engine.contact.tables import OldContacts
-from engine.maths.vec import Floats, Ints, add, load3, norm, store3, sub
+from engine.maths.vec import Floats, Ints, add, dot, load3, norm, store3, sub
 from engine.memory.arena import (
     ARM_A,
     BODY_A,
     BODY_B,
     FIRST_GAP,
     MANIFOLDS,
+    NORMAL,
     NORMAL_IMPULSE,
     OLD_MANIFOLDS,
     PLACE,
@@ -24,16 +25,25 @@ from engine.memory.arena import (
     SHAPE_A,
     SHAPE_B,
     SHAPES,
+    SIZE,
     SLIPS,
+    SPHERE,
     SPIN_IMPULSE,
     STILL,
     SUM,
     TANGENT_IMPULSE,
+    TRIANGLE,
+    TYPE,
     P,
 )  # fmt: skip
 from engine.memory.tables import Contacts
 
-__all__ = ["carry_over", "keep_old", "last_manifold", "start_anew", "take_over"]
+__all__ = ["carry_over", "go_on", "keep_old", "last_manifold", "start_anew", "take_over"]
+
+ON = 0.5
+"""Share of a ball's radius [1] by which its contact may have moved on, from one triangle to the next."""
+BENT = 0.99
+"""Cosine of the angle [1] by which they may differ: an edge that is sharper is met with a blow."""
 
 
 @kernel
@@ -92,6 +102,7 @@ def take_over(new: Contacts, row: int, old: OldContacts, m: int) -> None:
         for c in range(old.point.shape[1]):
             new.point[4 * row + k, c] = old.point[4 * m + k, c]
         new.point_key[4 * row + k, 0] = old.point_key[4 * m + k, 0]
+    old.key[m, POINTS] = 0
 
 
 @kernel
@@ -107,7 +118,10 @@ def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) ->
 
 @kernel
 def carry_over(new: Contacts, row: int, old: OldContacts, m: int, near: float) -> None:
-    """Start a manifold with the impulses of old manifold m, point by point; points within `near` [m] match."""
+    """Start a manifold with the impulses of old manifold m, point by point; points within `near` [m] match.
+
+    What is taken over leaves the old manifold without points, here and in the other functions.
+    """
     new.key[row, SLIPS] = old.key[m, SLIPS]
     store3(new.manifold, row, SPIN_IMPULSE, load3(old.manifold, m, SPIN_IMPULSE))
     for i in range(4 * row, 4 * row + new.key[row, POINTS]):
@@ -115,3 +129,28 @@ def carry_over(new: Contacts, row: int, old: OldContacts, m: int, near: float) -
         if twin >= 0:
             new.point[i, NORMAL_IMPULSE] = old.point[twin, NORMAL_IMPULSE]
             store3(new.point, i, TANGENT_IMPULSE, load3(old.point, twin, TANGENT_IMPULSE))
+    old.key[m, POINTS] = 0
+
+
+@kernel
+def go_on(shape: Floats, shape_kind: Ints, new: Contacts, row: int, old: OldContacts) -> bool:
+    """Start the contact of a ball on a triangle with what it bore on another one of the same body, which it has left.
+
+    Returns: whether there is such a one.
+    """
+    a, b = new.key[row, SHAPE_A], new.key[row, SHAPE_B]
+    if shape_kind[a, TYPE] != SPHERE or shape_kind[b, TYPE] != TRIANGLE:
+        return False
+    n, x, m = load3(new.manifold, row, NORMAL), load3(new.point, 4 * row, PLACE), old.head[a, 0]
+    while m >= 0:
+        if (
+            old.key[m, POINTS] == 1
+            and old.key[m, BODY_B] == new.key[row, BODY_B]
+            and dot(n, load3(old.manifold, m, NORMAL)) > BENT
+            and norm(sub(x, load3(old.point, 4 * m, PLACE))) < ON * shape[a, SIZE]
+        ):
+            old.point_key[4 * m, 0] = new.point_key[4 * row, 0]
+            carry_over(new, row, old, m, 0.0)
+            return True
+        m = old.following[m, 0]
+    return False

@@ -1,7 +1,7 @@
 """Jacobi sweeps with split masses: every point answers the velocities that were there before the sweep, and then all are given.
 
-A body with n points of contact counts as n bodies of an n-th of its mass and inertia, one at each point. What an impulse does to
-the relative velocity there is
+A body with n points of contact counts as n bodies of an n-th of its mass and inertia, one at each point. What an impulse there
+does to the relative velocity is
 
     n_A W_A + n_B W_B,  W_A and W_B what it does by the whole bodies
 
@@ -10,8 +10,8 @@ mean of the changes of its parts, so that no sweep overshoots however many there
 same sweep: in which order contacts are found, or which body of a pair is the first, shows in the rounding of sums alone, and
 threads share contacts of any graph.
 
-The spring of a contact is one of so many times a second, so that it is as soft as the parts are light: a body of n points lies n
-times as deep as under Gauss-Seidel. Springs of the whole masses between the parts were tried, and a tower of ten shook: so few
+The spring of a contact is one of so many times a second, so that it is as soft as the parts are light: a body of n points lies
+n times as deep as under Gauss-Seidel. Springs of the whole masses between the parts were tried, and a tower of ten shook: so few
 sweeps do not load them.
 
 Source: Tonge, Benevolenski, Voroshilov, Mass splitting for jitter-free parallel rigid body simulation, ACM Trans. Graph. 31(4),

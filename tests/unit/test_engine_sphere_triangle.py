@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import engine
+from engine.memory import arena as at
+from engine.memory.arena import int_table
 
 TRIANGLE = np.array([(0.0, 0.0, 0.0), (0.8, 0.1, 0.2), (0.2, 0.9, -0.1)])
 R, MARGIN = 0.1, 0.05
@@ -86,3 +88,38 @@ def test_a_centre_on_the_triangle_is_pushed_out_along_its_normal() -> None:
     assert normal == pytest.approx((0, 0, -1), abs=1e-9)
     assert gap == pytest.approx(-R, abs=1e-9)
     assert place == pytest.approx((0.2, 0.3, -R / 2), abs=1e-9)
+
+
+def _on_a_floor(rise: float, speed: float) -> tuple[engine.World, list[int], list[float]]:
+    """A ball laid on a strip of triangles and pushed along it, for 1.5 m: new contacts and force upwards [N], step by step.
+
+    Args: rise: by how much every second row of the strip's corners lies higher [m].
+    """
+    places = [(0.25 * i, y, rise * (i % 2)) for i in range(-2, 12) for y in (-0.6, 0.4)]
+    faces = [face for k in range(0, len(places) - 2, 2) for face in ((k, k + 2, k + 1), (k + 1, k + 2, k + 3))]
+    floor = engine.Body(name="floor", motion="static", shapes=[engine.Placed(engine.TriangleMesh(places, faces))])
+    ball = engine.Body(
+        name="ball", inertia=0.4 * R**2 * np.eye(3), shapes=[engine.Placed(engine.Sphere(R))], p_WB=(0.0513, 0.0, R + rise * 0.2),
+        v_WB=(speed, 0.0, 0.0), w_WB=(0.0, speed / R, 0.0),
+    )  # fmt: skip
+    law = engine.Surface(static_friction=0.5, kinetic_friction=0.5)
+    world = engine.World([floor, ball], [], {("default", "default"): law})
+    new, force = [], []
+    for _ in range(int(1.5 / speed * 240)):
+        world.step(1)
+        new.append(int(int_table(world._ints, at.COUNT)[0, at.NEW]))
+        force.append(float(abs(world.contacts().force[:, 2].sum())))
+    return world, new, force
+
+
+def test_a_ball_goes_on_from_triangle_to_triangle_with_what_it_bore() -> None:
+    """Twelve edges of a flat floor on its way are no blow: one new contact, and its weight of 9.81 N all the way."""
+    _, new, force = _on_a_floor(0.0, 1.0)
+    assert sum(new) == new[0] == 1
+    assert force[24:] == pytest.approx([9.81] * len(force[24:]), rel=1e-6)
+
+
+def test_a_ball_meets_a_sharp_edge_anew() -> None:
+    """Where the floor bends by 18 degrees and more, what the last triangle bore says nothing of the next."""
+    _, new, _ = _on_a_floor(0.04, 1.0)
+    assert sum(new) > 4

@@ -5,14 +5,14 @@ does to the relative velocity is
 
     n_A W_A + n_B W_B,  W_A and W_B what it does by the whole bodies
 
-A point's answer is as if its two parts were alone in the world. What all points give to the body changes its velocity by the
-mean of the changes of its parts, so that no sweep overshoots however many there are. No point sees what another gives in the
+A point's answer is as if its two parts were alone in the world. What all points give to a body changes its velocity by the mean
+of the changes of its parts, so that no sweep overshoots however many there are. No point sees what another gives in the
 same sweep: in which order contacts are found, or which body of a pair is the first, shows in the rounding of sums alone, and
 threads share contacts of any graph.
 
 The spring of a contact is one of so many times a second, so that it is as soft as the parts are light: a body of n points lies
-n times as deep as under Gauss-Seidel. Springs of the whole masses between the parts were tried, and a tower of ten shook: so few
-sweeps do not load them.
+n times as deep as under Gauss-Seidel. Springs of the whole masses between the parts were tried, and a tower of ten shook: so
+few sweeps do not load them.
 
 Source: Tonge, Benevolenski, Voroshilov, Mass splitting for jitter-free parallel rigid body simulation, ACM Trans. Graph. 31(4),
 2012; Saad, Iterative Methods for Sparse Linear Systems, 2003, section 4.1.

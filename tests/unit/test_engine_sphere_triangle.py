@@ -99,8 +99,8 @@ def _on_a_floor(rise: float, speed: float) -> tuple[engine.World, list[int], lis
     faces = [face for k in range(0, len(places) - 2, 2) for face in ((k, k + 2, k + 1), (k + 1, k + 2, k + 3))]
     floor = engine.Body(name="floor", motion="static", shapes=[engine.Placed(engine.TriangleMesh(places, faces))])
     ball = engine.Body(
-        name="ball", inertia=0.4 * R**2 * np.eye(3), shapes=[engine.Placed(engine.Sphere(R))], p_WB=(0.0513, 0.0, R + rise * 0.2),
-        v_WB=(speed, 0.0, 0.0), w_WB=(0.0, speed / R, 0.0),
+        name="ball", inertia=0.4 * R**2 * np.eye(3), shapes=[engine.Placed(engine.Sphere(R))],
+        p_WB=(0.0513, 0.0, R + rise * 0.2), v_WB=(speed, 0.0, 0.0), w_WB=(0.0, speed / R, 0.0),
     )  # fmt: skip
     law = engine.Surface(static_friction=0.5, kinetic_friction=0.5)
     world = engine.World([floor, ball], [], {("default", "default"): law})

@@ -29,7 +29,8 @@ MERGED = 8
 TURNING = 2**0.5
 """Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 FAR = 1.0
-"""Turn in a step [rad] from which implicit midpoint errs less than Runge-Kutta."""
+"""Turn in a step [rad] from which implicit midpoint is taken: at 1.04 a heavy top's precession errs by 2.0e-5 of its rate, and
+by 5.3e-4 under Runge-Kutta, at .52 by 1.9e-5 and 3.5e-5, for some 3.8 and 2.5 times the time of a step."""
 
 
 def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | None]":

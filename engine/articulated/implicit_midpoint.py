@@ -49,7 +49,7 @@ ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
 
 PLAIN_ROUNDS = 20
-"""Some eight are needed where h times the angular velocities is small."""
+"""Some eight are needed where h times the angular velocities is small; where one changes more than the last, none will do."""
 
 MOST_ROUNDS = 100
 """Of those that are mixed; more are needed where the step is far too long."""
@@ -131,7 +131,7 @@ def mix_rounds(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, 
             return False
         for k in range(column.shape[0]):
             step[0, k] = column[k, RATE] - guess[0, k]
-        mixed(guess, step, past[2], past[3], min(done, DEPTH - 1) + 1, answer)
+        mixed(guess, step, past[2], past[3], min(done, DEPTH) + 1, answer)
         for k in range(column.shape[0]):
             column[k, RATE] = answer[k]
     return False
@@ -146,12 +146,14 @@ def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats,
         for c in range(7):
             stage[i, c] = tables.coordinate[i, c]
     guess_middle(tables)
+    last = math.inf
     for _ in range(PLAIN_ROUNDS):
         change, rate = refine_middle(tables, bodies, joints, setting, h, gyroscopic, breaks)
         if change <= ROUND_OFF * rate:
             return True
-        if not math.isfinite(change):
+        if not change < last:
             break
+        last = change
     return mix_rounds(tables, bodies, joints, setting, h, gyroscopic, breaks)
 
 

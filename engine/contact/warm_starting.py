@@ -149,8 +149,7 @@ def go_on(shape: Floats, shape_kind: Ints, new: Contacts, row: int, old: OldCont
             and dot(n, load3(old.manifold, m, NORMAL)) > BENT
             and norm(sub(x, load3(old.point, 4 * m, PLACE))) < ON * shape[a, SIZE]
         ):
-            old.point_key[4 * m, 0] = new.point_key[4 * row, 0]
-            carry_over(new, row, old, m, 0.0)
+            carry_over(new, row, old, m, ON * shape[a, SIZE])
             return True
         m = old.following[m, 0]
     return False

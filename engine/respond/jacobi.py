@@ -7,8 +7,7 @@ does to the relative velocity is
 
 A point's answer is as if its two parts were alone in the world. What all points give to a body changes its velocity by the mean
 of the changes of its parts, so that no sweep overshoots however many there are. No point sees what another gives in the
-same sweep: in which order contacts are found, or which body of a pair is the first, shows in the rounding of sums alone, and
-threads share contacts of any graph.
+same sweep: in which order contacts are found shows in the rounding of sums alone, and threads share contacts of any graph.
 
 The spring of a contact is one of so many times a second, so that it is as soft as the parts are light: a body of n points lies
 n times as deep as under Gauss-Seidel. Springs of the whole masses between the parts were tried, and a tower of ten shook: so

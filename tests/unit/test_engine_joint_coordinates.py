@@ -259,15 +259,15 @@ def test_implicit_midpoint_follows_a_top_that_turns_far_in_a_step(spin: float, r
 
 @pytest.mark.parametrize("slope", [0.9, 3.0, 50.0])
 def test_mixed_rounds_end_after_as_many_as_there_are_unknowns(slope: float) -> None:
-    """x <- A x + b in four unknowns, of any slope: plain rounds take hundreds, or leave for ever."""
+    """One more: x <- A x + b in four unknowns, of any slope, where plain rounds take hundreds, or leave for ever."""
     rng = np.random.default_rng(1)
     basis, _ = np.linalg.qr(rng.normal(size=(4, 4)))
     turn = np.kron(np.eye(2), np.array([[0.0, -slope], [0.6 * slope, 0.0]]))
     a, b = basis @ turn @ basis.T, rng.normal(size=4)
     guess, step, work = np.zeros((DEPTH + 1, 4)), np.zeros((DEPTH + 1, 4)), np.zeros((2, DEPTH + 1, 4))
     mix, x = njit(lambda *given: mixed(*given)), np.zeros(4)
-    for done in range(6):
+    for done in range(5):
         guess[1:], step[1:] = guess[:-1].copy(), step[:-1].copy()
         guess[0], step[0] = x, a @ x + b - x
-        mix(guess, step, work[0], work[1], min(done, DEPTH - 1) + 1, x)
+        mix(guess, step, work[0], work[1], min(done, DEPTH) + 1, x)
     assert x == pytest.approx(np.linalg.solve(np.eye(4) - a, b), rel=1e-8)

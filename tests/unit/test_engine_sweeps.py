@@ -134,8 +134,8 @@ def test_a_tower_stands_as_it_does_by_gauss_seidel(sweeps: str, parts: int) -> N
     ]
     for tower in towers:
         tower.step(480)
-    sunk = [(TEN - tower.state()[1:, 2])[-2] for tower in towers]
-    assert sunk[1] == pytest.approx(parts * sunk[0], rel=0.03)
+    sunk = [(TEN - tower.state()[1:, 2])[:-1] for tower in towers]
+    assert sunk[1] == pytest.approx(parts * sunk[0], abs=parts * 1e-6)
     still = [np.abs(tower.state()[1:, at.V : at.W + 3]).max() for tower in towers]
     assert still[1] < 2 * still[0]
     below = [tower.contacts().force[np.any(tower.contacts().bodies == 0, axis=1)][:, 2].sum() for tower in towers]
@@ -157,7 +157,7 @@ def shuffle(world: engine.World, seed: int) -> engine.World:
 
 @pytest.mark.parametrize("kind", ["spheres", "boxes"])
 def test_at_once_no_order_of_contacts_shows(kind: str) -> None:
-    """A heap that settles ends where it does in any order to rounding; by Gauss-Seidel, steps, and rolling, make much of it."""
+    """In any order a heap is where it is after ten steps, to the rounding of its metre; by Gauss-Seidel it is elsewhere."""
     apart = {}
     for sweeps in ("gauss_seidel", "jacobi"):
         worlds = [heap(kind, sweeps=sweeps, broad_phase="uniform_grid") for _ in range(2)]

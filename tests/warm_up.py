@@ -140,6 +140,7 @@ FAMILIES: tuple[tuple[Job, ...], ...] = (
         _step("steps.joint_coordinates.step_joint_coordinates_midpoint"),
         _step("steps.joint_coordinates.step_joint_coordinates_adaptive"),
         _step("steps.joint_coordinates_held.step_joint_coordinates_touching"),
+        _step("steps.joint_coordinates_held.step_joint_coordinates_touching_and_closing"),
         _step("steps.joint_coordinates_held.step_joint_coordinates_closing"),
     ),
     (

@@ -84,7 +84,7 @@ UNKNOWN: Final = -1.0
 
 
 class Mechanisms(NamedTuple):
-    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, rows for its loops.
+    """The trees of a world, its bodies, joints and shapes, its contacts and what these move, rows for its loops or None.
 
     Terms: firm: the softness of contacts where links stand on what stays.
     """
@@ -95,7 +95,7 @@ class Mechanisms(NamedTuple):
     shapes: Shapes
     contacts: Contacts
     touched: Touched
-    rows: Rows
+    rows: Rows | None
     firm: Softness
 
 

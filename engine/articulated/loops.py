@@ -66,8 +66,13 @@ def touch_loops(tables: Tables, bodies: Bodies, joints: Joints) -> None:
 
 
 @kernel
-def write_loops(tables: Tables, bodies: Bodies, joints: Joints, rows: Rows, h: float) -> None:
-    """Write the rows of all loops at the poses of their bodies, for a sub-step of h [s] that closes their gaps."""
+def write_loops(tables: Tables, bodies: Bodies, joints: Joints, rows: Rows | None, h: float) -> None:
+    """Write the rows of all loops at the poses of their bodies, for a sub-step of h [s] that closes their gaps.
+
+    Args: rows: None, here and below, where no joint closes a loop; then nothing of this is compiled.
+    """
+    if rows is None:
+        return
     r = 0
     for c in range(tables.closing.shape[0]):
         j = tables.closing[c, 0]
@@ -101,8 +106,10 @@ def own_mobility(rows: Rows, r: int, body: Floats) -> float:
 
 
 @kernel
-def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows, n: int) -> None:
+def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows | None, n: int) -> None:
     """Write J G J^T of the first n rows and its factor, by Cholesky; rows that depend on others are held (PIVOT 1)."""
+    if rows is None:
+        return
     row, matrix, low, pivot = rows.row, rows.matrix, rows.factor, rows.vector[PIVOT]
     for r in range(n):
         for s in range(r + 1):
@@ -128,8 +135,12 @@ def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows, n: int) -> N
 
 
 @kernel
-def hold_loops(state: Floats, joints: Joints, touched: Touched, rows: Rows, n: int, share: float, reactions: bool) -> None:
+def hold_loops(
+    state: Floats, joints: Joints, touched: Touched, rows: Rows | None, n: int, share: float, reactions: bool
+) -> None:
     """Give the impulses that all rows ask for at the present velocities. Args: share: of the gap to be closed, 0 or 1."""
+    if rows is None:
+        return
     row, low, vector = rows.row, rows.factor, rows.vector
     for r in range(n):
         total = -share * row[r, BIAS]

@@ -5,14 +5,13 @@ world without trees has none of it. A tree is the links that hang on each other 
 link's joint there are as many degrees of freedom, "columns", as it leaves.
 """
 
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
-import numba
 import numpy as np
 
-from engine.compile.compilers import jit_is_off, pointer_maker
 from engine.compile.jit import inlined
 from engine.maths.vec import Floats, Ints
+from engine.memory.carve import table_within
 
 __all__ = ["FLOAT_COLUMNS", "INT_COLUMNS", "Tables", "float_view", "int_view", "tables_of"]
 
@@ -126,12 +125,6 @@ FREE: Final = 9
 FLOAT_COLUMNS: Final = np.array([29, 43, 28, 8, 20, 18, 14, 3, 35])
 INT_COLUMNS: Final = np.array([8, 1, 1])
 FLOAT_TABLES: Final = 9
-BYTES: Final = 8
-
-compiler: Any = numba
-carray = compiler.carray
-double_at: Any = None if jit_is_off() else pointer_maker(compiler.float64)
-integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
 
 
 class Tables(NamedTuple):
@@ -165,22 +158,20 @@ def int_view(ints: Ints, k: int) -> Ints:
     return ints[at : at + rows * columns].reshape((rows, columns))
 
 
-def _floats_at(floats: Floats, ints: Ints, k: int) -> Floats:
-    """As `float_view`, by address (see `memory.carve`)."""
+@inlined
+def floats_at(floats: Floats, ints: Ints, k: int) -> Floats:
+    """As `float_view`, where compiled."""
     d = ints[len(ints) - 1] + 2 * k
-    table: Floats = carray(double_at(np.intp(floats.ctypes.data) + BYTES * ints[d]), (ints[d + 1], FLOAT_COLUMNS[k]))
+    table: Floats = table_within(floats, ints[d], ints[d + 1], FLOAT_COLUMNS[k])
     return table
 
 
-def _ints_at(ints: Ints, k: int) -> Ints:
-    """As `int_view`, by address."""
+@inlined
+def ints_at(ints: Ints, k: int) -> Ints:
+    """As `int_view`, where compiled."""
     d = ints[len(ints) - 1] + 2 * (FLOAT_TABLES + k)
-    table: Ints = carray(integer_at(np.intp(ints.ctypes.data) + BYTES * ints[d]), (ints[d + 1], INT_COLUMNS[k]))
+    table: Ints = table_within(ints, ints[d], ints[d + 1], INT_COLUMNS[k])
     return table
-
-
-floats_at = inlined(float_view if jit_is_off() else _floats_at)
-ints_at = inlined(int_view if jit_is_off() else _ints_at)
 
 
 @inlined

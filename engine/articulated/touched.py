@@ -58,9 +58,9 @@ class Touched(NamedTuple):
 def find_touched(tables: Tables, bodies: Bodies) -> Touched:
     """The places of all dynamic bodies that contacts touch, links first, in their order."""
     links, n = tables.kind.shape[0], 0
-    place = np.full(bodies.state.shape[0], NOWHERE, np.int64)
-    depth = np.zeros(links, np.int64)
+    place, depth = np.empty(bodies.state.shape[0], np.int64), np.empty(links, np.int64)
     for b in range(bodies.state.shape[0]):
+        place[b] = NOWHERE
         if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
             n += 1
     kind, at, blocks, rows, begin, root = np.empty((n, 6), np.int64), 0, 0, 0, 0, NOWHERE
@@ -86,7 +86,18 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
     for k in range(n):
         kind[k, FIRST_BLOCK] = blocks
         blocks += kind[k, END] - kind[k, BEGIN]
-    return Touched(place, kind, np.zeros((blocks, 36)), np.zeros((n, 6)), depth, np.empty((rows, 6)), np.empty(36))
+    block, given = np.empty((blocks, 36)), np.empty((n, 6))
+    clear(block)
+    clear(given)
+    return Touched(place, kind, block, given, depth, np.empty((rows, 6)), np.empty((1, 36))[0])
+
+
+@kernel
+def clear(table: Floats) -> None:
+    """Let all numbers be zero."""
+    for i in range(table.shape[0]):
+        for j in range(table.shape[1]):
+            table[i, j] = 0.0
 
 
 @kernel

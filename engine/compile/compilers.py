@@ -1,11 +1,7 @@
-"""All that is used of Numba beyond its promises (over 400 lines: one file is read anew with a new version of Numba).
+"""What this project asks of Numba: compilers for kernels and entries, and ways to keep, load and call what they make.
 
-How it compiles, links, keeps and calls whole programs: Numba makes machine code of every function on its own, with all that it
-calls, once per caller. Here a kernel stays what Numba made of its text until an entry is linked, which takes in every kernel
-that it reaches, once, and is optimised as one program. That takes a fifth off the first step, and what comes out does not
-depend on what else the process has compiled.
-
-Nothing else of this project touches what Numba does not document; `INTERNALS` lists it, and a test says what a version lacks.
+Nothing else of this project touches what Numba does not document but the files of this folder that `internals` names; it lists
+all that they use of it, and a test says what a version lacks.
 """
 
 import io
@@ -15,13 +11,11 @@ from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, TypeVar, cast
 
 from engine.compile.kernel_cache import read_checked, write_checked
 
 __all__ = [
-    "INTERNALS",
     "checked_files",
     "compiled_under",
     "entry_options",
@@ -33,51 +27,14 @@ __all__ = [
     "loaded_lightly",
     "most_threads",
     "pointer_caller",
-    "pointer_maker",
     "prepare",
+    "seldom_options",
     "stream_options",
+    "table_finder",
     "use_cache",
 ]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-NUMBA_RUNTIME = "NRT_"
-"""How the symbols that Numba shares among all functions of a process begin."""
-ENVIRONMENT = "_ZN08NumbaEnv"
-"""How the symbols begin under which a function finds the Python objects that it was compiled with."""
-
-INTERNALS: dict[str, tuple[str, ...]] = {
-    "numba.core.compiler.CompilerBase": ("define_pipelines",),
-    "numba.core.compiler.DefaultPassBuilder": ("define_nopython_pipeline",),
-    "numba.core.codegen.JITCodeLibrary": (
-        *("codegen", "finalize", "enable_object_caching", "get_pointer_to_function", "_raise_if_finalized"),
-        *("_finalize_dynamic_globals", "_get_module_for_linking", "_optimize_final_module"),
-        *("_ensure_finalized", "_get_compiled_object", "serialize_using_object_code"),
-    ),
-    "numba.core.caching.IndexDataCacheFile": ("_data_path", "_load_data", "_load_index", "_open_for_write"),
-    "numba.core.environment": ("lookup_environment",),
-    "numba.core.runtime.nrt.rtsys": ("initialize",),
-    "numba.core.types": ("FunctionType",),
-    "numba.core.config": ("CACHE_DIR", "DISABLE_JIT", "NUMBA_NUM_THREADS"),
-    "numba.np.arrayobj": (),
-    "the options of njit": ("forceinline", "no_cfunc_wrapper", "no_cpython_wrapper", "pipeline_class"),
-    "the type of a function": ("ftype",),
-    "a compiled function": ("compile", "get_call_template", "get_compile_result", "_cache"),
-    "its cache": ("load_overload", "_cache_file", "_guard_against_spurious_io_errors", "_impl", "_load_overload"),
-    "where its cache lies": ("filename_base", "locator"),
-    "what says where": ("_cache_path",),
-    "the files of its cache": ("_index_path", "_source_stamp", "_version"),
-    "what its compiler made": ("fndesc", "library", "signature"),
-    "its description": ("llvm_cfunc_wrapper_name",),
-    "its library": ("_codegen", "_final_module", "_finalized", "_linking_libraries", "_reload_init"),
-    "the machine code that it is made with": ("set_env",),
-    "its compiler": ("state",),
-    "the state of its compiler": ("flags", "func_id", "library", "targetctx"),
-    "the flags of its compiler": ("noalias",),
-    "the function in its compiler": ("func_qualname",),
-    "its target": ("codegen", "get_dummy_value", "get_value_type"),
-}
-"""All that is used here of Numba and that Numba does not document: by where it is, or by what has it, its names."""
 
 
 def jit_is_off() -> bool:
@@ -109,11 +66,18 @@ def prepare() -> None:
 @cache
 def kernel_compiler() -> type:
     """Numba's compiler for functions that are only ever linked into others."""
+    return _compiler(_into_kernel, _kernel_passes)
+
+
+@cache
+def seldom_compiler() -> type:
+    """As `kernel_compiler`, for functions that stay functions, and small."""
 
     def prepare(state: Any) -> None:
-        state["library"] = _kernel_library()(state.targetctx.codegen(), state.func_id.func_qualname)
+        _into_kernel(state)
+        state.library.seldom = True
 
-    return _compiler(prepare)
+    return _compiler(prepare, _kernel_passes)
 
 
 @cache
@@ -126,7 +90,7 @@ def stream_compiler() -> type:
     def prepare(state: Any) -> None:
         state.flags.noalias = True
 
-    return _compiler(prepare)
+    return _compiler(prepare, _usual_passes)
 
 
 @cache
@@ -138,11 +102,47 @@ def entry_compiler() -> type:
     """
 
     def prepare(state: Any) -> None:
-        library = _entry_library()(state.targetctx.codegen(), state.func_id.func_qualname)
-        library.enable_object_caching()
-        state["library"] = library
+        from engine.compile.libraries import EntryLibrary
 
-    return _compiler(prepare)
+        state.library = EntryLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+
+    return _compiler(prepare, _usual_passes)
+
+
+def _into_kernel(state: Any) -> None:
+    """Have a function compiled into a module that waits to be linked."""
+    from engine.compile.libraries import KernelLibrary
+
+    state.library = KernelLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+    state.library.inline = not state.flags.forceinline
+
+
+def _kernel_passes(_state: Any) -> Any:
+    from engine.compile.passes import kernel_passes
+
+    return kernel_passes()
+
+
+def _usual_passes(state: Any) -> Any:
+    from numba.core.compiler import DefaultPassBuilder
+
+    builder: Any = DefaultPassBuilder
+    return builder.define_nopython_pipeline(state)
+
+
+def _compiler(prepare: Callable[[Any], None], passes: Callable[[Any], Any]) -> type:
+    """A compiler of these passes, its state prepared before they are chosen."""
+    from numba.core.compiler import CompilerBase
+
+    base: Any = CompilerBase
+
+    class Compiler(base):  # type: ignore[misc]  # Numba's stubs do not know it
+        def define_pipelines(self) -> list[Any]:
+            prepare(self.state)
+            return [passes(self.state)]
+
+    return Compiler
 
 
 def entry_options() -> dict[str, Any]:
@@ -152,7 +152,12 @@ def entry_options() -> dict[str, Any]:
 
 def kernel_options() -> dict[str, Any]:
     """What `njit` is told of a function that only compiled functions call."""
-    return {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": kernel_compiler()}
+    return {"forceinline": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": kernel_compiler()}
+
+
+def seldom_options() -> dict[str, Any]:
+    """As `kernel_options`, never put in place of a call."""
+    return kernel_options() | {"pipeline_class": seldom_compiler()}
 
 
 def stream_options() -> dict[str, Any]:
@@ -165,116 +170,6 @@ def inlined_options() -> dict[str, Any]:
     return kernel_options() | {"forceinline": True}
 
 
-def _compiler(prepare: Callable[[Any], None]) -> type:
-    """Numba's compiler, its state prepared before the passes are chosen."""
-    from numba.core.compiler import CompilerBase, DefaultPassBuilder
-
-    class Compiler(CompilerBase):
-        def define_pipelines(self) -> list[Any]:
-            state: Any = self.state
-            prepare(state)
-            passes: Any = DefaultPassBuilder
-            return [passes.define_nopython_pipeline(state)]
-
-    return Compiler
-
-
-@cache
-def _kernel_library() -> type:
-    """What a kernel is compiled into: a module to be linked, without machine code."""
-    from numba.core.codegen import JITCodeLibrary
-
-    library: Any = JITCodeLibrary
-
-    class KernelLibrary(library):  # type: ignore[misc]  # Numba's stubs do not know it
-        @property
-        def codegen(self) -> Any:
-            """Takes no environment: the entry sets those of all its kernels."""
-            return SimpleNamespace(set_env=lambda _name, _environment: None)
-
-        def finalize(self) -> None:
-            self._raise_if_finalized()
-            self._finalize_dynamic_globals()
-            self._finalized = True
-
-        def alone(self) -> Any:
-            """The module of this kernel, without what it calls."""
-            return super()._get_module_for_linking()
-
-        def _get_module_for_linking(self) -> Any:
-            """For the libraries that Numba makes of the bodies of parallel loops: with all that it calls."""
-            whole = self.alone().clone()
-            _link(whole, self._linking_libraries)
-            return whole
-
-        def get_pointer_to_function(self, _name: str) -> int:
-            """Nothing that could be called: 0."""
-            return 0
-
-    return KernelLibrary
-
-
-@cache
-def _entry_library() -> type:
-    """What an entry is compiled into: one program with every kernel that it reaches."""
-    from llvmlite.binding import parse_assembly
-    from numba.core import environment
-    from numba.core.codegen import JITCodeLibrary
-
-    library: Any = JITCodeLibrary
-    numba_environment: Any = environment
-
-    class EntryLibrary(library):  # type: ignore[misc]  # Numba's stubs do not know it
-        def finalize(self) -> None:
-            for one in _link(self._final_module, self._linking_libraries):
-                self._reload_init.update(one._reload_init)
-            self._linking_libraries: list[Any] = []
-            super().finalize()
-            for one in self._final_module.global_variables:
-                found = numba_environment.lookup_environment(one.name) if one.name.startswith(ENVIRONMENT) else None
-                if found is not None:
-                    self._codegen.set_env(one.name, found)
-
-        def _optimize_final_module(self) -> None:
-            for one in self._final_module.functions:
-                if one.linkage.name in {"linkonce_odr", "weak_odr"} and not one.name.startswith(NUMBA_RUNTIME):
-                    # The bodies of parallel loops are among them: the process that compiles has those in a library apart.
-                    # Not 'internal': the loader would find those by name, for callers that do not know what became of them.
-                    one.linkage = "private"
-            super()._optimize_final_module()
-
-        def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
-            """As Numba keeps it, with the names that Python asks for in place of the program, which no other takes in.
-
-            To read the program was half of the first step of a robot on the ground where machine code is kept.
-            """
-            self._ensure_finalized()
-            defined = [one for one in self._final_module.functions if not one.is_declaration]
-            exported = [one.name for one in defined if one.linkage.name == "external"]
-            bodies = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in exported)
-            return self.name, "object", (self._get_compiled_object(), parse_assembly(bodies).as_bitcode())
-
-    return EntryLibrary
-
-
-def _link(module: Any, libraries: list[Any]) -> list[Any]:
-    """Take the libraries into a module, and through kernels all that those call, each once. Returns: all that were taken."""
-    taken: dict[Any, None] = {}
-    ahead = list(reversed(libraries))
-    while ahead:
-        one = ahead.pop()
-        if one in taken:
-            continue
-        taken[one] = None
-        if isinstance(one, _kernel_library()):
-            kernel: Any = one
-            module.link_in(kernel.alone(), preserve=True)
-            ahead.extend(reversed(kernel._linking_libraries))
-        else:
-            module.link_in(one._get_module_for_linking(), preserve=True)
-    return list(taken)
-
-
 def for_all_values(function: Function) -> Function:
     """The compiled function that callers meet by the types of arguments alone.
 
@@ -284,12 +179,15 @@ def for_all_values(function: Function) -> Function:
     if template is None:
         return function
 
-    import numba
-
-    unliteral: Any = numba.types.unliteral
+    known: dict[Any, Any] = {}
 
     def by_type(args: Any, kws: Any) -> Any:
-        return template(tuple(unliteral(one) for one in args), {name: unliteral(one) for name, one in kws.items()})
+        from engine.compile.table_type import as_given
+
+        given = as_given(args), tuple((name, *as_given((one,))) for name, one in kws.items())
+        if given not in known:
+            known[given] = template(given[0], dict(given[1]))
+        return known[given]
 
     cast(Any, function).get_call_template = by_type
     return function
@@ -396,7 +294,10 @@ def pointer_caller(signature: Any) -> Callable[..., Any]:
     def call(_: Any, address: Any, arguments: Any) -> Any:
         def code(context: Any, builder: Any, _: Any, values: Any) -> Any:
             pointer = context.get_value_type(types.FunctionType(signature).ftype)
-            given = [builder.extract_value(values[1], k) for k in range(len(signature.args))]
+            given = [
+                context.cast(builder, builder.extract_value(values[1], k), arguments[k], asked)
+                for k, asked in enumerate(signature.args)
+            ]
             answer = builder.call(builder.inttoptr(values[0], pointer), given)
             return context.get_dummy_value() if signature.return_type == types.none else answer
 
@@ -405,23 +306,14 @@ def pointer_caller(signature: Any) -> Callable[..., Any]:
     return cast(Callable[..., Any], call)
 
 
-def pointer_maker(number: Any) -> Callable[..., Any]:
-    """How compiled code takes an address [bytes] for a pointer to numbers of a type.
-
-    Nothing counts who uses what lies there, as Numba does with arrays for each function that they are handed to: that costs a
-    quarter of the step of a free body.
-    """
-    import numba
+def table_finder() -> Callable[..., Any]:
+    """How compiled code finds a table within numbers in a row: (numbers, start, rows, columns)."""
     from numba.extending import intrinsic
 
-    types: Any = numba.types
-    pointer = types.CPointer(number)
-
     @intrinsic
-    def at(_: Any, address: Any) -> Any:
-        def code(context: Any, builder: Any, _: Any, values: Any) -> Any:
-            return builder.inttoptr(values[0], context.get_value_type(pointer))
+    def find(_: Any, numbers: Any, _start: Any, _rows: Any, _columns: Any) -> Any:
+        from engine.compile.table_type import within
 
-        return pointer(address), code
+        return within(numbers)
 
-    return cast(Callable[..., Any], at)
+    return cast(Callable[..., Any], find)

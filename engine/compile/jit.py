@@ -27,6 +27,7 @@ from engine.compile.compilers import (
     jit_is_off,
     kernel_options,
     loaded_lightly,
+    seldom_options,
     stream_options,
     use_cache,
 )
@@ -41,14 +42,18 @@ __all__ = [
     "kernel",
     "parallel_entry",
     "rounding_kernel",
+    "seldom",
     "stream",
     "template",
 ]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-FLAGS: frozenset[str] = frozenset({"contract", "nsz"})
-"""Fused multiply-add and unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
+FLAGS: frozenset[str] = frozenset({"nsz"})
+"""Unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
+
+FUSING: frozenset[str] = FLAGS | {"contract"}
+"""As `FLAGS`, with a product and a sum rounded once where the compiler finds them; kernels say themselves where."""
 
 
 @cache
@@ -60,7 +65,7 @@ def cache_directory(path: Path) -> Path:
     import numba
 
     name = str(path).removeprefix(str(Path(__file__).parents[1]))
-    key = " ".join((name, closure_digest(path), *sorted(FLAGS), numba.__version__))
+    key = " ".join((name, closure_digest(path), *sorted(FUSING), numba.__version__))
     digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
@@ -81,13 +86,18 @@ def rounding_kernel(function: Function) -> Function:
     return for_all_values(_compiled(function, fastmath=plain, **kernel_options()))
 
 
+def seldom(function: Function) -> Function:
+    """As `kernel`, off the way that most steps take: compiled small and called, so that what calls it stays small too."""
+    return for_all_values(_compiled(function, **seldom_options()))
+
+
 def stream(function: Function) -> Function:
     """A kernel whose array arguments do not overlap, so that the compiler may take several steps of a loop at once.
 
     Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, **stream_options())
+    return _compiled(function, fastmath=set(FUSING), **stream_options())
 
 
 def inlined(function: Function) -> Function:
@@ -138,7 +148,8 @@ def _kept(function: Function, **options: Any) -> Function:
     """The entry with its way from and to the disk."""
     directory = cache_directory(Path(function.__code__.co_filename))
     use_cache(str(directory))
-    guarded = compiled_under(_compiled(function, cache=True, **options), partial(_one_at_a_time, directory))
+    fused = _compiled(function, cache=True, fastmath=set(FUSING), **options)
+    guarded = compiled_under(fused, partial(_one_at_a_time, directory))
     return loaded_lightly(guarded, directory)
 
 
@@ -154,11 +165,17 @@ def _one_at_a_time(directory: Path, name: str) -> Iterator[None]:
 
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
-    """Python's search for cyclic garbage held back: a seventh of the time of a compilation, for 140 MB while it lasts."""
+    """Python's search for cyclic garbage held back: a seventh of the time of a compilation.
+
+    What was left by then counts as old, which is looked through when there is a quarter more of it, rather than at once.
+    """
     was = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if was:
+            if gc.get_freeze_count() == 0:
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()

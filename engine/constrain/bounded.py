@@ -86,9 +86,8 @@ def change_sides(bodies: Bodies, rows: Rows, equalities: int, n: int) -> tuple[i
     """
     row, vector = rows.row, rows.vector
     held, careful = vector[BOUND], is_careful(rows, n)
-    change = bodies.state
+    change = np.zeros((bodies.body.shape[0] if careful else 0, 13))
     if careful:
-        change = np.zeros((bodies.body.shape[0], 13))
         apply_all(change, rows, n, bodies, IMPULSE, 1.0)
     changed, stuck = 0, 0
     for r in range(equalities, n):

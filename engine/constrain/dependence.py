@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import kernel
+from engine.compile.jit import seldom
 from engine.maths.vec import Floats, dot, load3
 from engine.memory.arena import ENVELOPE, GAP, INV_MASS, PIVOT
 from engine.memory.tables import Rows
@@ -40,7 +40,7 @@ NEAREST = 1e-9
 """Levers below this share of the longest one are round-off of an anchor in the centre of mass."""
 
 
-@kernel
+@seldom
 def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
     """Whether row i is a combination of the rows before it that are not held, whose `factor` is at hand, with its own.
 

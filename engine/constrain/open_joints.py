@@ -6,7 +6,7 @@ is wider than it has any need to be: where no motion of the bodies closes it, it
 
 import numpy as np
 
-from engine.compile.jit import kernel
+from engine.compile.jit import seldom
 from engine.constrain.joint_rows import anchors, equality_rows
 from engine.constrain.projection import close_gaps
 from engine.integrate.semi_implicit_euler import turn_inertia
@@ -53,7 +53,7 @@ ROUND_OFF = 1e-12
 """What floats lose of a place, by its distance from the origin, over the sums that make a gap; and of any gap [m or rad]."""
 
 
-@kernel
+@seldom
 def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
     """Look at all gaps. Args: touching: whether contacts are solved beside the joints.
 
@@ -72,7 +72,7 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
     return OPEN_JOINT + joint
 
 
-@kernel
+@seldom
 def closes(floats: Floats, ints: Ints) -> bool:
     """Whether some motion of the bodies, tried on copies, closes the gaps of all joints."""
     bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
@@ -87,7 +87,7 @@ def closes(floats: Floats, ints: Ints) -> bool:
     return joint < 0
 
 
-@kernel
+@seldom
 def widest_joint(floats: Floats, ints: Ints, state: Floats, share: float, moving: bool) -> tuple[int, float]:
     """The joint that is open furthest beyond a share of its levers, or an angle of that size, in this state, and its gap.
 

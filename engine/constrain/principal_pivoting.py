@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import kernel
+from engine.compile.jit import kernel, seldom
 from engine.constrain.careful import careful_solve
 from engine.constrain.dependence import SUSPECT
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
@@ -50,7 +50,7 @@ class Bounded(NamedTuple):
     side: Floats
 
 
-@kernel
+@seldom
 def settle_bounds(bodies: Bodies, rows: Rows, equalities: int, n: int) -> None:
     """Write BOUND, from WORK, LOWEST and HIGHEST. PIVOT, RIGHT, IMPULSE and the factor are overwritten."""
     vector, m = rows.vector, n - equalities

@@ -45,7 +45,9 @@ def screen_of(pinhole: Floats, depth: Floats, tags: Ints) -> Screen:
         u[i] = (i + 0.5 - pinhole[0, 2]) / pinhole[0, 0]
     for j in range(height):
         v[j] = (j + 0.5 - pinhole[0, 3]) / pinhole[0, 1]
-    depth[:], tags[:] = math.inf, -1
+    for j in range(height):
+        for i in range(width):
+            depth[j, i], tags[j, i] = math.inf, -1
     return Screen(pinhole, u, v, depth, tags)
 
 

@@ -45,7 +45,8 @@ def free_rotor(q: Quat, m: Vec, moments: Vec, weights: Floats, h: float) -> tupl
     """The composition without kicks: neighbouring turns A are one, and C, which commutes with both, comes once at the end."""
     first, third = h * (1.0 / moments[0] - 1.0 / moments[1]), h * (1.0 / moments[2] - 1.0 / moments[1])
     before = 0.0
-    for weight in weights:
+    for k in range(len(weights)):
+        weight = weights[k]
         q, m = turn_first(q, m, 0.5 * (before + weight) * first * m[0])
         q, m = turn_third(q, m, weight * third * m[2])
         before = weight
@@ -58,7 +59,8 @@ def kicked_rotor(
     q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, weights: Floats, h: float, gyroscopic: int
 ) -> tuple[Quat, Vec]:
     """The composition under a torque [N m] in W and angular damping [1/s]."""
-    for weight in weights:
+    for k in range(len(weights)):
+        weight = weights[k]
         g = weight * h
         m = kicked_spin(q, m, tau, d, 0.5 * g)
         if gyroscopic == 1:
@@ -85,7 +87,8 @@ def splitting(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: flo
         # A constant acceleration is kicked and drifted exactly, whatever the composition.
         p, v = axpy(0.5 * h * h, a, axpy(h, v, p)), axpy(h, a, v)
     else:
-        for weight in weights:
+        for k in range(len(weights)):
+            weight = weights[k]
             v = kicked_velocity(v, a, c, 0.5 * weight * h)
             p = axpy(weight * h, v, p)
             v = kicked_velocity(v, a, c, 0.5 * weight * h)

@@ -14,8 +14,6 @@ from engine.compile.jit import entry, kernel
 from engine.maths.vec import Ints
 from engine.memory.arena import (
     BODY_A,
-    BODY_B,
-    CHILD,
     COUNT,
     DYNAMIC,
     FIRST_BODY,
@@ -51,6 +49,7 @@ __all__ = [
     "assign_rows",
     "connect",
     "connected_components",
+    "ends_of",
     "group_bodies",
     "group_links",
     "islands_of",
@@ -71,11 +70,15 @@ class Islands(NamedTuple):
 
 
 class Links(NamedTuple):
-    """Contacts, or joints: the bodies (k, 2) of each; their order by islands (k, 1); and in it their bodies' rows (k, 2)."""
+    """Contacts, or joints: the two bodies of each; their order by islands (k, 1); and in it their bodies' rows.
+
+    Terms: first: the column of the first of two bodies, and of their rows.
+    """
 
     bodies: Ints
     order: Ints
     rows: Ints
+    first: int
 
 
 @kernel
@@ -87,15 +90,20 @@ def islands_of(ints: Ints) -> Islands:
 @kernel
 def linked_by_contacts(ints: Ints) -> Links:
     """The contacts of this step; the last step's table, which is done with, takes their rows."""
-    n, ends = ints_of(ints, COUNT)[0, MANIFOLDS], slice(BODY_A, BODY_B + 1)
-    return Links(ints_of(ints, MANIFOLD_KEY)[:n, ends], ints_of(ints, GROUPED), ints_of(ints, OLD_KEY)[:n, ends])
+    n = ints_of(ints, COUNT)[0, MANIFOLDS]
+    return Links(ints_of(ints, MANIFOLD_KEY)[:n], ints_of(ints, GROUPED), ints_of(ints, OLD_KEY)[:n], BODY_A)
 
 
 @kernel
 def linked_by_joints(ints: Ints) -> Links:
     """The joints."""
-    ends = slice(PARENT, CHILD + 1)
-    return Links(ints_of(ints, JOINT_KIND)[:, ends], ints_of(ints, GROUPED_JOINT), ints_of(ints, LOCAL_JOINT_KIND)[:, ends])
+    return Links(ints_of(ints, JOINT_KIND), ints_of(ints, GROUPED_JOINT), ints_of(ints, LOCAL_JOINT_KIND), PARENT)
+
+
+@kernel
+def ends_of(links: Links, k: int) -> tuple[int, int]:
+    """The two bodies of link k."""
+    return links.bodies[k, links.first], links.bodies[k, links.first + 1]
 
 
 @kernel
@@ -167,18 +175,20 @@ def group_links(islands: Islands, n: int, links: Links, first: int) -> None:
 
     Args: first: the column of `span` where each island's list begins.
     """
-    island, span, ends = islands.island, islands.span, links.bodies
+    island, span = islands.island, islands.span
     for i in range(n + 1):
         span[i, first] = 0
-    for k in range(ends.shape[0]):
-        i = island_of(island, ends[k, 0], ends[k, 1])
+    for k in range(links.bodies.shape[0]):
+        a, b = ends_of(links, k)
+        i = island_of(island, a, b)
         if i >= 0:
             span[i + 1, first] += 1
     for i in range(n):
         span[i + 1, first] += span[i, first]
         span[i, STAMP] = span[i, first]
-    for k in range(ends.shape[0]):
-        i = island_of(island, ends[k, 0], ends[k, 1])
+    for k in range(links.bodies.shape[0]):
+        a, b = ends_of(links, k)
+        i = island_of(island, a, b)
         if i >= 0:
             links.order[span[i, STAMP], 0] = k
             span[i, STAMP] += 1
@@ -200,9 +210,9 @@ def assign_link(islands: Islands, links: Links, at: int, i: int, row: int) -> in
     """Give the bodies of the link that is listed at place `at` rows of island i. Returns: the next free row."""
     k, first = links.order[at, 0], islands.span[i, FIRST_LOCAL]
     for side in range(2):
-        b = links.bodies[k, side]
+        b = links.bodies[k, links.first + side]
         row = assign_row(islands, b, i, row)
-        links.rows[at, side] = islands.island[b, LOCAL] - first
+        links.rows[at, links.first + side] = islands.island[b, LOCAL] - first
     return row
 
 

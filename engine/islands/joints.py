@@ -54,7 +54,7 @@ from engine.memory.arena import (
     TALLY,
     VECTOR,
 )  # fmt: skip
-from engine.memory.carve import floats_of, ints_of
+from engine.memory.carve import floats_of, ints_of, table_within
 from engine.memory.tables import Joints, Rows, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.soft import sweep
@@ -97,15 +97,14 @@ def island_rows(floats: Floats, ints: Ints, i: int) -> Rows:
     span = ints_of(ints, SPAN_OF_ISLAND)
     first, end = span[i, FIRST_ROW], span[i + 1, FIRST_ROW]
     r = end - first
-    matrix, factor, vector = floats_of(floats, ints, MATRIX), floats_of(floats, ints, FACTOR), floats_of(floats, ints, VECTOR)
-    at = first * matrix.shape[1]
+    at = first * floats_of(floats, ints, MATRIX).shape[1]
     return Rows(
         floats_of(floats, ints, ROW)[first:end],
         ints_of(ints, ROW_BODY)[first:end],
         floats_of(floats, ints, REACH)[first:end],
-        matrix.reshape(-1)[at : at + r * r].reshape((r, r)),
-        factor.reshape(-1)[at : at + r * r].reshape((r, r)),
-        vector.reshape(-1)[10 * first : 10 * (first + r)].reshape((10, r)),
+        table_within(floats, ints[3 * MATRIX] + at, r, r),
+        table_within(floats, ints[3 * FACTOR] + at, r, r),
+        table_within(floats, ints[3 * VECTOR] + 10 * first, 10, r),
     )
 
 

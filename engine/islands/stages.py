@@ -8,6 +8,7 @@ from engine.integrate.semi_implicit_euler import drift
 from engine.islands.islands import (
     assign_rows,
     connect,
+    ends_of,
     group_bodies,
     group_links,
     islands_of,
@@ -128,9 +129,11 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
     island, span = islands.island, islands.span
     start_islands(island, last + 1)
     for m in range(contacts.bodies.shape[0]):
-        connect(island, kind, contacts.bodies[m, 0], contacts.bodies[m, 1])
+        a, b = ends_of(contacts, m)
+        connect(island, kind, a, b)
     for j in range(joints.bodies.shape[0]):
-        connect(island, kind, joints.bodies[j, 0], joints.bodies[j, 1])
+        a, b = ends_of(joints, j)
+        connect(island, kind, a, b)
     n = number_islands(island, kind, last)
     group_bodies(island, kind, last, span, n)
     group_links(islands, n, contacts, FIRST_MANIFOLD)

@@ -10,20 +10,16 @@ same wherever a kernel is called is then not handed to it. A pendulum's step tak
 
 from typing import Any
 
-import numba
 import numpy as np
+from numpy.typing import NDArray
 
-from engine.compile.compilers import jit_is_off, pointer_maker
+from engine.compile.compilers import jit_is_off, table_finder
 from engine.compile.jit import inlined
 from engine.maths.vec import Floats, Ints
-from engine.memory import arena
 from engine.memory.arena import FLOAT_TABLES
 from engine.memory.layout import FLOATS, INTS
 
-__all__ = ["floats_of", "ints_of"]
-
-BYTES = 8
-"""Of a number."""
+__all__ = ["floats_of", "ints_of", "table_within"]
 
 OPEN = 0
 """In place of a number of columns that the world decides."""
@@ -32,28 +28,27 @@ FLOAT_COLUMNS = np.array([table.columns if isinstance(table.columns, int) else O
 INT_COLUMNS = np.array([table.columns if isinstance(table.columns, int) else OPEN for table in INTS])
 """The columns of each table, by its number: known where compiled, so that they are not among the words handed on either."""
 
-compiler: Any = numba
-carray = compiler.carray
-double_at: Any = None if jit_is_off() else pointer_maker(compiler.float64)
-integer_at: Any = None if jit_is_off() else pointer_maker(compiler.int64)
+
+def _view(numbers: NDArray[Any], start: int, rows: int, columns: int) -> Any:
+    """A table (rows, columns) from one of numbers in a row on, without a copy."""
+    return numbers[start : start + rows * columns].reshape((rows, columns))
 
 
-def _float_table(floats: Floats, ints: Ints, k: int) -> Floats:
-    """As `arena.float_table`."""
-    address = np.intp(floats.ctypes.data) + BYTES * ints[3 * k]
+table_within: Any = _view if jit_is_off() else table_finder()
+
+
+@inlined
+def floats_of(floats: Floats, ints: Ints, k: int) -> Floats:
+    """Table k of floats, as `arena.float_table`."""
     columns = FLOAT_COLUMNS[k] if FLOAT_COLUMNS[k] != OPEN else ints[3 * k + 2]
-    table: Floats = carray(double_at(address), (ints[3 * k + 1], columns))
+    table: Floats = table_within(floats, ints[3 * k], ints[3 * k + 1], columns)
     return table
 
 
-def _int_table(ints: Ints, k: int) -> Ints:
-    """As `arena.int_table`."""
+@inlined
+def ints_of(ints: Ints, k: int) -> Ints:
+    """Table k of integers, as `arena.int_table`."""
     d = 3 * (FLOAT_TABLES + k)
-    address = np.intp(ints.ctypes.data) + BYTES * ints[d]
     columns = INT_COLUMNS[k] if INT_COLUMNS[k] != OPEN else ints[d + 2]
-    table: Ints = carray(integer_at(address), (ints[d + 1], columns))
+    table: Ints = table_within(ints, ints[d], ints[d + 1], columns)
     return table
-
-
-floats_of = inlined(arena.float_table if jit_is_off() else _float_table)
-ints_of = inlined(arena.int_table if jit_is_off() else _int_table)

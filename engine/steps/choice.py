@@ -92,7 +92,9 @@ def joint_coordinates_step(touching: bool, closing: bool, options: Options, unsm
     if touching or closing:
         from engine.steps import joint_coordinates_held as held
 
-        return held.step_joint_coordinates_touching if touching else held.step_joint_coordinates_closing
+        if not touching:
+            return held.step_joint_coordinates_closing
+        return held.step_joint_coordinates_touching_and_closing if closing else held.step_joint_coordinates_touching
     refuse_unsmooth(options.integrator, unsmooth)
     from engine.steps import joint_coordinates as steps
 

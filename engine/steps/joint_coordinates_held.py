@@ -30,13 +30,17 @@ from engine.memory.arena import (
 )  # fmt: skip
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
-from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, joints_of, rows_of, shapes_of
+from engine.memory.tables import Bodies, Contacts, Rows, bodies_of, contacts_of, joints_of, rows_of, shapes_of
 from engine.respond.softness import softness_of
 from engine.respond.substep import end_step
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet
 
-__all__ = ["step_joint_coordinates_closing", "step_joint_coordinates_touching"]
+__all__ = [
+    "step_joint_coordinates_closing",
+    "step_joint_coordinates_touching",
+    "step_joint_coordinates_touching_and_closing",
+]
 
 
 @kernel
@@ -47,14 +51,35 @@ def touch_nothing(_floats: Floats, _ints: Ints, bodies: Bodies, _contacts: Conta
     return DONE
 
 
+@kernel
+def no_rows(_floats: Floats, _ints: Ints) -> None:
+    """In place of `rows_of`, where no joint closes a loop."""
+    return
+
+
+@kernel
+def left_open(floats: Floats, ints: Ints, rows: Rows | None, status: int) -> int:
+    """How all steps ended: as the last one did, or with a joint that closes a loop and is open."""
+    if rows is None:
+        return status
+    return open_joint(floats, ints, touching=True) if status == DONE else status
+
+
 @template
 def advance_held(
-    floats: Floats, ints: Ints, steps: int, meeting: Callable[[Floats, Ints, Bodies, Contacts], int]
+    floats: Floats,
+    ints: Ints,
+    steps: int,
+    meeting: Callable[[Floats, Ints, Bodies, Contacts], int],
+    room: Callable[[Floats, Ints], Rows | None],
 ) -> tuple[int, int]:
-    """The loop of both steps. Args: meeting: finds the contacts of a step, or says why not."""
+    """The loop of all these steps.
+
+    Args: meeting: finds the contacts of a step, or says why not; room: the rows of joints that close loops, or None.
+    """
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
     contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, START)
-    setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), rows_of(floats, ints)
+    setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), room(floats, ints)
     dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
     soft = softness_of(setting, dt / substeps)
     firm = under_machines(setting, soft)
@@ -88,21 +113,25 @@ def advance_held(
             finite = is_finite_forest(tables)
             if count_step(bodies.state, count) == DIVERGED or not finite:
                 status = DIVERGED
-    if status == DONE and tables.closing.shape[0] > 0:
-        status = open_joint(floats, ints, touching=True)
-    return done, status
+    return done, left_open(floats, ints, rows, status)
 
 
 @entry
 def step_joint_coordinates_touching(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees and free bodies in contact, by semi-implicit Euler in sub-steps.
 
-    Returns: steps done, and DONE, DIVERGED, UNSOLVED, FULL or CONVEX_PENDING; and `open_joint`.
+    Returns: steps done, and DONE, DIVERGED, UNSOLVED, FULL or CONVEX_PENDING.
     """
-    return advance_held(floats, ints, steps, meet)
+    return advance_held(floats, ints, steps, meet, no_rows)
+
+
+@entry
+def step_joint_coordinates_touching_and_closing(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
+    """As `step_joint_coordinates_touching`, with joints that close loops. Returns: as it does; or as `open_joint`."""
+    return advance_held(floats, ints, steps, meet, rows_of)
 
 
 @entry
 def step_joint_coordinates_closing(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
-    """Advance trees whose loops joints close, where nothing touches. Returns: as `step_joint_coordinates_touching`."""
-    return advance_held(floats, ints, steps, touch_nothing)
+    """As `step_joint_coordinates_touching_and_closing`, where nothing touches."""
+    return advance_held(floats, ints, steps, touch_nothing, rows_of)

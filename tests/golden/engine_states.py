@@ -1,9 +1,9 @@
 """Where the reference engine takes six worlds: their states, which hold to rounding everywhere, and hashes, to the last bit.
 
-The bits depend on the processor, which may or may not fuse a product and a sum, and on the compiler, so a hash holds for one
-processor, one Numba and one LLVM. What such a difference makes of a state has been measured, by compiling without any of the
-processor's own instructions; another machine may differ a hundred times as much. After an intended change of the engine, renew
-states and the hashes of this machine by
+The text of a kernel says which products are rounded with the sums that they stand in, so processors that have the instruction
+give the same bits; a hash holds for these, one C library, one Numba and one LLVM. What it makes of a state to have no such
+instruction has been measured, by compiling without any of the processor's own; another machine may differ a hundred times as
+much. After an intended change of the engine, renew states and the hashes of this machine by
 
     python tests/golden/engine_states.py
 
@@ -21,6 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,13 +41,16 @@ ROUGH = {("default", "default"): engine.Surface(static_friction=0.6, kinetic_fri
 
 
 def machine() -> str:
-    """The processor with a digest of its features, and the versions of Numba and LLVM."""
-    import llvmlite.binding as llvm
+    """The family of processors, whether it fuses products and sums, and the versions of the C library, Numba and LLVM."""
     import numba
 
-    features = hashlib.sha256(llvm.get_host_cpu_features().flatten().encode()).hexdigest()[:8]
-    versions = f"numba {numba.__version__}, LLVM {'.'.join(map(str, llvm.llvm_version_info))}"
-    return f"{platform.machine()} {llvm.get_host_cpu_name()} {features}, {versions}"
+    versions = f"{' '.join(platform.libc_ver())}, numba {numba.__version__}, LLVM {'.'.join(map(str, llvm.llvm_version_info))}"
+    return f"{platform.machine()} {'with' if fuses() else 'without'} fused multiply-add, {versions}"
+
+
+def fuses() -> bool:
+    """Whether this processor has an instruction for a product and a sum; ARM's all have."""
+    return platform.machine() == "aarch64" or bool(dict(llvm.get_host_cpu_features()).get("fma", False))
 
 
 def free_box(threads: int) -> engine.World:
@@ -144,12 +148,22 @@ def tolerance(name: str) -> float:
 
 def _rounded_otherwise() -> dict[str, NDArray[np.float64]]:
     """The states as they come out without the instructions that this processor has beyond its family's first."""
+    states = json.loads(_said_elsewhere("generic", "", "states"))
+    return {name: np.array(state) for name, state in states.items()}
+
+
+def last_state_on(processor: str, features: str, name: str) -> str:
+    """As `last_state` on one thread, of code for another processor; features: as LLVM writes them."""
+    return _said_elsewhere(processor, features, "hash", name).strip()
+
+
+def _said_elsewhere(processor: str, features: str, *asked: str) -> str:
+    """What this file prints where kernels are compiled for another processor."""
     with TemporaryDirectory() as folder:
-        target = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "PLUMBLINE_KERNEL_CACHE": folder}
-        said = subprocess.run(
-            [sys.executable, __file__, "states"], env={**os.environ, **target}, capture_output=True, text=True, check=True
-        )
-    return {name: np.array(state) for name, state in json.loads(said.stdout).items()}
+        target = {"NUMBA_CPU_NAME": processor, "NUMBA_CPU_FEATURES": features, "PLUMBLINE_KERNEL_CACHE": folder}
+        return subprocess.run(
+            [sys.executable, __file__, *asked], env={**os.environ, **target}, capture_output=True, text=True, check=True
+        ).stdout
 
 
 def _renew() -> None:
@@ -165,5 +179,7 @@ def _renew() -> None:
 if __name__ == "__main__":
     if sys.argv[1:] == ["states"]:
         print(json.dumps({name: compared_state(name).tolist() for name in WORLDS}))
+    elif sys.argv[1:2] == ["hash"]:
+        print(last_state(sys.argv[2], 1))
     else:
         _renew()

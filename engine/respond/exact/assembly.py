@@ -158,7 +158,9 @@ def give_impulses(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: F
     """Change the velocities by impulses (k, 3) N s, and keep them with the contact points. Args: as of `write_problem`."""
     state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
     point = floats_of(floats, ints, POINT)
-    point[:, NORMAL_IMPULSE : TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
+    for i in range(len(point)):
+        for c in range(NORMAL_IMPULSE, TANGENT_IMPULSE + 3):
+            point[i, c] = 0.0  # contacts left out of the problem give none
     for i in range(len(rows)):
         normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
         one, two = (frame[i, 0, 1], frame[i, 1, 1], frame[i, 2, 1]), (frame[i, 0, 2], frame[i, 1, 2], frame[i, 2, 2])

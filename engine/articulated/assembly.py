@@ -53,7 +53,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
 
 
 def grow_world(floats: FloatArray, ints: IntArray, trees: bool) -> tuple[FloatArray, IntArray]:
-    """The same world with room for twice as many pairs. Args: trees: whether it has any, which stay behind what has grown."""
+    """The same world with more room for pairs, as `grow`. Args: trees: whether it has any, which stay behind what has grown."""
     if not trees:
         return grow(floats, ints)
     directory = int(ints[-1])

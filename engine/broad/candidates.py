@@ -107,7 +107,7 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
     rules, candidate = collision_filter_of(floats, ints), ints_of(ints, CANDIDATE)
     progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
     if found > candidate.shape[0]:
-        progress[0, CANDIDATES] = -1
+        progress[0, CANDIDATES], ints_of(ints, COUNT)[0, PAIRS] = -1, found
         return FULL
     kept = 0
     for c in range(found):

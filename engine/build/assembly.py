@@ -375,12 +375,16 @@ def _write_joint(
 
 
 def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
-    """The same world in an arena with room for twice as many pairs."""
+    """The same world in an arena with room for twice as many pairs, or so often twice that those found find it."""
     old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
     old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
+    times, room, found = 2, len(old_ints[at.PAIR]), old_ints[at.COUNT][0, at.PAIRS]
+    while 0 < times * room < found:
+        times *= 2
+    more = [[times if table.rows.grows else 1 for table in tables] for tables in (FLOATS, INTS)]
     new_floats, new_ints = new_arena(
-        [((1 + table.rows.grows) * old.shape[0], old.shape[1]) for table, old in zip(FLOATS, old_floats, strict=True)],
-        [((1 + table.rows.grows) * old.shape[0], old.shape[1]) for table, old in zip(INTS, old_ints, strict=True)],
+        [(grown * old.shape[0], old.shape[1]) for grown, old in zip(more[0], old_floats, strict=True)],
+        [(grown * old.shape[0], old.shape[1]) for grown, old in zip(more[1], old_ints, strict=True)],
     )
     for k, table in enumerate(old_floats):
         float_table(new_floats, new_ints, k)[: table.shape[0]] = table

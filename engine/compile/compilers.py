@@ -171,7 +171,7 @@ def inlined_options() -> dict[str, Any]:
 
 
 def for_all_values(function: Function) -> Function:
-    """The compiled function that callers meet by the types of arguments alone.
+    """The compiled function that callers meet by the types of arguments alone, arrays as tables.
 
     Numba would compile it anew for each constant that a caller passes, `load3` for each column; inlining does that better.
     """

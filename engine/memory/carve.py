@@ -1,11 +1,10 @@
 """The arena's tables, carved inside compiled code.
 
-They are views by address, which nothing counts the users of: the arrays belong to the caller of the entry, who keeps them while
-it runs, and no kernel hands a table back to Python.
+Nothing counts who uses them (`compile.table_type`): the arrays belong to the caller of the entry, who keeps them while it runs,
+and no kernel hands a table back to Python.
 
-A table is ten words to Numba, of which a kernel reads two at most. Carved in place, and not in a function of its own, they are
-known when the optimiser looks through all calls, which it does once, before it puts functions in place of calls: what is the
-same wherever a kernel is called is then not handed to it. A pendulum's step takes two thirds of the time.
+Carved in place, and not in a function of its own, a table is known when the optimiser looks through all calls, which it does
+once, before it puts functions in place of calls: what is the same wherever a kernel is called is then not handed to it.
 """
 
 from typing import Any

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -11,10 +11,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import engine
+from engine.articulated.assembly import grow_world
 from engine.broad.choice import FEW, choose_broad_phase
 from engine.build.assembly import grow
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
+from engine.memory.status import FULL
 from engine.options import BROAD_PHASES
 from tests.forks import Fork
 
@@ -81,6 +83,24 @@ def _found(world: engine.World) -> list[tuple[int, int]]:
             return [(int(i), int(j)) for i, j in int_table(world._ints, at.PAIR)[:number]]
         world._floats, world._ints = grow(world._floats, world._ints)
     raise AssertionError("no room after twenty times twice as much")
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+def test_a_world_makes_room_once_for_all_pairs_that_it_meets(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hundred boxes in one place: 4950 pairs, six times as many as there is room for at first."""
+    grown: list[int] = []
+
+    def counted(*given: Any) -> Any:
+        grown.append(len(int_table(given[1], at.PAIR)))
+        return grow_world(*given)
+
+    monkeypatch.setattr(engine.world, "grow_world", counted)
+    bodies = [engine.Body(name=f"b{k}", shapes=[engine.Placed(engine.Box((1.0, 1.0, 1.0)))]) for k in range(100)]
+    world = engine.World(bodies, options=engine.Options(broad_phase=name))
+    while world._search() == FULL:
+        world._resume(FULL)
+    assert len(grown) == 1
+    assert 4 * grown[0] < 4950 <= len(int_table(world._ints, at.PAIR))
 
 
 def _worlds(bodies: list[engine.Body], names: tuple[str, ...], **options: object) -> list[engine.World]:

@@ -52,6 +52,11 @@ def weighed(table: Array) -> float:
 
 
 @kernel
+def number_at(table: Array, i: int, j: int) -> float:
+    return table[i, j]
+
+
+@kernel
 def cut(table: Array, start: int, end: int) -> Array:
     return table[start:end]
 
@@ -140,6 +145,7 @@ def seldom_weighed(table: Array) -> float:
     return weighed(table) + 1.0
 
 
+number_from_python = njit(lambda table, i, j: number_at(table, i, j))
 weighed_from_python = njit(lambda table: weighed(table))
 cut_from_python = njit(lambda table, a, b: weighed(cut(table, a, b)))
 both_from_python = njit(lambda one, two: of_both(Pair(one, two)))
@@ -162,6 +168,11 @@ def test_a_kernel_reads_any_array_as_python_does(table: Array) -> None:
     expected += (np.arange(1, len(table) + 1) * table.sum(axis=1)).sum()
     assert weighed_from_python(table) == expected
     assert both_from_python(table, NUMBERS) == expected - 2.0 * weighed_from_python(NUMBERS)
+
+
+def test_rows_and_columns_below_zero_count_from_the_end() -> None:
+    for i, j in itertools.product(range(-4, 4), range(-3, 3)):
+        assert number_from_python(NUMBERS, i, j) == NUMBERS[i, j]
 
 
 @pytest.mark.parametrize(("start", "end"), [*itertools.product((-9, -2, 0, 1, 3), (-1, 2, 4, 9)), (3, 3)])

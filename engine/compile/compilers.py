@@ -84,7 +84,7 @@ def seldom_compiler() -> type:
 def stream_compiler() -> type:
     """Numba's compiler with the promise that arrays do not overlap, which it knows as a flag but not as an option.
 
-    It optimises such a function before the entry takes it in: rays are a fifth faster that way.
+    It optimises such a function before the entry takes it in.
     """
 
     def prepare(state: Any) -> None:

@@ -260,7 +260,8 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
         stated = "not known" if row["exponent"] is None else f"{row['exponent']:.2f}"
         grows = f"exponent {stated} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
         return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
-    costs = ""
+    answered = row["status"] in ("passed", "failed")
+    costs = "not clocked" if answered else ""
     if row["cpu_s"] is not None:
         costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
         if row["to_plain"] is not None:
@@ -279,7 +280,7 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
         "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um",
         "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s",
         ("*" if row["best"] else "") + ("~" if row["unstable"] else ""),
-        row["status"] if row["status"] in ("passed", "failed") else f"{row['status']}: {row['reason']}",
+        row["status"] if answered and row["cpu_s"] is not None else f"{row['status']}: {row['reason']}",
     )
 
 

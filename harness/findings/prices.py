@@ -86,9 +86,9 @@ class Price:
         there; not clocked: no point that gets there has a time, and reason says what it roughly costs, where that is known; no
         answer: no trial gave an error, and reason says why.
         unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
-        the cheapest engine at this target, with its interval; 1 for
-        that engine itself. best_error: the smallest of all its clocked points. finest_dt [s]: the finest step of all its
-        points.
+        the cheapest engine at this target that people can deploy, with its interval; 1 for that engine itself, below 1 for the
+        reference engine where it costs less; None where no such engine gets there. best_error: the smallest of all its clocked
+        points. finest_dt [s]: the finest step of all its points.
         foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
         foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt, trial:
         the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
@@ -133,6 +133,7 @@ class Prices:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._cases: Mapping[str, Mapping[str, Any]] = store.catalogue.get("cases", {})
+        self._ours = {name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")}
 
     @cached_property
     def _headlines(self) -> Mapping[str, tuple[float, float]]:
@@ -240,7 +241,8 @@ class Prices:
         spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
-            cheapest = min(reached, key=lambda engine: reached[engine], default="")
+            deployable = [engine for engine in reached if engine not in self._ours]
+            cheapest = min(deployable, key=lambda engine: reached[engine], default="")
             for engine, costs in lists.items():
                 blank: dict[str, Any] = {f.name: None for f in fields(Price)}
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
@@ -267,10 +269,11 @@ class Prices:
                 under, over = costs.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
                 low, high = interval(costs.drawn[:, k])
-                ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
                 row |= {"verdict": "within the truth's error" if target < under.off else verdict}
                 row |= {"cost": reached[engine], "low": low, "high": high}
-                row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
+                if cheapest:
+                    ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
+                    row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
                 row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
 

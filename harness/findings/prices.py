@@ -15,19 +15,18 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
 from harness.findings.foreseen import foreseen
 from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
-from harness.statistics.bootstrap import interval_of_drawn, medians
+from harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.rows import records
 from harness.store.store import Store
@@ -306,7 +305,8 @@ def interval(values: Floats) -> tuple[float, float]:
 
 
 class Draws:
-    """What prices would be had other samples been taken, the same for all engines of a case: a bootstrap in two levels.
+    """What prices would be had other samples been taken, the same for all engines of a case: a bootstrap in two levels, as much
+    wider as few samples know too little of their spread.
 
     Processes are drawn first and blocks within each, since what a process was given (its place in memory) stays with all its
     blocks; the truth's error is drawn evenly within its bar, and moves all errors of the case alike.
@@ -316,15 +316,17 @@ class Draws:
 
     def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[Block, float]]) -> None:
         keys = sorted({key for point in points for key in samples.get(point.trial, {})})
-        places, self._shift = _drawn(tuple(Counter(process for process, _ in keys).values()))
+        places = drawn_in_groups(tuple(Counter(process for process, _ in keys).values()), DRAWS) if keys else None
+        self._shift = _shifts()
         self._costs: dict[str, Floats] = {}
         for point in points:
             taken = samples.get(point.trial, {})
             values = np.array([*(taken.get(key, math.nan) for key in keys), math.nan])
             middle = medians(values[None, :])[0]
-            drawn = medians(values[places]) / middle if taken else np.ones(DRAWS)
+            drawn = medians(values[places]) / middle if taken and places is not None else np.ones(DRAWS)
             # A draw may hold none of this trial's samples: it then says nothing of its cost.
-            self._costs[point.trial] = point.cost * np.where(np.isfinite(drawn), drawn, 1.0)
+            drawn = np.where(np.isfinite(drawn), drawn, 1.0)
+            self._costs[point.trial] = point.cost * drawn ** widening(len(taken))
 
     def of(self, points: Sequence[Point], targets: Floats) -> Floats:
         """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
@@ -334,27 +336,10 @@ class Draws:
         return prices_of_draws(shifted, costs, targets)
 
 
-@lru_cache(maxsize=64)
-def _drawn(blocks: tuple[int, ...]) -> tuple[NDArray[np.int64], Floats]:
-    """Which samples each draw takes, shape (DRAWS, m), and where in the truth's bar each lies, shape (DRAWS,).
-
-    Args: blocks: of each process, whose samples stand one process after the other. The same for all cases of a run, nearly.
-    """
-    rng = np.random.default_rng(0)
-    of_process = np.split(np.arange(sum(blocks)), np.cumsum(blocks)[:-1])
-
-    def drawn_from(count: int) -> NDArray[np.int64]:
-        return rng.integers(0, count, size=count)
-
-    chosen = [
-        np.concatenate([of_process[p][drawn_from(blocks[p])] for p in drawn_from(len(blocks))])
-        for _ in range(DRAWS if blocks else 0)
-    ]
-    # Processes may have given different numbers of blocks: shorter draws end in the place of a sample that nobody has.
-    places = np.full((len(chosen), max(map(len, chosen), default=0)), sum(blocks), dtype=np.int64)
-    for draw, drawn in enumerate(chosen):
-        places[draw, : len(drawn)] = drawn
-    return places, rng.uniform(-1.0, 1.0, DRAWS)
+@cache
+def _shifts() -> Floats:
+    """Where in the truth's bar each draw lies, shape (DRAWS,)."""
+    return np.random.default_rng(0).uniform(-1.0, 1.0, DRAWS)
 
 
 class List:

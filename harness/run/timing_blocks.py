@@ -32,7 +32,7 @@ _NOISY = 0.1
 
 
 def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Unit = "step") -> Timing:
-    """Median and 95 % bootstrap interval of CPU seconds per unit of work.
+    """Median and 95 % bootstrap interval of CPU seconds per unit of work, of what repeats in other processes would show.
 
     Per simulated second too, wherever the work is that of stepping and nothing stood beside it.
     """
@@ -41,7 +41,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
     cpu = np.array([s.cpu / (s.steps * s.units) for s in samples])
     wall = np.array([s.wall / (s.steps * s.units) for s in samples])
     canary = np.array([s.canary for s in samples])
-    middle, (low, high) = float(np.median(cpu)), interval_of_median(cpu)
+    middle, (low, high) = float(np.median(cpu)), interval_of_median(cpu, [s.process for s in samples])
     wide = (high - low) / 2 > _NOISY * middle
     noisy = float(np.percentile(canary, 75) - np.percentile(canary, 25)) > _NOISY * float(np.median(canary))
     timing = Timing(

@@ -20,7 +20,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
 
 
 BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "tried", "marks")
-"""What a terminal has room for; marks: * the cheapest to deploy, ~ an unstable timing, <= the cheapest point errs less already."""
+"""What a terminal has room for; marks: * cheapest to deploy, ~ an unstable timing, <= the cheapest point errs less already."""
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:

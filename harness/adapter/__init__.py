@@ -9,6 +9,7 @@ from harness.adapter.contract import (
     Settings,
     SettingsError,
     Simulation,
+    TradeOff,
     Unavailable,
     Unsupported,
 )
@@ -24,6 +25,7 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Simulation",
+    "TradeOff",
     "Unavailable",
     "Unsupported",
 ]

@@ -70,6 +70,7 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Simulation",
+    "TradeOff",
     "Unavailable",
     "Unsupported",
 ]
@@ -294,6 +295,30 @@ class Advantage:
     why: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TradeOff:
+    """Why 'tuned' stands as it does although another setting does better in some cases.
+
+    Terms:
+        cases: by name. why: with the figures. knob: the one that does better if it is turned alone ('iterations',
+        'options.cone'); '' for the track 'default'. values: to which of them; to any, if none is named. at: the case's own time
+        step, or, of 'default' alone, its ladder, over which 'tuned' then errs more in the mean.
+    """
+
+    cases: tuple[str, ...]
+    why: str
+    knob: str = ""
+    values: tuple[Any, ...] = ()
+    at: tuple[Literal["own step", "ladder"], ...] = ("own step",)
+
+    def __post_init__(self) -> None:
+        where = f"trade-off in {', '.join(self.cases) or 'no case'}"
+        if not self.cases or not self.why.strip() or not self.at:
+            raise ValueError(f"{where}: expected cases, a reason, and at which steps")
+        if (self.values and not self.knob) or (self.knob and self.at != ("own step",)):
+            raise ValueError(f"{where}: expected values of a knob alone, and a knob at the own step alone")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Adapter(ABC):
     """One engine.
@@ -304,8 +329,8 @@ class Adapter(ABC):
         users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
         test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
         failures.
-        trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
-        case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
+        trade_offs: where 'tuned' is beaten by 'default' or by a change of one of its own knobs, with the reason: the study
+        `dominance` and a test hold the list to be true.
         deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
         adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
         why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
@@ -328,7 +353,7 @@ class Adapter(ABC):
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     acts_on: Mapping[str, Effect] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
-    trade_offs: Mapping[str, str] = field(default_factory=dict)
+    trade_offs: tuple[TradeOff, ...] = ()
     deviations: tuple[str, ...] = ()
     emulated: tuple[Emulation, ...] = ()
     advantages: Mapping[str, Advantage] = field(default_factory=dict)
@@ -349,6 +374,13 @@ class Adapter(ABC):
                 raise ValueError(f"{where}: expected one feature that the adapter claims")
             if not emulation.how.strip() or not emulation.tracks or not set(emulation.tracks) <= set(self.tracks):
                 raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
+
+        for trade_off in self.trade_offs:
+            unknown = {trade_off.knob} - {"", *self.knobs} or set(trade_off.values) - {*self.knobs.get(trade_off.knob, ())}
+            if unknown:
+                raise ValueError(
+                    f"adapter '{self.name}': trade-off in {', '.join(trade_off.cases)}: no knob or value {unknown}"
+                )
 
     def knobs_in(self, scene: Scene) -> tuple[str, ...]:
         """The knobs that may mean something in this scene."""

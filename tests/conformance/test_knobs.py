@@ -6,8 +6,8 @@ import pytest
 
 from harness.adapter import Settings, SettingsError, Unsupported
 from harness.scene import Scene
-from harness.search.front import turned
 from harness.study import plugins
+from harness.study.one_knob import turned
 from harness.trajectory import State
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 

@@ -11,9 +11,10 @@ from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
 from harness.metrics.position import POSITION_MAX
 from harness.scene import Body, Scene
-from harness.search.front import SCREENING, due_for_clock, next_trials, turned
+from harness.search.front import SCREENING, due_for_clock, next_trials
 from harness.store.record import Measurement, Record
 from harness.study.experiment import Experiment
+from harness.study.one_knob import turned
 from harness.study.study import Study
 from harness.study.trial import Trial
 

@@ -9,11 +9,11 @@ from harness.adapter.contract import (
     Settings,
     SettingsError,
     Simulation,
-    TradeOff,
     Unavailable,
     Unsupported,
 )
 from harness.adapter.notice import Notice
+from harness.adapter.trade_off import TradeOff
 
 __all__ = [
     "Adapter",

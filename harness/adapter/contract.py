@@ -51,6 +51,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from harness.adapter.many_worlds import Batch, Turns
 from harness.adapter.notice import Notice
+from harness.adapter.trade_off import TradeOff, check_named
 from harness.intake.mendable import Mendable
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -70,7 +71,6 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Simulation",
-    "TradeOff",
     "Unavailable",
     "Unsupported",
 ]
@@ -295,30 +295,6 @@ class Advantage:
     why: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TradeOff:
-    """Why 'tuned' stands as it does although another setting does better in some cases.
-
-    Terms:
-        cases: by name. why: with the figures. knob: the one that does better if it is turned alone ('iterations',
-        'options.cone'); '' for the track 'default'. values: to which of them; to any, if none is named. at: the case's own time
-        step, or, of 'default' alone, its ladder, over which 'tuned' then errs more in the mean.
-    """
-
-    cases: tuple[str, ...]
-    why: str
-    knob: str = ""
-    values: tuple[Any, ...] = ()
-    at: tuple[Literal["own step", "ladder"], ...] = ("own step",)
-
-    def __post_init__(self) -> None:
-        where = f"trade-off in {', '.join(self.cases) or 'no case'}"
-        if not self.cases or not self.why.strip() or not self.at:
-            raise ValueError(f"{where}: expected cases, a reason, and at which steps")
-        if (self.values and not self.knob) or (self.knob and self.at != ("own step",)):
-            raise ValueError(f"{where}: expected values of a knob alone, and a knob at the own step alone")
-
-
 @dataclass(frozen=True, kw_only=True)
 class Adapter(ABC):
     """One engine.
@@ -328,9 +304,7 @@ class Adapter(ABC):
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
         test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
-        failures.
-        trade_offs: where 'tuned' is beaten by 'default' or by a change of one of its own knobs, with the reason: the study
-        `dominance` and a test hold the list to be true.
+        failures. trade_offs: where 'default' or one knob turned beats 'tuned', and why; the study `dominance` holds it true.
         deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
         adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
         why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
@@ -374,13 +348,7 @@ class Adapter(ABC):
                 raise ValueError(f"{where}: expected one feature that the adapter claims")
             if not emulation.how.strip() or not emulation.tracks or not set(emulation.tracks) <= set(self.tracks):
                 raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
-
-        for trade_off in self.trade_offs:
-            unknown = {trade_off.knob} - {"", *self.knobs} or set(trade_off.values) - {*self.knobs.get(trade_off.knob, ())}
-            if unknown:
-                raise ValueError(
-                    f"adapter '{self.name}': trade-off in {', '.join(trade_off.cases)}: no knob or value {unknown}"
-                )
+        check_named(self.name, self.trade_offs, self.knobs)
 
     def knobs_in(self, scene: Scene) -> tuple[str, ...]:
         """The knobs that may mean something in this scene."""

@@ -19,7 +19,10 @@ __all__ = ["PAGE"]
 
 def concerns(store: "Store") -> bool:
     """Only if knobs were turned to beat a track."""
-    return bool(changes(store))
+    asked = store.study.get("experiments", [])
+    return any(isinstance(one, dict) and one.get("dominance") for one in asked if isinstance(asked, list)) and bool(
+        changes(store)
+    )
 
 
 def render(store: "Store") -> Mapping[str, Rendered]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli.gate import failures
 from harness.findings.tables import dominance as table
 from harness.findings.tables.dominance import Change, changes, unexcused
 from harness.run.campaign import carry_out
@@ -65,7 +66,14 @@ def test_a_change_that_the_adapter_names_is_excused_with_its_reason(
     assert (row.verdict, row.by, row.reason) == ("excused", "price", "planted")
     sentences = unexcused(store)
     assert any("beaten/tuned with spin 20.0 costs" in sentence for sentence in sentences)
+    assert f"dominance: {sentences[0]}" in failures(store)
     assert not any("beaten/tuned with spin 30.0" in sentence for sentence in sentences)
+
+
+def test_a_reason_that_nothing_calls_for_is_told(store: Store) -> None:
+    stale = [row for row in changes(store) if row.verdict == "reason not needed"]
+    assert {(row.change, row.reason) for row in stale if row.engine == "beaten"} == {("shade", "never needed")}
+    assert any("beaten gives a reason for shade" in sentence for sentence in table.sentences(table.rows(store)))
 
 
 def test_a_change_that_is_not_cheap_enough_is_no_better(found: Mapping[tuple[str, str], Change]) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from harness.adapter.trade_off import TradeOff, check_named
 from harness.search.better import Question, Run, compared, run_of
 
 QUESTION = Question("error", 1.0, frozenset({"height"}))
@@ -81,3 +82,27 @@ def test_what_gave_no_answer_is_not_compared_and_beaten_by_what_did() -> None:
     beside = compared(QUESTION, lost, answered)
     assert beside is not None
     assert beside.more
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"cases": ()},
+        {"why": " "},
+        {"at": ()},
+        {"values": (1,)},
+        {"knob": "iterations", "at": ("ladder",)},
+    ],
+)
+def test_a_trade_off_says_which_knob_where_and_why(wrong: dict[str, Any]) -> None:
+    TradeOff(cases=("a",), why="so")
+    with pytest.raises(ValueError, match="expected"):
+        TradeOff(**{"cases": ("a",), "why": "so"} | wrong)
+
+
+@pytest.mark.parametrize(("knob", "values"), [("itreations", ()), ("iterations", (3,))])
+def test_a_trade_off_names_a_knob_and_values_that_there_are(knob: str, values: tuple[int, ...]) -> None:
+    knobs = {"iterations": (1, 2)}
+    check_named("made", [TradeOff(cases=("a",), why="so", knob="iterations", values=(2,))], knobs)
+    with pytest.raises(ValueError, match="'made': trade-off in a: "):
+        check_named("made", [TradeOff(cases=("a",), why="so", knob=knob, values=values)], knobs)

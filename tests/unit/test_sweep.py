@@ -141,6 +141,19 @@ def test_an_idle_knob_is_turned_twice_and_no_settings_twice() -> None:
     assert len(settings_of(trials)) == len(trials)
 
 
+def test_a_knob_that_a_track_is_known_to_leave_idle_is_never_turned_there() -> None:
+    """The engine resolves both colours as one, at the steps of the ladder; elsewhere nobody has asked it."""
+
+    def surveyed(trial: Trial) -> Record:
+        idle = tuple(("options.colour", colour) for colour in ("red", "blue"))
+        return replace(answer(trial), idle=idle if trial.round == 0 else ())
+
+    trials, _ = unfolded(sweep=200, answer=surveyed)
+    screened = [trial for trial in trials if trial.round <= SCREENING]
+    assert not [trial for trial in screened if "colour" in trial.settings.options]
+    assert [trial for trial in unfolded(sweep=200)[0] if trial.round <= SCREENING and "colour" in trial.settings.options]
+
+
 def test_knobs_that_were_turned_where_the_engine_errs_least_do_not_end_the_search() -> None:
     """There all knobs have been turned once where the case has one step alone: nothing is left to screen, all to explore."""
     trials, _ = unfolded(20, case=replace(CASE, dt=1 / 240, ladder=(1 / 240,)))

@@ -20,7 +20,7 @@ from harness.search.dominance import MAYBE, kept_parameters
 from harness.statistics.ratio import Ratio
 from harness.store.rows import records
 from harness.store.store import Store
-from harness.study.one_knob import Turn, turn_between
+from harness.study.one_knob import OPTION, Turn, turn_between
 from harness.study.stored_study import experiments_of
 
 __all__ = ["BRIEF", "COLUMNS", "DOMINATED", "EXCUSED", "IDLE", "Change", "brief", "changes", "rows", "sentences", "unexcused"]
@@ -29,6 +29,7 @@ DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""
 IDLE, SAME, NO_BETTER, DEARER = "changes nothing", "same answer", "no better", "dearer"
 NOT_CLOCKED, REFUSED = "not clocked", "refused"
+STALE = "reason not needed"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +44,8 @@ class Change:
         for a rough cost. verdict: DOMINATED or EXCUSED if the change is better; 'no better'; 'same answer', to the last bit;
         'changes nothing', so that it was not run: the engine resolves its settings as before; 'dearer', broken off since it
         could win by its cost alone; 'not clocked', if it may win by its cost and the clock did not say; 'refused', or the
-        status of a run without an answer. by: 'checks', 'price' or 'error', what it is better by. drawn, won: parameters that
+        status of a run without an answer; 'reason not needed', of no change that was run, if the adapter names one that is not
+        better here. by: 'checks', 'price' or 'error', what it is better by. drawn, won: parameters that
         were drawn and answered, and at how many of them it is better too; draws: which. reason: the adapter's, or why there is
         no answer. trial: of the change, of the track for what was not run.
     """
@@ -137,7 +139,13 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
     beside = {row["trial"]: _beside(store, question, _track_at(scene, row), row, samples) for row in scene if _is_change(row)}
     single = [_judged(row, blank, _turn(settings, row), beside, scene, given, track, engine["trade_offs"]) for row in tried]
     idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
-    return list(_folded([*single, *idle]))
+    used = {change.reason for change in single if change.verdict == EXCUSED}
+    stale = [
+        replace(blank, change=one["knob"].removeprefix(OPTION) or "default", count=0, verdict=STALE, reason=one["why"])
+        for one in engine["trade_offs"]
+        if track["case"] in one["cases"] and "own step" in one["at"] and not blank.where and one["why"] not in used
+    ]
+    return [*_folded([*single, *idle]), *stale]
 
 
 def _is_change(row: Row) -> bool:
@@ -290,7 +298,7 @@ def brief(row: Row) -> list[object]:
     return [
         f"{row['case']} {row['where']}".strip(),
         row["engine"] + (" (ours)" if row["ours"] else ""),
-        named if row["count"] == 1 else f"{row['count']}: {named}",
+        named if row["count"] <= 1 else f"{row['count']}: {named}",
         "" if row["held_change"] is None else f"{row['held_tuned']} -> {row['held_change']} of {row['checks']}",
         "" if error is None or math.isnan(error) else f"x {error:.3g}",
         cost + interval,
@@ -316,4 +324,9 @@ def sentences(rows: Sequence[Row]) -> list[str]:
             f"{named}: {tried} changes tried in {scenes} scenes, {idle} that change nothing left out; {beaten} beat "
             f"tuned without a reason, {excused} with one."
         )
-    return lines + [f"{_sentence(row)}." for row in rows if row["verdict"] == DOMINATED]
+    lines += [f"{_sentence(row)}." for row in rows if row["verdict"] == DOMINATED]
+    return lines + [
+        f"{row['case']}: {row['engine']} gives a reason for {row['change']}, which is not better here."
+        for row in rows
+        if row["verdict"] == STALE
+    ]

@@ -112,6 +112,7 @@ class Beaten(Spinner):
     )
     trade_offs: tuple[TradeOff, ...] = (
         TradeOff(cases=("flight_projectile",), knob="options.spin", values=(30.0,), why="planted"),
+        TradeOff(cases=("flight_projectile",), knob="options.shade", why="never needed"),
     )
 
     def __post_init__(self) -> None:

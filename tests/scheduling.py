@@ -62,6 +62,7 @@ CLOCK = (
     "tests/conformance/test_scaling_run.py",
     "tests/conformance/test_harness_overhead.py",
     "tests/conformance/test_clocked_loop.py",
+    "tests/conformance/test_dominance.py",
     "tests/stress/test_planted_nights.py",
 )
 """Files that run with a clock on: their tests are marked `clock`, and are one unit, so that no two of them run side by side."""

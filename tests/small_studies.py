@@ -25,6 +25,7 @@ RUN = {
     "determinism": study_texts.determinism(),
     "scaling": study_texts.SCALING,
     "tremble": study_texts.TREMBLE,
+    "dominance": study_texts.DOMINANCE,
 }
 OWN = "own scene"
 STUDIES = (*WRITTEN, *RUN, OWN)

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 
-__all__ = ["SCALING", "TREMBLE", "WITHIN", "determinism", "effects", "limits"]
+__all__ = ["DOMINANCE", "SCALING", "TREMBLE", "WITHIN", "determinism", "effects", "limits"]
 
 COMPILED = ("mujoco", "bullet")
 """Engines that come compiled, and answer soonest."""
@@ -20,6 +20,18 @@ cases = ["stack_pile"]
 engines = ["mujoco", "bullet"]
 tracks = ["default"]
 parameters = { n = [4, 6, 8] }
+samples = 2
+sample_seconds = 0.002
+"""
+DOMINANCE = """
+name = "small-dominance"
+recordings = false
+[[experiments]]
+name = "flight"
+cases = ["flight_projectile"]
+engines = ["mujoco", "bullet"]
+tracks = ["tuned"]
+dominance = true
 samples = 2
 sample_seconds = 0.002
 """

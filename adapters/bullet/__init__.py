@@ -65,7 +65,7 @@ from typing import TYPE_CHECKING
 from adapters.bullet.build import build_world
 from adapters.bullet.options import VENDOR_STEP, checked, substeps_of
 from adapters.bullet.vendor import LIFTED, connected, pybullet_module
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unavailable
+from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unavailable
 from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from harness.scene import Effect, Scene
 
@@ -243,21 +243,20 @@ ADAPTER = BulletAdapter(
         "default/ray_from_inside_meets_the_far_side": _FROM_INSIDE,
         "tuned/ray_from_inside_meets_the_far_side": _FROM_INSIDE,
     },
-    trade_offs={
-        "friction_threshold": _APART,
-        "joint_limits": _PHASE,
-        "joint_limits/ladder": _PHASE,
-        "sensor_imu_lag": _LEAD,
-        "sensor_imu_lag/ladder": _LEAD,
-        "stack_heavy_on_two": (
-            "how two bodies share a load is left open by statics, and settled by the phase of the landing: tuned .015 to .052 "
-            "over the ladder in no order, default .007 to .16; the geometric mean of the ratio is .95"
+    trade_offs=(
+        TradeOff(cases=("friction_threshold",), why=_APART),
+        TradeOff(cases=("joint_limits",), at=("own step", "ladder"), why=_PHASE),
+        TradeOff(cases=("sensor_imu_lag",), at=("own step", "ladder"), why=_LEAD),
+        TradeOff(
+            cases=("stack_heavy_on_two",),
+            why=(
+                "how two bodies share a load is left open by statics, and settled by the phase of the landing: tuned .015 to "
+                ".052 over the ladder in no order, default .007 to .16; the geometric mean of the ratio is .95"
+            ),
         ),
-        "system_level_of_detail": _THICK,
-        "system_level_of_detail/ladder": _THICK,
-        "system_far_origin": _FAR,
-        "system_far_origin/ladder": _FAR,
-    },
+        TradeOff(cases=("system_level_of_detail",), at=("own step", "ladder"), why=_THICK),
+        TradeOff(cases=("system_far_origin",), at=("own step", "ladder"), why=_FAR),
+    ),
     orders={"semi_implicit_euler": 1},
     emulated=(
         Emulation(

@@ -73,7 +73,7 @@ from adapters.dart.detectors import DETECTORS
 from adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
 from adapters.dart.solvers import SOLVERS
 from adapters.dart.vendor import load
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unsupported
+from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unsupported
 from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from harness.scene import Effect, Scene
 
@@ -175,18 +175,26 @@ ADAPTER = DartAdapter(
     known_failures={
         "default/friction_is_isotropic": "Dantzig, the default solver, bounds friction along two axes: a box, not a cone",
     },
-    trade_offs={
-        "friction_creep": _SWEPT,
-        "friction_creep/ladder": _SWEPT,
-        "friction_turntable/ladder": (
-            "what the detectors find of a ball on a plane: with FCL in the place of ODE tuned errs as the default does, .037 "
-            "for .075 m at 1/60 s, with Bullet's as with ODE; from 1/480 s on all err alike. Boxes slide right on planes with "
-            "ODE alone"
+    trade_offs=(
+        TradeOff(cases=("friction_creep",), at=("own step", "ladder"), why=_SWEPT),
+        TradeOff(
+            cases=("friction_turntable",),
+            at=("ladder",),
+            why=(
+                "what the detectors find of a ball on a plane: with FCL in the place of ODE tuned errs as the default does, "
+                ".037 for .075 m at 1/60 s, with Bullet's as with ODE; from 1/480 s on all err alike. Boxes slide right on "
+                "planes with ODE alone"
+            ),
         ),
-        "stack_arch/ladder": (
-            "exact to the cone's 1e-6, where Dantzig pivots to rounding: 3.4e-5 for 1.8e-5 at 1/1920 s; alike at coarser steps"
+        TradeOff(
+            cases=("stack_arch",),
+            at=("ladder",),
+            why=(
+                "exact to the cone's 1e-6, where Dantzig pivots to rounding: 3.4e-5 for 1.8e-5 at 1/1920 s; alike at "
+                "coarser steps"
+            ),
         ),
-    },
+    ),
     knobs={
         "solver": SOLVERS,
         "substeps": (1, 2, 4, 8),

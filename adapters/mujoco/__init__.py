@@ -62,7 +62,7 @@ from adapters.mujoco.build import build
 from adapters.mujoco.options import INTEGRATORS, SOLVERS
 from adapters.mujoco.softness import VENDOR_TIME_CONSTANT
 from adapters.mujoco.vendor import mujoco_module
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, Unsupported
+from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unsupported
 from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from harness.scene import Effect, Scene
 
@@ -191,31 +191,51 @@ ADAPTER = MujocoAdapter(
             "the vendor's default time constant of constraints is .02 s: coupled joints let fall part by .02 m/s at first"
         ),
     },
-    trade_offs={
-        "friction_backspin/ladder": (
-            "a ball that slides hops on a soft contact, and where it lands is chance: at six steps .94 to 2.1 times the "
-            "error of the default, between .16 and 1.9 m/s; a damping ratio of 1 only moves the scatter"
+    trade_offs=(
+        TradeOff(
+            cases=("friction_backspin",),
+            at=("ladder",),
+            why=(
+                "a ball that slides hops on a soft contact, and where it lands is chance: at six steps .94 to 2.1 times the "
+                "error of the default, between .16 and 1.9 m/s; a damping ratio of 1 only moves the scatter"
+            ),
         ),
-        "friction_painleve/ladder": (
-            "contacts of 20 steps are stiffer than the vendor's below 1e-3 s, and lift what slides: at 1/7680 s .0070 "
-            "against .0007; 40 steps bring .0006, but lose what stands and what must not pass: at 1/1920 s a pyramid "
-            "drifts .029 mm for .007, and a thin mesh lets 9 % through for none"
+        TradeOff(
+            cases=("friction_painleve",),
+            at=("ladder",),
+            why=(
+                "contacts of 20 steps are stiffer than the vendor's below 1e-3 s, and lift what slides: at 1/7680 s .0070 "
+                "against .0007; 40 steps bring .0006, but lose what stands and what must not pass: at 1/1920 s a pyramid "
+                "drifts .029 mm for .007, and a thin mesh lets 9 % through for none"
+            ),
         ),
-        "joint_long_run/ladder": (
-            "RK4 loses a share of z^5/144 of an amplitude a radian, z being the phase of a step; Euler is symplectic: at "
-            "1/20 s 9.5e-6 against 1.5e-7, the bound being 3.8e-4; from 1/90 s down RK4 errs less"
+        TradeOff(
+            cases=("joint_long_run",),
+            at=("ladder",),
+            why=(
+                "RK4 loses a share of z^5/144 of an amplitude a radian, z being the phase of a step; Euler is symplectic: at "
+                "1/20 s 9.5e-6 against 1.5e-7, the bound being 3.8e-4; from 1/90 s down RK4 errs less"
+            ),
         ),
-        "orbit_kepler/ladder": (
-            "told its force once a step, RK4 drifts, kicks and drifts, and is of second order as the default: within an "
-            "eighth of it but at 1/60 s, where the textbook's drift, kick and drift itself measures the same 20.8 rad as "
-            "it passes the middle of its path 98 times in 100 turns; the angle at the end errs by 4.14 rad, by 4.23 on "
-            "default"
+        TradeOff(
+            cases=("orbit_kepler",),
+            at=("ladder",),
+            why=(
+                "told its force once a step, RK4 drifts, kicks and drifts, and is of second order as the default: within an "
+                "eighth of it but at 1/60 s, where the textbook's drift, kick and drift itself measures the same 20.8 rad as "
+                "it passes the middle of its path 98 times in 100 turns; the angle at the end errs by 4.14 rad, by 4.23 on "
+                "default"
+            ),
         ),
-        "stack_pile/ladder": (
-            "where a pile comes to rest in steps of 1/60 s is chance: .0131 against .0071, and .0062 to .0107 under five "
-            "other settings of cone, impratio, damping ratio and impedance; from 1/480 s down tuned errs less"
+        TradeOff(
+            cases=("stack_pile",),
+            at=("ladder",),
+            why=(
+                "where a pile comes to rest in steps of 1/60 s is chance: .0131 against .0071, and .0062 to .0107 under five "
+                "other settings of cone, impratio, damping ratio and impedance; from 1/480 s down tuned errs less"
+            ),
         ),
-    },
+    ),
     loads=("mujoco",),
     orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},
     emulated=(

@@ -71,7 +71,7 @@ from adapters.reference.advantages import ADVANTAGES
 from adapters.reference.build import build, build_batch, compile_for
 from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SUITED
 from adapters.reference.vendor import engine_version
-from harness.adapter import Adapter, Feature, Settings, Simulation
+from harness.adapter import Adapter, Feature, Settings, Simulation, TradeOff
 from harness.adapter.many_worlds import Batch
 from harness.adapter.mass_points import built_with_points, with_inertia
 from harness.scene import Effect, Scene
@@ -159,14 +159,13 @@ ADAPTER = ReferenceAdapter(
         "options.continuous": Effect.CONTINUOUS_COLLISION,
         "options.coordinates": Effect.JOINTS,
     },
-    trade_offs={
-        "joint_long_run/ladder": (
+    trade_offs=(
+        TradeOff(cases=("joint_long_run",), at=("ladder",), why=(
             "Runge-Kutta loses a share of z^5/144 of an amplitude a radian, z being the phase of a step; SHAKE is symplectic: "
             "at 1/20 s 9.5e-6 against 1.4e-9, the bound being 3.8e-4; at 1/120 s Runge-Kutta errs less"
-        ),
-        "system_far_origin": _ROUNDED,
-        "system_far_origin/ladder": _ROUNDED,
-    },
+        )),
+        TradeOff(cases=("system_far_origin",), at=("own step", "ladder"), why=_ROUNDED),
+    ),
     threads=(2, 4),
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",

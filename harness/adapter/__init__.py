@@ -13,6 +13,7 @@ from harness.adapter.contract import (
     Unsupported,
 )
 from harness.adapter.notice import Notice
+from harness.adapter.trade_off import TradeOff
 
 __all__ = [
     "Adapter",
@@ -24,6 +25,7 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Simulation",
+    "TradeOff",
     "Unavailable",
     "Unsupported",
 ]

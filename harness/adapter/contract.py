@@ -51,6 +51,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from harness.adapter.many_worlds import Batch, Turns
 from harness.adapter.notice import Notice
+from harness.adapter.trade_off import TradeOff, check_named
 from harness.intake.mendable import Mendable
 from harness.scene import Camera, Effect, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -303,9 +304,7 @@ class Adapter(ABC):
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
         test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
-        failures.
-        trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
-        case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
+        failures. trade_offs: where 'default' or one knob turned beats 'tuned', and why; the study `dominance` holds it true.
         deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
         adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
         why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
@@ -328,7 +327,7 @@ class Adapter(ABC):
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     acts_on: Mapping[str, Effect] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
-    trade_offs: Mapping[str, str] = field(default_factory=dict)
+    trade_offs: tuple[TradeOff, ...] = ()
     deviations: tuple[str, ...] = ()
     emulated: tuple[Emulation, ...] = ()
     advantages: Mapping[str, Advantage] = field(default_factory=dict)
@@ -349,6 +348,7 @@ class Adapter(ABC):
                 raise ValueError(f"{where}: expected one feature that the adapter claims")
             if not emulation.how.strip() or not emulation.tracks or not set(emulation.tracks) <= set(self.tracks):
                 raise ValueError(f"{where}: expected how, and on which of the tracks {', '.join(self.tracks)}")
+        check_named(self.name, self.trade_offs, self.knobs)
 
     def knobs_in(self, scene: Scene) -> tuple[str, ...]:
         """The knobs that may mean something in this scene."""

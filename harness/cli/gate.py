@@ -1,4 +1,4 @@
-"""What the gate of a run is about: our own engine's checks, its determinism, and the audit of effects."""
+"""What the gate of a run is about: our own engine's checks, its determinism, the audit of effects, and tuned tracks."""
 
 from typing import TYPE_CHECKING
 
@@ -9,9 +9,10 @@ __all__ = ["failures"]
 
 
 def failures(store: "Store") -> list[str]:
-    """What the gate is about: our own engine's checks on the tuned track and its determinism, and the audit of effects."""
+    """What the gate is about: our own engine's checks on the tuned track and its determinism, the audit of effects, and tuned
+    tracks of all engines that a change of one knob beats without a reason."""
     from harness.findings.effects_audit import JUDGE, audit
-    from harness.findings.tables import determinism
+    from harness.findings.tables import determinism, dominance
     from harness.findings.tables.effects import rows
 
     ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
@@ -27,4 +28,5 @@ def failures(store: "Store") -> list[str]:
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
     # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
     judged = audit([row for row in rows(store) if row["engine"] == JUDGE])
-    return sentences + [f"audit: {sentence}" for sentence in judged.sentences()]
+    sentences += [f"audit: {sentence}" for sentence in judged.sentences()]
+    return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]

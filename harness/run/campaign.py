@@ -28,8 +28,7 @@ from harness.run.progress import Progress
 from harness.run.remaining_time import RemainingTime
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
-from harness.search import first_break, front, needless_effects, refined_ladder
-from harness.search.front import due_for_clock
+from harness.search import dominance, first_break, front, needless_effects, refined_ladder
 from harness.search.to_come import seconds_of_run, to_come
 from harness.store import disk
 from harness.store.journal import FolderTaken, Journal, StoreError
@@ -126,7 +125,7 @@ def _timing(
     remaining: RemainingTime,
 ) -> None:
     records, here = dict(journal.records), machine_digest(machine)
-    near = due_for_clock(trials, records, cases)
+    near = front.due_for_clock(trials, records, cases) | dominance.due_for_clock(trials, records, cases)
     due = [
         trial
         for trial in trials
@@ -134,7 +133,7 @@ def _timing(
         and trial.alteration.name not in REFINED
         and not trial.alteration.start
         and not trial.alteration.undropped
-        and (not trial.experiment.sweep or trial.trial in near)
+        and (not (trial.experiment.sweep or trial.experiment.dominance) or trial.trial in near)
         and journal.timings.get(trial.trial) != here
         and trial.trial in records
         and records[trial.trial].status in _TIMED
@@ -177,22 +176,28 @@ def _together(trial: Trial) -> tuple[object, ...]:
 
 
 def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
-    """One of n parts: every n-th trial, but of what is clocked every n-th question, of a sweep every n-th case, all engines."""
+    """One of n parts: every n-th trial, but of what is clocked every n-th question, of a search for settings every n-th case.
+
+    Each with all engines.
+    """
+
+    def searching(trial: Trial) -> bool:
+        return bool(trial.experiment.sweep or trial.experiment.dominance)
 
     def dealt_by(trial: Trial) -> tuple[object, ...]:
-        if trial.experiment.sweep:
-            return "sweep", trial.case
+        if searching(trial):
+            return "searched", trial.case
         return ("clocked", *_together(trial)) if trial.experiment.timing else ("plain", trial.trial)
 
     number, parts = shard
-    places: dict[object, dict[tuple[object, ...], int]] = {kind: {} for kind in ("sweep", "clocked", "plain")}
+    places: dict[object, dict[tuple[object, ...], int]] = {kind: {} for kind in ("searched", "clocked", "plain")}
     mine = []
     for trial in trials:
         kind, *what = dealt_by(trial)
         place = places[kind].setdefault(tuple(what), len(places[kind]))
         if place % parts == number - 1:
             mine.append(trial)
-    return sorted(mine, key=lambda trial: bool(trial.experiment.sweep))
+    return sorted(mine, key=searching)
 
 
 def _awaited(
@@ -226,6 +231,7 @@ def _searched(
         for go_on, wanted in (
             (front.next_trials, any(trial.experiment.sweep for trial in trials)),
             (first_break.next_trials, any(trial.experiment.limit for trial in trials)),
+            (dominance.next_trials, any(trial.experiment.dominance for trial in trials)),
             (partial(needless_effects.next_trials, store=Store(folder)), any(trial.experiment.effects for trial in trials)),
             (partial(refined_ladder.next_trials, store=Store(folder)), any(trial.experiment.refine for trial in trials)),
         )

@@ -28,7 +28,9 @@ from harness.study import plugins
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome, run_trial
 from harness.trial.bench import Bench, rough_cost_beside
+from harness.trial.beside_tuned import SHORT, ratio_to_tuned
 from harness.trial.ensemble import endure
+from harness.trial.idle_knobs import idle_turns, is_surveyed
 
 __all__ = ["answers", "confine", "end", "end_started", "exit_code", "named_signal", "roughly_clocked"]
 
@@ -151,7 +153,8 @@ def answers(trial: Trial, folder: Path) -> Iterator[Record | None]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
     None comes first, once the engine is ready for it. What a sweep goes on from comes once more, with its rough cost: if the
-    clock fails, the answer is safe. Of a run of a ladder the rough cost is what the run itself took, all told.
+    clock fails, the answer is safe. Of a run of a ladder the rough cost is what the run itself took, all told; where knobs are
+    turned to see whether one is better, what its steps took. Where a search will turn knobs, those that are idle come last.
     """
     allowed = _limits()
     try:
@@ -171,7 +174,13 @@ def answers(trial: Trial, folder: Path) -> Iterator[Record | None]:
         record = outcome(trial, status, _in_words(error), traceback.format_exc()[-4000:])
     yield record
     if roughly_clocked(trial, record):
-        yield _with_rough_cost(record, trial, case, adapter)
+        record = _with_rough_cost(record, trial, case, adapter)
+        yield record
+    elif _beside_tuned(trial, record, case):
+        record = _with_ratio(record, trial, case, adapter)
+        yield record
+    if is_surveyed(trial, record):
+        yield replace(record, idle=idle_turns(trial, case, adapter))
 
 
 def _limits() -> dict[str, tuple[int, int]]:
@@ -191,6 +200,20 @@ def _in_words(error: Exception) -> str:
 def roughly_clocked(trial: Trial, record: Record) -> bool:
     """Is a rough cost wanted of what came of a trial?"""
     return bool(trial.experiment.sweep) and trial.members == 1 and bool(record.measurements)
+
+
+def _beside_tuned(trial: Trial, record: Record, case: Case) -> bool:
+    """Are runs so short, or no runs at all, that what they cost beside 'tuned' has to be clocked in turns?"""
+    if not trial.experiment.dominance or trial.track == "tuned" or not record.measurements:
+        return False
+    return case.rays is not None or (record.rough_cost or 0.0) * record.sim_seconds <= SHORT
+
+
+def _with_ratio(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:
+    try:
+        return replace(record, rough_ratio=ratio_to_tuned(trial, case, adapter))
+    except Exception as error:
+        return replace(record, warnings=(*record.warnings, StoredNotice(f"cost beside tuned: none: {_in_words(error)}")))
 
 
 def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:

@@ -56,7 +56,7 @@ def _trim(log: Path, record: Record) -> None:
 
 
 def _late(trial: Trial, log: Path, why: str) -> Record:
-    return outcome(trial, "timeout", f"deadline of {trial.experiment.deadline:g} s passed, {why}", _tail(log))
+    return outcome(trial, "timeout", f"deadline of {trial.deadline:g} s passed, {why}", _tail(log))
 
 
 def _expired(trial: Trial, code: int | None, log: Path, kills: int) -> Record:
@@ -102,7 +102,7 @@ class _Child:
         try:
             for kind, value in self.inbox.lines():
                 if kind == "ready" and not self.ready:
-                    self.ready, self.deadline = True, Deadline(self.process.pid or 0, self.trial.experiment.deadline)
+                    self.ready, self.deadline = True, Deadline(self.process.pid or 0, self.trial.deadline)
                 elif kind == "record":
                     self.said = read_record(self.trial, value)
                 else:

@@ -51,7 +51,7 @@ def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]
     for trial in trials:
         asked = trial.experiment
         altered = trial.alteration.name in REFINED or trial.alteration.start or trial.alteration.undropped
-        clocked = asked.timing and not asked.sweep and asked.limit is None and not altered
+        clocked = asked.timing and not (asked.sweep or asked.dominance) and asked.limit is None and not altered
         piece = _piece(trial, cases[trial.case])
         pieces.append(piece if clocked else replace(piece, count=0))
     return pieces

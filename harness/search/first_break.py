@@ -172,7 +172,7 @@ def _next_of(
     sick = next(trial for trial in group if value_of(trial, by.axis) == broke)
     if any(trial.remedied == sick.trial for trial in trials):
         return []
-    return list(remedied(sick, case, adapter, number))
+    return list(remedied(sick, case, adapter, number, records[sick.trial].idle))
 
 
 def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Trial:

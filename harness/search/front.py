@@ -26,14 +26,15 @@ import numpy as np
 
 from harness.adapter import Adapter, Settings
 from harness.case import Case
-from harness.search.settings_key import OPTION, key_of
+from harness.search.settings_key import key_of
 from harness.statistics.pareto import near_front
 from harness.store.record import Record
+from harness.study.one_knob import OPTION, position, turned
 from harness.study.track_label import label_of
 from harness.study.trial import Trial
 
 __all__ = ["CLOCKED", "PER_ROUND", "RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "groups", "next_trials",
-           "room_in", "spread", "turned"]  # fmt: skip
+           "room_in", "spread"]  # fmt: skip
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
@@ -74,21 +75,6 @@ class Point:
 
 Group = Sequence[Trial]
 """The trials of one case, at one set of parameters, on one engine."""
-
-
-def turned(settings: Settings, knob: str, value: Any) -> Settings:
-    """The settings with one knob ('iterations', 'options.cone', ...) at another value."""
-    source = f"'{knob}' turned by a sweep"
-    if knob.startswith(OPTION):
-        return replace(settings, options={**settings.options, knob.removeprefix(OPTION): value}, source=source)
-    return replace(settings, **{knob: value}, source=source)
-
-
-def position(settings: Settings, knob: str) -> Any:
-    """The value at which a knob stands; None where that is left to the engine."""
-    if knob.startswith(OPTION):
-        return settings.options.get(knob.removeprefix(OPTION))
-    return getattr(settings, knob)
 
 
 def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
@@ -212,15 +198,18 @@ def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[
 
 
 def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
-    """The values next to where a knob stands; the ends of its range where it stands at none of them."""
-    values = adapter.knobs[knob]
+    """The values next to where a knob stands; the ends of its range where it stands at none of them.
+
+    Those that are known to change nothing at that point are passed over.
+    """
     now = position(point.trial.settings, knob)
     if now is None:
         now = position(Settings(**point.record.resolved), knob) if point.record.resolved else None
+    values = [value for value in adapter.knobs[knob] if value == now or (knob, value) not in point.record.idle]
     if now in values:
         index = values.index(now)
         return [values[k] for k in (index + 1, index - 1) if 0 <= k < len(values)]
-    return [value for value in dict.fromkeys((values[0], values[-1])) if value != now]
+    return [value for value in dict.fromkeys((*values[:1], *values[-1:])) if value != now]
 
 
 @dataclass(frozen=True, slots=True)

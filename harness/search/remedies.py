@@ -6,7 +6,7 @@ Graphics Forum 33 (2014) 246 (iterations, damping, time steps); Hairer, Lubich, 
 chapter I (symplectic integrators); the PyBullet Quickstart Guide and MuJoCo's documentation, chapter Modeling (sizes, masses).
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -25,8 +25,11 @@ SPLIT = 4
 """By what a time step is divided, and by what sub-steps are multiplied."""
 
 
-def remedied(sick: Trial, case: Case, adapter: Adapter, number: int) -> Iterator[Trial]:
-    """The trial that broke once more with each remedy that the engine and the case know, in round `number`."""
+def remedied(sick: Trial, case: Case, adapter: Adapter, number: int, idle: Collection[tuple[str, Any]] = ()) -> Iterator[Trial]:
+    """The trial that broke once more with each remedy that the engine and the case know, in round `number`.
+
+    Args: idle: knobs and values that would change nothing there.
+    """
 
     def tried(remedy: str, **changes: Any) -> Trial:
         return sick.probing(case, remedy=remedy, remedied=sick.trial, round=number, **changes)
@@ -44,11 +47,11 @@ def remedied(sick: Trial, case: Case, adapter: Adapter, number: int) -> Iterator
         # Without sub-steps of its own an engine takes shorter steps: the same to it as to divide the time step.
         yield settled(f"sub-steps x {SPLIT}", dt=now.dt / SPLIT)
     most = max((value for value in knobs.get("iterations", ()) if value is not None), default=0)
-    if most > (now.iterations or 0):
+    if most > (now.iterations or 0) and ("iterations", most) not in idle:
         yield settled("more iterations", iterations=most)
     for knob in ("solver", "integrator"):
         for value in knobs.get(knob, ()):
-            if value is not None and value != getattr(now, knob):
+            if value is not None and value != getattr(now, knob) and (knob, value) not in idle:
                 yield settled(f"{knob} {value}", **{knob: value})
     scene = sick.scene(case)
     if Effect.CONTACT in scene.effects and Effect.CONTINUOUS_COLLISION not in scene.effects:

@@ -7,11 +7,10 @@ from operator import attrgetter
 from typing import Any
 
 from harness.adapter import Settings
+from harness.study.one_knob import OPTION
 
-__all__ = ["OPTION", "key_of"]
+__all__ = ["key_of"]
 
-OPTION = "options."
-"""How a knob begins that is one of `Settings.options`."""
 _FIELDS = tuple(one.name for one in fields(Settings) if one.name not in ("options", "source"))
 """Those of `Settings` that decide an answer, beside its options."""
 _values_of = attrgetter(*_FIELDS)

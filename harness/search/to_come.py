@@ -2,8 +2,9 @@
 
 Along an axis the bracket says how often it is still halved. Where nothing broke yet, each value of the scan breaks with the
 share of those that did so far. Of a sweep, the points that are left are spent at the pace at which its runs gave points; one
-that finds less to try than a round may hold runs dry. A ladder is halved down to its finest step as long as its budget allows;
-that it goes on beyond, and that perturbed starts follow, happens rarely.
+that finds less to try than a round may hold runs dry. Of the changes of a
+track those that are not known to be idle are tried, and a share of them goes on to drawn parameters. A ladder is halved down to
+its finest step as long as its budget allows; that it goes on beyond, and that perturbed starts follow, happens rarely.
 """
 
 import math
@@ -14,7 +15,7 @@ from statistics import fmean
 from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import AS_IT_IS
-from harness.search import first_break, front
+from harness.search import dominance, first_break, front
 from harness.search.remedies import remedied
 from harness.store.record import Record
 from harness.study.trial import Trial
@@ -23,6 +24,8 @@ __all__ = ["ToCome", "seconds_of_run", "to_come"]
 
 BEHIND = 1
 """Rounds that a sweep may be behind the newest one and still go on: one whose knobs needed no second turn began earlier."""
+MAY_WIN = 0.1
+"""Of the changes of one knob, the share that may beat a track."""
 STEPS = 0.5
 """Of what is known of a run of a ladder, all that its process took, the share of the steps: the rest is judging them."""
 RARELY = 0.25
@@ -61,6 +64,7 @@ def to_come(
     return [
         *_of_limits([trial for trial in trials if trial.experiment.limit is not None], records, cases, adapters),
         *_of_sweeps(trials, records, cases, adapters),
+        *_of_dominance([trial for trial in trials if trial.experiment.dominance], records, cases, adapters),
         *_of_ladders([trial for trial in trials if trial.experiment.refine is not None], records, cases),
     ]
 
@@ -168,6 +172,23 @@ def _of_sweeps(
         run = fmean(runs) if runs else 0.0
         like = min(group, key=lambda trial: abs(trial.settings.dt - cases[trial.case].dt))
         yield ToCome(like, answers, clocks, run, front.PER_ROUND)
+
+
+def _of_dominance(
+    trials: Sequence[Trial], records: Mapping[str, Record], cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
+) -> Iterator[ToCome]:
+    newest = max((trial.round for trial in trials), default=0)
+    for trial in trials:
+        if trial.round == 0 and trial.experiment.dominance:
+            record, case = records.get(trial.trial), cases[trial.case]
+            count = len(changes := dominance.changes_of(trial, record, case, adapters[trial.engine])) + bool(changes)
+            run = 0.0 if record is None else seconds_of_run(trial, record, case)
+            better = MAY_WIN * count
+            drawn = len(dominance.FACTORS) * (better + min(better, 1.0)) if newest < 2 else 0.0
+            clocks = (better + min(better, 1.0)) * (1 + len(dominance.FACTORS))
+            if newest == 0:
+                yield ToCome(trial, count, run=run, at_once=max(1, count))
+            yield ToCome(trial, drawn, clocks, run, max(1, round(drawn)))
 
 
 def _still_found(last: int) -> float:

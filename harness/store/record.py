@@ -144,6 +144,8 @@ class Record:
         recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
         computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
         trajectory_kept: False where a trajectory is kept by its hash alone.
+        idle: knobs and values to which a search need not turn one from here, since the engine resolves its settings as before;
+        no column.
     """
 
     trial: str
@@ -195,6 +197,7 @@ class Record:
     again: str = ""
     trajectory_kept: bool = True
     base: str = ""
+    idle: tuple[tuple[str, Any], ...] = ()
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 
@@ -232,4 +235,5 @@ class Record:
             for m in fields.get("measurements", ())
         )
         fields["samples"] = tuple(Sample(**s) for s in fields.get("samples", ()))
+        fields["idle"] = tuple((knob, value) for knob, value in fields.get("idle", ()))
         return cls(**fields)

@@ -31,7 +31,7 @@ __all__ = [
 _JSON = json.JSONEncoder(sort_keys=True)
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 TABLES = ("trials", "measurements", "samples")
-TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "measurements", "samples"})
+TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "idle", "measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
 _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0} | {
@@ -230,6 +230,13 @@ class Store:
             str(trial): base_of_track(str(track))
             for trial, track in zip(self.trials["trial"], self.trials["track"], strict=True)
         }
+
+    @cached_property
+    def idle(self) -> Mapping[str, tuple[tuple[str, Any], ...]]:
+        """By trial, the knobs and values that change nothing from there; of trials that were asked for them alone."""
+        if not (self.folder / "journal.jsonl").is_file():
+            return {}
+        return {trial: record.idle for trial, record in self._written.records.items() if record.idle}
 
     @cached_property
     def asked(self) -> pd.DataFrame:

@@ -1,5 +1,6 @@
 """Cases and engines in words: the rows of the listings, kept in each run folder so that it explains itself."""
 
+from dataclasses import asdict
 from typing import Any
 
 from harness.adapter import Adapter
@@ -76,7 +77,7 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "tracks": {name: settings.plain() for name, settings in engine.tracks.items()},
         "knobs": {name: list(values) for name, values in engine.knobs.items()},
         "known_failures": dict(engine.known_failures),
-        "trade_offs": dict(engine.trade_offs),
+        "trade_offs": [asdict(trade_off) for trade_off in engine.trade_offs],
         "deviations": list(engine.deviations),
         "emulated": [
             {

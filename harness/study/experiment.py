@@ -134,6 +134,8 @@ class Experiment:
         each number a trial of its own.
         effects: run each cell as it is, with every effect that the engine has, without each one that the scene calls for, and
         at half and a quarter of the time step; see `harness.search.needless_effects`.
+        dominance: turn each knob of 'tuned' to each of its values, one at a time, to see whether the engine is better off; see
+        `harness.search.dominance`. Its tracks are 'tuned' alone.
         determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
         `harness.findings.tables.determinism`.
         limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
@@ -161,6 +163,7 @@ class Experiment:
     refine: Refinement | None = None
     effects: bool = False
     determinism: bool = False
+    dominance: bool = False
 
     def asks(self, case: str) -> bool:
         """Is the case of that name among its own?"""
@@ -168,6 +171,8 @@ class Experiment:
         return wanted and not left
 
     def __post_init__(self) -> None:
+        if self.dominance and self.tracks != ("tuned",):
+            raise ValueError(f"tracks: {', '.join(self.tracks)} with dominance, expected tuned alone: what is held against it")
         for track in () if self.limit is None else self.limit.remedies:
             if track not in self.tracks:
                 raise ValueError(

@@ -29,6 +29,7 @@ class Trial:
         what the study names itself. alteration: how its scene departs from the case's. members: starts of the scene, each in a
         random phase, of which it says how many held; 1 for the scene as it is. remedy: what it tries to help with, where the
         trial `remedied` broke. parts: that the time step of the search was taken in, 0 where that is left to its settings.
+        allowed [s]: its deadline, where a search gives it another than its experiment's; 0 where not.
         base: the track that turned settings descend from, '' where `track` is it.
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.provenance`.
     """
@@ -52,8 +53,14 @@ class Trial:
     remedy: str = ""
     remedied: str = ""
     parts: int = 0
+    allowed: float = 0.0
     base: str = ""
     sources: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def deadline(self) -> float:
+        """What its process may take for its answer [s]."""
+        return self.allowed or self.experiment.deadline
 
     def scene(self, case: Case) -> Scene:
         """What is put to the engine."""

@@ -28,6 +28,7 @@ from harness.trial.equivalent_runs import equivalent_run, equivalent_streams
 from harness.trial.paced import check_paced, paced
 from harness.trial.readings_due import readings_due
 from harness.trial.simulate import simulate
+from harness.trial.step_time import StepTime
 from harness.trial.truth_cache import bounded, truth_of
 
 __all__ = ["Answer", "answer_of", "judge", "outcome", "refusal", "run_trial"]
@@ -142,13 +143,18 @@ def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What an engine made of a scene. Terms: broke: when and how it diverged, None where it did not. pace: of its steps."""
+    """What an engine made of a scene.
+
+    Terms: broke: when and how it diverged, None where it did not. pace: of its steps. cpu [s]: that they took, once and from
+    cold; 0 where nobody asks.
+    """
 
     actual: Trajectory
     broke: str | None
     resolved: Mapping[str, Any]
     warnings: tuple[StoredNotice, ...]
     pace: Pace
+    cpu: float = 0.0
 
     @property
     def steps(self) -> int:
@@ -185,14 +191,23 @@ def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answe
 def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_interval: float, pace: Pace) -> Answer:
     """Raises: Diverged, outside its steps; otherwise as `answer_of`."""
     worlds, batch = case.count_of_worlds(trial.parameters), None
+    step_time: StepTime | None = None
+
+    def clocked(stepped: Simulation) -> Simulation:
+        nonlocal step_time
+        if not trial.experiment.dominance:
+            return stepped
+        step_time = StepTime(stepped)
+        return cast(Simulation, step_time)
+
     simulation: Simulation
     if worlds > 1:
         if not pace.even:
             raise Unsupported("many worlds under uneven steps", "a batch of worlds takes even steps")
         batch = adapter.build_batch(scene, trial.settings, worlds)
-        simulation = cast(Simulation, Answering(cast(Simulation, WorldOf(batch, worlds - 1)), scene))
+        simulation = cast(Simulation, Answering(clocked(cast(Simulation, WorldOf(batch, worlds - 1))), scene))
     else:
-        simulation = paced(cast(Simulation, Answering(adapter.build(scene, trial.settings), scene)), pace)
+        simulation = paced(cast(Simulation, Answering(clocked(adapter.build(scene, trial.settings)), scene)), pace)
         control = acting(scene, None if case.control is None else case.control(**trial.parameters))
         if control is not None:
             simulation = cast(Simulation, Controlled(simulation, control, pace, len(scene.bodies)))
@@ -224,7 +239,8 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             other = replace(retelling, scene=trial.alteration.of(retelling.scene))
             streams, remarks = equivalent_streams(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
-    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace)
+    cpu = 0.0 if step_time is None else step_time.cpu
+    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace, cpu)
 
 
 def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:
@@ -281,4 +297,5 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         sim_seconds=answer.sim_seconds,
         steps=answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, scene, actual, expected),
+        rough_cost=answer.cpu / answer.sim_seconds if answer.cpu and answer.sim_seconds else None,
     )

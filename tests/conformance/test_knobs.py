@@ -1,4 +1,5 @@
-"""Where an adapter says that a knob means nothing in a scene, turning it leaves every bit of the answer as it was."""
+"""If an adapter says that a knob means nothing in a scene, or resolves a turned one to the settings that it has anyway, every
+bit of the answer stays as it was."""
 
 from dataclasses import replace
 
@@ -6,9 +7,12 @@ import pytest
 
 from harness.adapter import Settings, SettingsError, Unsupported
 from harness.scene import Scene
-from harness.search.front import turned
 from harness.study import plugins
+from harness.study.experiment import Experiment
+from harness.study.one_knob import turned
+from harness.study.study import Study
 from harness.trajectory import State
+from harness.trial.idle_knobs import idle_turns
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
 SCENES = {
@@ -54,3 +58,19 @@ def test_a_knob_that_acts_on_nothing_here_changes_nothing(case: str, engine: str
     idle = [(knob, value) for knob, values in contestant.knobs.items() if knob not in meant for value in values]
     felt = [(knob, value) for knob, value in idle if answer(engine, scene, turned(track, knob, value)) not in (base, b"")]
     assert felt == []
+
+
+@pytest.mark.parametrize("engine", NAMES)
+@pytest.mark.parametrize("case", SCENES)
+def test_a_turn_that_resolves_to_the_same_settings_changes_nothing(case: str, engine: str) -> None:
+    """Searches leave such turns out."""
+    if why_unavailable(engine):
+        pytest.skip(why_unavailable(engine))
+    question, contestant = plugins.case(case), adapter(engine)
+    study = Study(name="s", experiments=(Experiment(name="e", tracks=("tuned",)),))
+    (trial,) = study.trials({case: question}, {engine: contestant}, {engine: "1"})
+    scene = question.scene(**trial.parameters)
+    base = answer(engine, scene, trial.settings)
+    idle = idle_turns(trial, question, contestant)
+    assert bool(idle) == bool(base), "every engine takes one sub-step for none, or has a solver chosen"
+    assert [turn for turn in idle if answer(engine, scene, turned(trial.settings, *turn)) != base] == []

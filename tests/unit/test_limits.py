@@ -15,6 +15,7 @@ from harness.metric import Metric, NotMeasurable
 from harness.metrics.divergence import DIVERGENCE
 from harness.scene import Body, PlacedShape, Scene, Sphere
 from harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
+from harness.search.remedies import remedied
 from harness.store.record import Record
 from harness.study.axes import axis_of
 from harness.study.experiment import Experiment, Limit, StudyError
@@ -22,6 +23,7 @@ from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, endure
+from harness.trial.idle_knobs import idle_turns, is_surveyed
 
 EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
 """Ends of the axis; starts break up to so much below the limit, each by its own."""
@@ -186,6 +188,30 @@ def test_a_remedy_that_helps_is_followed_and_one_that_does_not_is_told() -> None
     farther = [trial.parameters["speed"] for trial in trials if trial.remedy == "sub-steps x 4"]
     assert len(farther) > 1
     assert max(farther) > limit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deaf(BrittleEngine):
+    """The same with integrators that it does not listen to."""
+
+    knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=lambda: {"integrator": ("euler", "rk4")})
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        made: Any = Brittle(scene, replace(settings, integrator=None), self.limit)
+        return made
+
+
+def test_a_knob_that_is_idle_where_a_case_breaks_is_no_remedy() -> None:
+    case, engine = case_of(), Deaf(limit=100.0, name="deaf")
+    limit = Limit(within=1.1, members=4, remedies=("tuned",))
+    trials, records = searched(case, engine, limit)
+    sick = next(trial for trial in trials if records[trial.trial].status == "failed" and not trial.remedied)
+    assert is_surveyed(sick, records[sick.trial])
+    idle = idle_turns(sick, case, engine)
+    assert idle == (("integrator", "euler"), ("integrator", "rk4"))
+    before, after = ({one.remedy for one in remedied(sick, case, engine, 9, known)} for known in ((), idle))
+    assert before - after == {"integrator euler", "integrator rk4"}
+    assert after
 
 
 @dataclass(frozen=True, kw_only=True)

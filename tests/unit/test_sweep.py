@@ -11,9 +11,10 @@ from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
 from harness.metrics.position import POSITION_MAX
 from harness.scene import Body, Scene
-from harness.search.front import SCREENING, due_for_clock, next_trials, turned
+from harness.search.front import SCREENING, due_for_clock, next_trials
 from harness.store.record import Measurement, Record
 from harness.study.experiment import Experiment
+from harness.study.one_knob import turned
 from harness.study.study import Study
 from harness.study.trial import Trial
 
@@ -138,6 +139,19 @@ def test_an_idle_knob_is_turned_twice_and_no_settings_twice() -> None:
     turned = [trial.settings for trial in trials if trial.settings.options.get("colour") is not None]
     assert [settings.dt for settings in turned] == [1 / 120, 1 / 240]
     assert len(settings_of(trials)) == len(trials)
+
+
+def test_a_knob_that_a_track_is_known_to_leave_idle_is_never_turned_there() -> None:
+    """The engine resolves both colours as one, at the steps of the ladder; elsewhere nobody has asked it."""
+
+    def surveyed(trial: Trial) -> Record:
+        idle = tuple(("options.colour", colour) for colour in ("red", "blue"))
+        return replace(answer(trial), idle=idle if trial.round == 0 else ())
+
+    trials, _ = unfolded(sweep=200, answer=surveyed)
+    screened = [trial for trial in trials if trial.round <= SCREENING]
+    assert not [trial for trial in screened if "colour" in trial.settings.options]
+    assert [trial for trial in unfolded(sweep=200)[0] if trial.round <= SCREENING and "colour" in trial.settings.options]
 
 
 def test_knobs_that_were_turned_where_the_engine_errs_least_do_not_end_the_search() -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, SettingsError, Unsupported
+from harness.adapter import Adapter, Feature, Settings, SettingsError, TradeOff, Unsupported
 from harness.scene import Effect, Scene
 from harness.trajectory import State
 
@@ -97,6 +97,37 @@ class Spinner(Adapter):
         return Spinning(scene, settings)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Beaten(Spinner):
+    """An engine whose track 'tuned' is beaten by planted turns of its knobs; the knob 'colour' is idle, 'shade' is refused."""
+
+    offset: float = 0.0
+    knobs: Mapping[str, tuple[Any, ...]] = field(
+        default_factory=lambda: {
+            "options.spin": (50.0, 20.0, 30.0, 45.0, 5000.0),
+            "options.offset": (0.0, 0.001, 100.0),
+            "options.colour": ("red", "blue"),
+            "options.shade": ("dark",),
+        }
+    )
+    trade_offs: tuple[TradeOff, ...] = (
+        TradeOff(cases=("flight_projectile",), knob="options.spin", values=(30.0,), why="planted"),
+        TradeOff(cases=("flight_projectile",), knob="options.shade", why="never needed"),
+    )
+
+    def __post_init__(self) -> None:
+        tracks = {name: Settings(options={"spin": self.spin, "offset": self.offset}) for name in ("default", "tuned")}
+        object.__setattr__(self, "tracks", tracks)
+
+    def build(self, scene: Scene, settings: Settings) -> Any:
+        if "shade" in settings.options:
+            raise SettingsError("settings: option shade, expected none")
+        planted = {"order": 0, "coefficient": settings.options["offset"], "spin": settings.options["spin"]}
+        return super().build(scene, replace(settings, options=planted))
+
+
 SPINNER = Spinner(name="spinner", spin=20.0)
 LAGGARD = Spinner(name="laggard", spin=60.0)
 DETUNED = Spinner(name="detuned", spin=20.0, tuned=0)
+BEATEN = Beaten(name="beaten", spin=50.0)
+FAILING = Beaten(name="failing", spin=50.0, offset=100.0)

@@ -1,0 +1,332 @@
+"""Is 'tuned' beaten by a change of one of its knobs? Every change that was tried, and what became of it.
+
+A change that beats the track stands alone, with how it fared at drawn parameters; the others are folded, one row for each thing
+that became of them.
+"""
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+
+from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
+from harness.findings.where import in_words, other_values
+from harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
+from harness.search.dominance import MAYBE, kept_parameters
+from harness.statistics.ratio import Ratio
+from harness.store.rows import records
+from harness.store.store import Store
+from harness.study.one_knob import OPTION, Turn, turn_between
+from harness.study.stored_study import experiments_of
+
+__all__ = ["BRIEF", "COLUMNS", "DOMINATED", "EXCUSED", "IDLE", "Change", "brief", "changes", "rows", "sentences", "unexcused"]
+
+DOMINATED, EXCUSED = "dominated", "excused"
+"""The verdicts of a change that beats the track, without and with a reason of the adapter's."""
+IDLE, SAME, NO_BETTER, DEARER = "changes nothing", "same answer", "no better", "dearer"
+NOT_CLOCKED, REFUSED = "not clocked", "refused"
+STALE = "reason not needed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """One change of 'tuned', or several that the same became of.
+
+    Terms:
+        ours: is it the engine of this project? change: the knob and its value, or the track 'default'; several are parted by
+        semicolons, `count` says how many. checks: how many the case has; held_tuned, held_change: how many of them hold, at the
+        looser of both bounds. error_ratio: the change's over the track's, above the floor that `harness.search.better` says.
+        cost, low, high: CPU time over the track's, clocked in the same blocks, with the 95 % interval; low and high are None
+        for a rough cost. verdict: DOMINATED or EXCUSED if the change is better; 'no better'; 'same answer', to the last bit;
+        'changes nothing', so that it was not run: the engine resolves its settings as before; 'dearer', broken off since it
+        could win by its cost alone; 'not clocked', if it may win by its cost and the clock did not say; 'refused', or the
+        status of a run without an answer; 'reason not needed', of no change that was run, if the adapter names one that is not
+        better here. by: 'checks', 'price' or 'error', what it is better by. drawn, won: parameters that
+        were drawn and answered, and at how many of them it is better too; draws: which. reason: the adapter's, or why there is
+        no answer. trial: of the change, of the track for what was not run.
+    """
+
+    case: str
+    where: str
+    engine: str
+    ours: bool
+    change: str
+    count: int
+    verdict: str
+    by: str
+    held_tuned: int | None
+    held_change: int | None
+    checks: int | None
+    error_ratio: float | None
+    cost: float | None
+    low: float | None
+    high: float | None
+    drawn: int
+    won: int
+    draws: str
+    reason: str
+    trial: str
+
+
+COLUMNS = tuple(field.name for field in fields(Change))
+Row = Mapping[str, Any]
+Sampled = Mapping[str, Mapping[Block, BlockSample]]
+
+
+@dataclass(frozen=True, slots=True)
+class _Beside:
+    """A change beside the track at one set of parameters. Terms: by: what it is better by, '' for nothing. cost: clocked;
+    rough: as a share of the track's."""
+
+    compared: Comparison | None
+    by: str
+    cost: Ratio | None
+    rough: float
+
+
+@lru_cache(maxsize=1)
+def changes(store: Store) -> tuple[Change, ...]:
+    """All rows of a run, those that beat the track first; worked out once for a store."""
+    asked = {experiment.name: experiment for experiment in experiments_of(store) if experiment.dominance}
+    samples = samples_by_block(store) if asked else {}
+    scenes: dict[str, list[Row]] = {}
+    for row in records(store.trials[store.trials["experiment"].isin(asked)]):
+        kept = kept_parameters(asked[row["experiment"]], json.loads(row["parameters"]))
+        scenes.setdefault(repr((row["experiment"], row["case"], kept, row["dt"], row["engine"])), []).append(row)
+    found = [change for scene in scenes.values() for change in _of_scene(store, scene, samples)]
+    order = {DOMINATED: 0, EXCUSED: 1}
+    return tuple(sorted(found, key=lambda change: order.get(change.verdict, 2)))
+
+
+def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Change]:
+    """The rows of one scene on one engine."""
+    track = next((row for row in scene if row["track"] == "tuned" and row["round"] == 0), None)
+    if track is None:
+        return []
+    case, engine = store.described("cases", track["case"]), store.described("engines", track["engine"])
+    given = json.loads(track["parameters"])
+    blank = Change(
+        case=track["case"],
+        where=in_words(other_values(given, case["parameters"])),
+        engine=track["engine"],
+        ours=bool(engine["ours"]),
+        change="",
+        count=1,
+        verdict=str(track["status"]),
+        by="",
+        held_tuned=None,
+        held_change=None,
+        checks=None,
+        error_ratio=None,
+        cost=None,
+        low=None,
+        high=None,
+        drawn=0,
+        won=0,
+        draws="",
+        reason="",
+        trial=str(track["trial"]),
+    )
+    tried = [row for row in scene if row["round"] == 1]
+    if not tried:
+        # Nothing of it can be expressed, or the run was broken off: what became of the track itself.
+        return [replace(blank, change="tuned", reason=str(track["reason"]))] if track["status"] not in ANSWERED else []
+    question, settings = Question.described(case), json.loads(track["settings"])
+    beside = {row["trial"]: _beside(store, question, _track_at(scene, row), row, samples) for row in scene if _is_change(row)}
+    single = [_judged(row, blank, _turn(settings, row), beside, scene, given, track, engine["trade_offs"]) for row in tried]
+    idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
+    used = {change.reason for change in single if change.verdict == EXCUSED}
+    stale = [
+        replace(blank, change=one["knob"].removeprefix(OPTION) or "default", count=0, verdict=STALE, reason=one["why"])
+        for one in engine["trade_offs"]
+        if track["case"] in one["cases"] and "own step" in one["at"] and not blank.where and one["why"] not in used
+    ]
+    return [*_folded([*single, *idle]), *stale]
+
+
+def _is_change(row: Row) -> bool:
+    return bool(row["track"] != "tuned")
+
+
+def _track_at(scene: Sequence[Row], row: Row) -> Row | None:
+    """The track at the parameters of a row."""
+    return next((one for one in scene if one["track"] == "tuned" and one["parameters"] == row["parameters"]), None)
+
+
+def _turn(settings: Mapping[str, Any], row: Row) -> Turn | None:
+    """What was turned; None for the track 'default'."""
+    return None if row["track"] == "default" else turn_between(settings, json.loads(row["settings"]))
+
+
+def _beside(store: Store, question: Question, track: Row | None, row: Row, samples: Sampled) -> _Beside:
+    if track is None:
+        return _Beside(None, "", None, math.nan)
+    sides = [run_of(question, str(one["status"]), store.measured.get(one["trial"], ())) for one in (track, row)]
+    both = compared(question, *sides)
+    cost = ratio_in_blocks(samples.get(row["trial"], {}), samples.get(track["trial"], {}))
+    by = ""
+    if both is not None and both.more:
+        by = "checks"
+    elif both is not None and row["track"] == "default" and both.errs_less:
+        by = "error"
+    elif both is not None and both.as_good and cost is not None and cost.high < UNDER:
+        by = "price"
+    return _Beside(both, by, cost, _rough(track, row))
+
+
+def _rough(track: Row, row: Row) -> float:
+    """What a change costs over the track, roughly; nan if nothing is known."""
+    values = (row["rough_ratio"], row["rough_cost"], track["rough_cost"])
+    ratio, *costs = (math.nan if pd.isna(value) else float(value) for value in values)
+    return costs[0] / costs[1] if math.isnan(ratio) and min(costs) > 0 else ratio
+
+
+def _judged(
+    row: Row,
+    blank: Change,
+    turn: Turn | None,
+    beside: Mapping[str, _Beside],
+    scene: Sequence[Row],
+    given: Mapping[str, Any],
+    track: Row,
+    trade_offs: Sequence[Mapping[str, Any]],
+) -> Change:
+    """A change that was run at the scene's own parameters."""
+    own = beside[row["trial"]]
+    change = replace(blank, change="default" if turn is None else str(turn), trial=str(row["trial"]))
+    if own.compared is None:
+        return replace(change, verdict=_unanswered(row, track), reason=str(row["reason"]))
+    drawn = [other for other in scene if other["round"] == 2 and other["track"] == row["track"]]
+    answered = [other for other in drawn if beside[other["trial"]].compared is not None]
+    why = _excuse(blank.case, turn, trade_offs)
+    verdict = (EXCUSED if why else DOMINATED) if own.by else NO_BETTER
+    if not own.by and row["trajectory_hash"] == track["trajectory_hash"]:
+        verdict = SAME
+    if not own.by and own.compared.as_good and own.cost is None and own.rough < MAYBE:
+        verdict = NOT_CLOCKED
+    return replace(
+        change,
+        verdict=verdict,
+        by=own.by,
+        held_tuned=own.compared.held[0],
+        held_change=own.compared.held[1],
+        checks=own.compared.checks,
+        error_ratio=own.compared.ratio,
+        cost=own.rough if own.cost is None else own.cost.value,
+        low=None if own.cost is None else own.cost.low,
+        high=None if own.cost is None else own.cost.high,
+        drawn=len(answered),
+        won=sum(bool(beside[other["trial"]].by) for other in answered),
+        draws="; ".join(_told(other, beside[other["trial"]], given) for other in drawn),
+        reason=why if own.by else str(row["timing_note"] or "") if verdict == NOT_CLOCKED else "",
+    )
+
+
+def _unanswered(row: Row, track: Row) -> str:
+    if row["status"] == "timeout" and track["status"] == "passed":
+        return DEARER
+    return REFUSED if row["status"] in ANSWERED else str(row["status"])
+
+
+def _told(row: Row, there: _Beside, given: Mapping[str, Any]) -> str:
+    """A drawn scene in words: 'speed 1.0 wins by price'."""
+    fared = str(row["status"]) if there.compared is None else f"wins by {there.by}" if there.by else "does not win"
+    return f"{in_words(other_values(json.loads(row['parameters']), given))} {fared}"
+
+
+def _excuse(case: str, turn: Turn | None, trade_offs: Sequence[Mapping[str, Any]]) -> str:
+    """The adapter's reason for a change that beats its track; '' without one."""
+    return next((str(one["why"]) for one in trade_offs if case in one["cases"] and _names(one, turn)), "")
+
+
+def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
+    if "own step" not in trade_off["at"] or turn is None:
+        return "own step" in trade_off["at"] and not trade_off["knob"]
+    return trade_off["knob"] == turn.knob and (not trade_off["values"] or turn.value in trade_off["values"])
+
+
+def _folded(single: Sequence[Change]) -> Iterator[Change]:
+    """Changes that beat the track alone; of the others one row for each thing that became of them."""
+    alike: dict[tuple[str, str], list[Change]] = {}
+    for change in single:
+        if change.verdict in (DOMINATED, EXCUSED, NOT_CLOCKED):
+            yield change
+        else:
+            alike.setdefault((change.verdict, change.reason), []).append(change)
+    for some in alike.values():
+        whole = replace(some[0], change="; ".join(change.change for change in some), count=len(some))
+        if len(some) > 1:
+            whole = replace(whole, held_tuned=None, held_change=None, error_ratio=None, cost=None, low=None, high=None)
+        yield whole
+
+
+def unexcused(store: Store) -> list[str]:
+    """The changes that beat a track without a reason of its adapter's, each in a sentence."""
+    return [_sentence(asdict(change)) for change in changes(store) if change.verdict == DOMINATED]
+
+
+def _sentence(row: Row) -> str:
+    better = {
+        "checks": f"keeps {row['held_change']} of {row['checks']} checks, where tuned keeps {row['held_tuned']}",
+        "price": f"costs {row['cost']:.2g} times as much at an error no larger",
+        "error": f"errs {row['error_ratio']:.2g} times as much",
+    }[row["by"]]
+    drawn = f"; so it is at {row['won']} of {row['drawn']} drawn parameters" if row["drawn"] else ""
+    scene = f"{row['case']} {row['where']}".strip()
+    return f"{scene}: {row['engine']}/tuned with {row['change']} {better}{drawn}"
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS."""
+    return [asdict(change) for change in changes(store)]
+
+
+BRIEF = ("scene", "engine", "change of tuned", "checks", "error", "cost", "drawn", "verdict")
+
+
+def brief(row: Row) -> list[object]:
+    """A flat row in short words under BRIEF."""
+    cost = "" if row["cost"] is None or math.isnan(row["cost"]) else f"x {row['cost']:.2g}"
+    interval = "" if row["low"] is None else f" ({row['low']:.2g}..{row['high']:.2g})"
+    error = row["error_ratio"]
+    named = row["change"] if len(row["change"]) <= 60 else f"{row['change'][:57]}..."
+    verdict = f"{row['verdict']} by {row['by']}" if row["by"] else row["verdict"]
+    return [
+        f"{row['case']} {row['where']}".strip(),
+        row["engine"] + (" (ours)" if row["ours"] else ""),
+        named if row["count"] <= 1 else f"{row['count']}: {named}",
+        "" if row["held_change"] is None else f"{row['held_tuned']} -> {row['held_change']} of {row['checks']}",
+        "" if error is None or math.isnan(error) else f"x {error:.3g}",
+        cost + interval,
+        f"{row['won']} of {row['drawn']}" if row["drawn"] else "",
+        f"{verdict}: {row['reason'][:70]}" if row["reason"] else verdict,
+    ]
+
+
+def _count(rows: Sequence[Row], verdict: str) -> int:
+    return sum(row["count"] for row in rows if row["verdict"] == verdict)
+
+
+def sentences(rows: Sequence[Row]) -> list[str]:
+    """How many changes were tried of each engine, and those that beat its track without a reason."""
+    lines = []
+    for engine in dict.fromkeys(row["engine"] for row in rows):
+        mine = [row for row in rows if row["engine"] == engine]
+        scenes = len({(row["case"], row["where"]) for row in mine})
+        beaten, excused, idle = (_count(mine, verdict) for verdict in (DOMINATED, EXCUSED, IDLE))
+        tried = sum(row["count"] for row in mine) - idle
+        named = f"{engine} (ours)" if mine[0]["ours"] else engine
+        lines.append(
+            f"{named}: {tried} changes tried in {scenes} scenes, {idle} that change nothing left out; {beaten} beat "
+            f"tuned without a reason, {excused} with one."
+        )
+    lines += [f"{_sentence(row)}." for row in rows if row["verdict"] == DOMINATED]
+    return lines + [
+        f"{row['case']}: {row['engine']} gives a reason for {row['change']}, which is not better here."
+        for row in rows
+        if row["verdict"] == STALE
+    ]

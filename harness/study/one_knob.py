@@ -1,0 +1,62 @@
+"""One knob at another value: which such turns there are, what settings they make, and which lies between two groups."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from harness.adapter import Settings
+
+__all__ = ["OPTION", "Turn", "position", "turn_between", "turned", "turns"]
+
+OPTION = "options."
+"""How a knob begins that is one of `Settings.options`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A knob ('iterations', 'options.cone', ...) and the value that it is turned to."""
+
+    knob: str
+    value: Any
+
+    @property
+    def name(self) -> str:
+        """The knob as tables call it: 'iterations', 'cone'."""
+        return self.knob.removeprefix(OPTION)
+
+    def __str__(self) -> str:
+        """'iterations 5', 'cone elliptic'."""
+        return f"{self.name} {self.value}"
+
+
+def turned(settings: Settings, knob: str, value: Any) -> Settings:
+    """The settings with one knob at another value."""
+    source = f"'{knob}' turned by a sweep"
+    if knob.startswith(OPTION):
+        return replace(settings, options={**settings.options, knob.removeprefix(OPTION): value}, source=source)
+    return replace(settings, **{knob: value}, source=source)
+
+
+def position(settings: Settings, knob: str) -> Any:
+    """The value at which a knob stands; None if that is left to the engine."""
+    if knob.startswith(OPTION):
+        return settings.options.get(knob.removeprefix(OPTION))
+    return getattr(settings, knob)
+
+
+def turns(settings: Settings, knobs: Iterable[str], values: Mapping[str, Sequence[Any]]) -> Iterator[Turn]:
+    """Every turn of one of these knobs to a value at which it does not stand."""
+    for knob in knobs:
+        yield from (Turn(knob, value) for value in values[knob] if value != position(settings, knob))
+
+
+def turn_between(before: Mapping[str, Any], after: Mapping[str, Any]) -> Turn | None:
+    """The turn that makes one group of settings of another, both as `Settings.plain`; None if they differ in no knob, or in
+    more than one."""
+    flat = [
+        {name: value for name, value in settings.items() if name not in ("options", "source")}
+        | {OPTION + name: value for name, value in settings.get("options", {}).items()}
+        for settings in (before, after)
+    ]
+    moved = [name for name in dict.fromkeys([*flat[0], *flat[1]]) if flat[0].get(name) != flat[1].get(name)]
+    return Turn(moved[0], flat[1].get(moved[0])) if len(moved) == 1 else None

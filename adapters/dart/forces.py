@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from adapters.dart.built import Built
-from adapters.dart.drives import Motor, drive_within_limits
+from adapters.dart.drives import Pushes
 from harness.trajectory import Floats
 
 __all__ = ["Wrenches", "push"]
@@ -14,7 +14,7 @@ Wrenches = tuple[Floats, Floats]
 """(f_B_W, tau_B_W), each (n, 3): N and N m on every body."""
 
 
-def push(built: Built, wrenches: Wrenches | None, pushed: Iterable[int]) -> None:
+def push(built: Built, wrenches: Wrenches | None, pushed: Iterable[int], pushes: Pushes) -> None:
     """Wrenches on the bodies `pushed`, dampers, velocities of kinematic bodies, springs and drives but the foreseen."""
     if wrenches is not None:
         for i in pushed:
@@ -28,10 +28,4 @@ def push(built: Built, wrenches: Wrenches | None, pushed: Iterable[int]) -> None
         node.addExtTorque(-d / (1 + d * dt) * (R_WB @ np.asarray(body.inertia) @ R_WB.T @ node.getAngularVelocity()), False)
     for joint, velocity in built.belts.values():
         joint.setCommands(velocity)
-    limited: dict[int, list[Motor]] = {}
-    for motor in built.motors.values():
-        motor.joint.setCommand(0, motor.pace(dt) if motor.servo else motor.push)
-        if motor.limited and not (motor.stable or motor.servo):
-            limited.setdefault(id(motor.skeleton), []).append(motor)
-    for motors in limited.values():
-        drive_within_limits(motors, dt)
+    pushes.set(dt)

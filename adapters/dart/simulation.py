@@ -7,6 +7,7 @@ import numpy as np
 
 from adapters.dart.built import Built
 from adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
+from adapters.dart.drives import Pushes
 from adapters.dart.forces import Wrenches, push
 from adapters.dart.foresight import Foresight
 from adapters.dart.reactions import reactions
@@ -38,6 +39,7 @@ class DartSimulation(Simulation):
         self._last = State.initial(built.scene)
         self._movable = [i for i, body in enumerate(built.scene.bodies) if body.movable]
         self._forced = bool(built.belts or built.damped or any(m.works for m in built.motors.values()))
+        self._pushes = Pushes(built.motors.values())
         stable = built.motors and built.resolved.options["drives"] == "stable"
         self._foresight = Foresight(built) if stable else None
         self._last_seen = LastSeen(built) if built.resolved.options["deactivation"] else None
@@ -81,7 +83,7 @@ class DartSimulation(Simulation):
             few = min(count, 1 if self._last_seen and self._steps < FIRST_STEPS else STEPS_UNCHECKED)
             for _ in range(few):
                 if pushed:
-                    push(built, self._loads(built), self._movable)
+                    push(built, self._loads(built), self._movable, self._pushes)
                     if self._foresight:
                         self._foresight.foresee(self._steps > 0)
                 advance()

@@ -1,5 +1,6 @@
 """Springs and drives: the coordinate of a joint that they act on, and the laws by which the adapter sets them."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -67,42 +68,40 @@ class Motor:
 
 
 class Laws:
-    """Springs and drives of one skeleton as arrays (2, m), springs first, one column a motor: a force [N m or N] is `still` less
-    slope * v, v the velocity at the end of a step.
+    """Springs and drives of one skeleton as arrays (2, n), springs first, one column a coordinate, zero where there is none: a
+    force [N m or N] is that at v = 0 less slope * v, v the velocity at the end of a step.
 
     Terms:
-        places: of the motors' coordinates in the skeleton. limit: of the forces, infinite where there is none. loss: what dry
-        friction takes [N m or N], (m,).
+        places: of the motors' coordinates (m,). limit: of the forces, infinite where there is none. loss: what dry friction
+        takes [N m or N], (n,).
     """
 
     def __init__(self, motors: list[Motor]) -> None:
         self.skeleton, self._motors = motors[0].skeleton, motors
         self._indices = [int(m.joint.getIndexInSkeleton(0)) for m in motors]
         self.places = np.array(self._indices)
-        self.loss = np.array([float(m.joint.getCoulombFriction(0)) for m in motors])
-        parts = [(m.spring, m.drive) for m in motors]
-        self._k, self._c = (np.array([[getattr(part, name) for part in two] for two in parts]).T for name in ("stiffness", "damping"))
-        self._rest = np.array([(spring.rest, 0.0) for spring, _ in parts]).T
-        self._push = np.array([(0.0, d.damping * d.target_velocity + (d.feedforward or 0.0)) for _, d in parts]).T
-        self.limit = np.array([(np.inf, np.inf if d.limit is None else d.limit) for _, d in parts]).T
+        # Of springs and drives the stiffness, damping, place of rest and push besides; what dry friction takes is apart.
+        self._k, self._c, self._rest, self._push = np.zeros((4, 2, self.skeleton.getNumDofs()))
+        self.limit, self.loss = np.full_like(self._k, np.inf), np.zeros(self._k.shape[1])
+        for i, motor in zip(self._indices, motors, strict=True):
+            spring, drive = motor.spring, motor.drive
+            self._k[:, i], self._c[:, i] = (spring.stiffness, drive.stiffness), (spring.damping, drive.damping)
+            self._rest[0, i] = spring.rest
+            self._push[1, i] = drive.damping * drive.target_velocity + (drive.feedforward or 0.0)
+            self.limit[1, i] = math.inf if drive.limit is None else drive.limit
+            self.loss[i] = motor.joint.getCoulombFriction(0)
 
-    def forces(self, x: Floats, dt: float) -> tuple[Floats, Floats]:
-        """What springs and drives exert, without a limit, at coordinates x (m,) and v = 0, and the slopes over a step of dt [s]."""
-        self._rest[1] = [m.target for m in self._motors]
-        return self._k * (self._rest - x) + self._push, self._c + dt * self._k
-
-    def paces(self, x: Floats, dt: float) -> Floats:
-        """The velocities [rad/s or m/s] at the end of a step under which the drives push no more, which servos hold."""
-        (_, still), (_, slope) = self.forces(x, dt)
-        paces: Floats = still / slope
-        return paces
+    def forces(self, dt: float) -> tuple[Floats, Floats]:
+        """What springs and drives exert from here, without a limit, at v = 0, and the slopes over a step of dt [s]."""
+        self._rest[1, self.places] = [m.target for m in self._motors]
+        return self._k * (self._rest - self.skeleton.getPositions()) + self._push, self._c + dt * self._k
 
     def pushes(self) -> Floats:
-        """What the motors push beside [N m or N]."""
+        """What the motors push beside [N m or N], (m,)."""
         return np.array([m.push for m in self._motors])
 
     def set(self, commands: Floats) -> None:
-        """The motors' commands for the coming step."""
+        """The commands (m,) of the motors for the coming step."""
         self.skeleton.setCommands(self._indices, commands)
 
 
@@ -129,7 +128,9 @@ class Pushes:
             if motor.push != 0.0:
                 motor.joint.setCommand(0, motor.push)
         for laws in self._servos:
-            laws.set(laws.paces(np.asarray(laws.skeleton.getPositions())[laws.places], dt))
+            # The velocities at the end of the step under which the drives push no more.
+            force, slope = laws.forces(dt)
+            laws.set(force[1, laws.places] / slope[1, laws.places])
         for laws in self._limited:
             _set_within_limits(laws, dt)
 
@@ -142,13 +143,13 @@ def _set_within_limits(laws: Laws, dt: float) -> None:
     """
     skeleton, places = laws.skeleton, laws.places
     skeleton.computeForwardDynamics()
-    x, v, a = (np.asarray(f())[places] for f in (skeleton.getPositions, skeleton.getVelocities, skeleton.getAccelerations))
-    mobility = np.linalg.inv(np.asarray(skeleton.getAugMassMatrix()))[np.ix_(places, places)]
+    v, a = (f()[places] for f in (skeleton.getVelocities, skeleton.getAccelerations))
+    mobility = np.linalg.inv(skeleton.getAugMassMatrix())[np.ix_(places, places)]
     # What dry friction holds does not move within the step, unless the drive can tear it loose where it stands.
-    held = (laws.loss > 0) & (np.abs(v) < AT_REST)
-    rubbed = np.where(held, 0.0, np.copysign(laws.loss, v))
-    (_, still), (_, slope) = laws.forces(x, dt)
-    push = still - slope * np.where(held, 0.0, v + dt * (a - mobility @ rubbed))
+    loss, limit = laws.loss[places], laws.limit[1, places]
+    held = (loss > 0) & (np.abs(v) < AT_REST)
+    force, slope = (both[1, places] for both in laws.forces(dt))
+    push = force - slope * np.where(held, 0.0, v + dt * (a - mobility @ np.where(held, 0.0, np.copysign(loss, v))))
     gain = np.where(held, 0.0, dt * slope)
     f = np.linalg.solve(np.eye(len(places)) + gain[:, None] * mobility, push)
-    laws.set(laws.pushes() + np.clip(f, -laws.limit[1], laws.limit[1]))
+    laws.set(laws.pushes() + np.clip(f, -limit, limit))

@@ -6,7 +6,7 @@ import numpy as np
 
 from adapters.dart.built import Built
 from adapters.dart.drives import by_skeleton
-from adapters.dart.holds import Bearing, Flags, Holds, Touch, islands
+from adapters.dart.holds import Bearing, Holds, Touch, islands
 from harness.trajectory import Floats, Integers
 
 __all__ = ["Foresight"]
@@ -56,16 +56,16 @@ class Foresight:
         u = {k: s.getVelocities() + dt * s.getAccelerations() for k, s in skeletons.items()}
         masses = {k: s.getMassMatrix() for k, s in skeletons.items()}
         laws = {k: self._laws[k] for k in island if k in self._laws}
-        forces = {k: some.forces(skeletons[k].getPositions()[some.places], dt) for k, some in laws.items()}
+        forces = {k: some.forces(dt) for k, some in laws.items()}
         bearing = self._holds.bearing(island, touches, begun)
         while True:
             end = self._end(u, masses, forces, bearing, dt)
             exceeded = False
             for k, some in laws.items():
                 still, slope = forces[k]
-                free = still - slope * end[k][some.places]
+                free = still - slope * end[k]
                 cut = np.minimum(np.maximum(free, -some.limit), some.limit)
-                some.set(cut[0] + cut[1])
+                some.set((cut[0] + cut[1])[some.places])
                 if (over := cut != free).any():
                     # Each of them pushes with its limit from now on, whatever the velocity.
                     forces[k], exceeded = (np.where(over, cut, still), np.where(over, 0.0, slope)), True
@@ -82,16 +82,16 @@ class Foresight:
     ) -> dict[int, Floats]:
         """Velocities (n,) of each skeleton at the end of the step, under `forces` (at v = 0, and slopes) and what bears."""
         free, answers = dict[int, Floats](), dict[int, Floats]()
-        count = 3 * len(bearing.both_ways)
+        count = 3 * len(bearing.outward)
         given, gap = np.zeros((count, count)), np.zeros(count)
         for k, rows in bearing.rows.items():
             resisting, pushes = masses[k].copy(), np.empty((len(u[k]), 1 + count))
             pushes[:, 0], pushes[:, 1:] = bearing.pull[k], rows.T
             if k in forces:
-                places, (still, slope) = self._laws[k].places, forces[k]
+                still, slope = forces[k]
                 slopes = slope[0] + slope[1]
-                pushes[places, 0] += dt * (still[0] + still[1] - slopes * u[k][places])
-                resisting[places, places] += dt * slopes
+                pushes[:, 0] += dt * (still[0] + still[1] - slopes * u[k])
+                _diagonal(resisting)[:] += dt * slopes
             if len(led := self._led[k]):
                 resisting[led], resisting[:, led], pushes[led] = 0.0, 0.0, 0.0
                 resisting[led, led] = 1.0
@@ -101,23 +101,30 @@ class Foresight:
             gap += rows @ free[k]
         if not count:
             return free
-        p = _impulses(given, gap, bearing.both_ways)
+        p = _impulses(given, gap, bearing.outward)
         return {k: v + answers[k] @ p for k, v in free.items()}
 
 
-def _impulses(given: Floats, gap: Floats, both_ways: Flags) -> Floats:
-    """The impulses (3 h,) by which holds bear; a one-sided hold that would pull lets go.
+def _impulses(given: Floats, gap: Floats, outward: Floats) -> Floats:
+    """The impulses (3 h,) by which holds bear; one that can only push `outward` (h, 3), and would pull, lets go.
 
     Terms: given: velocities (3 h, 3 h) that unit impulses give. gap: velocities (3 h,) without them.
     """
-    holds = np.ones(len(both_ways), dtype=np.bool_)
+    diagonal = _diagonal(given)
+    diagonal += SHARED * diagonal.mean() + _TINY
+    let_go = np.zeros(len(outward), dtype=np.bool_)
     while True:
-        # A row of what has let go is none: its impulse is zero.
-        rows = np.repeat(holds, 3)
-        bearing = given * rows[:, None] * rows if not holds.all() else given.copy()
-        bearing.ravel()[:: len(gap) + 1] += SHARED * bearing.trace() / len(gap) + _TINY
-        p: Floats = np.linalg.solve(bearing, -gap * rows)
-        bears = holds & (both_ways | (p[::3] >= 0))
-        if (bears == holds).all():
+        p: Floats = np.linalg.solve(given, -gap)
+        pulls = np.einsum("hi,hi->h", p.reshape(-1, 3), outward) < 0
+        if not pulls.any():
             return p
-        holds = bears
+        # A row that has let go is one of the unit matrix: its impulse is zero.
+        let_go |= pulls
+        rows = np.repeat(let_go, 3)
+        given[rows], given[:, rows], gap[rows] = 0.0, 0.0, 0.0
+        diagonal[rows] = 1.0
+
+
+def _diagonal(matrix: Floats) -> Floats:
+    """The diagonal of a square matrix (n, n), to be written to."""
+    return matrix.reshape(-1)[:: len(matrix) + 1]

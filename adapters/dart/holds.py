@@ -3,31 +3,27 @@
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from adapters.dart.built import Built
+from adapters.dart.built import Built, Loop
 from adapters.dart.drives import AT_REST
 from adapters.dart.surfaces import SMALLEST_COEFFICIENT
 from adapters.dart.vendor import body_of
 from harness.trajectory import Floats
-from harness.trajectory.kinematics import cross
 
-__all__ = ["Bearing", "Flags", "Holds", "Touch", "islands"]
+__all__ = ["Bearing", "Holds", "Touch", "islands"]
 
-Flags = NDArray[np.bool_]
 SLIDING = 0.999
 """From this share of its greatest friction on a contact slides rather than sticks."""
 NOBODY = -1
 """The number of the skeleton of what is static."""
-_X_AND_Y = np.eye(2, 3)
-_EVERY_WAY = np.eye(4, 3)
+_TURNED = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(1, 2, 0).reshape(3, 9)
+"""Takes a lever r (3,) to the matrix (3, 3) of w x r, its rows one after the other."""
 
 
-@dataclass(frozen=True, slots=True)
-class Touch:
+class Touch(NamedTuple):
     """Two shapes that touch: the numbers of their skeletons, the places of their bodies, the lesser friction, DART's contact."""
 
     numbers: tuple[int, int]
@@ -38,15 +34,16 @@ class Touch:
 
 @dataclass(frozen=True, slots=True)
 class Bearing:
-    """What holds some skeletons, by their numbers: of h holds three rows each (3 h, n) of a Jacobian, J v = 0 while they hold,
-    zero where a hold has fewer; and what else they exert, impulses (n,).
+    """What holds some skeletons, by their numbers.
 
-    Terms: both_ways: (h,), does a hold pull as well as push? Else its first row pushes.
+    Terms:
+        rows: of h holds three each (3 h, n), J v = 0 while they hold, zero where a hold has fewer. pull: what they exert beside,
+        impulses (n,). outward: (h, 3), the direction along which the impulse of a hold can only push, zero where it pulls too.
     """
 
     rows: dict[int, Floats]
     pull: dict[int, Floats]
-    both_ways: Flags
+    outward: Floats
 
 
 class Holds:
@@ -84,10 +81,11 @@ class Holds:
     def _shape(self, collision_object: Any) -> tuple[int, int, float]:
         """Skeleton, body and friction of a shape."""
         frame = collision_object.getShapeFrame()
-        if frame not in self._shapes:
+        known = self._shapes.get(frame)
+        if known is None:
             place, grip = body_of(collision_object), float(frame.getDynamicsAspect().getFrictionCoeff())
-            self._shapes[frame] = self._number_of[place], place, grip
-        return self._shapes[frame]
+            known = self._shapes[frame] = self._number_of[place], place, grip
+        return known
 
     def links(self, touches: Iterable[Touch]) -> set[tuple[int, int]]:
         """The pairs of skeletons that contacts or loops hold together."""
@@ -99,101 +97,96 @@ class Holds:
         """What held these skeletons in the last step; before the first one, whatever touches them does."""
         near = [t for t in touches if t.numbers[0] in skeletons or t.numbers[1] in skeletons]
         loops = [loop for loop in self._built.loops if any(self._number_of[place] in skeletons for place, _ in loop)]
-        along, places, points = self._contacts(near, begun)
-        contacts = len(along)
-        if loops:
-            along = np.concatenate((along, np.tile(_EVERY_WAY, (len(loops), 1, 1))))
-            places += [(loop[0][0], loop[1][0] if len(loop) > 1 else NOBODY) for loop in loops]
-            points = np.concatenate((points, self._held_points(loops)))
-        moved = self._moved(skeletons, along, places, points)
-        rows = {number: some[:, :3].reshape(3 * len(along), some.shape[2]) for number, some in moved.items()}
-        pull = {number: some[:, 3].sum(axis=0) for number, some in moved.items()}
-        return self._with_joints(Bearing(rows, pull, np.arange(len(along)) >= contacts))
+        pull = {number: np.zeros(self._built.skeletons[number].getNumDofs()) for number in skeletons}
+        held, outward = self._contacts(near, pull, begun)
+        others = [self._loops(loops, pull)] if loops else []
+        if self._limits or self._dry:
+            others.append(self._joints(pull))
+        for more, directions in others:
+            if len(directions):
+                held = {number: np.concatenate((rows, more[number])) for number, rows in held.items()}
+                outward = np.concatenate((outward, directions))
+        return Bearing({k: rows.reshape(3 * len(rows), rows.shape[2]) for k, rows in held.items()}, pull, outward)
 
-    def _contacts(self, near: Sequence[Touch], begun: bool) -> tuple[Floats, list[tuple[int, int]], Floats]:
-        """Of the contacts that bear: directions (c, 4, 3), bodies, and where these are held (c, 2, 3) [m].
-
-        The directions are the normal and two across it, of zero length where the contact slides; the fourth is the impulse by
-        which it rubs then.
-        """
+    def _contacts(self, near: Sequence[Touch], pull: dict[int, Floats], begun: bool) -> tuple[dict[int, Floats], Floats]:
+        """Rows (c, 3, n) and outward directions of contacts: of those that stick the point's velocities in W, of those that
+        slide that along the normal; what rubs goes to `pull`."""
         told = np.array([(t.contact.force, t.contact.normal, t.contact.point) for t in near]).reshape(-1, 3, 3)
-        force, normal = told[:, 0], told[:, 1]
-        load, grip = (force * normal).sum(axis=1), np.array([t.grip for t in near])
-        if begun and not (bears := load > 0).all():
-            near = [t for t, bear in zip(near, bears, strict=True) if bear]
-            told, force, normal, load, grip = (some[bears] for some in (told, force, normal, load, grip))
-        along = np.empty((len(near), 4, 3))
-        along[:, 0] = normal
-        # Householder's reflection that takes the normal to +-z takes x and y across it.
-        side = np.copysign(1.0, normal[:, 2])
-        mirror = normal.copy()
-        mirror[:, 2] += side
-        along[:, 1:3] = _X_AND_Y - mirror[:, :2, None] * (mirror / (side * mirror[:, 2])[:, None])[:, None]
-        across = force - load[:, None] * normal
+        squares = told[:, :2] @ told[:, :2].transpose(0, 2, 1)
+        load, grip = squares[:, 0, 1], np.array([t.grip for t in near])
         slides = grip <= SMALLEST_COEFFICIENT
         if begun:
-            slides = slides | ((across * across).sum(axis=1) >= (SLIDING * grip * load) ** 2)
-        along[:, 3] = self._built.world.getTimeStep() * slides[:, None] * across
-        along[slides, 1:3] = 0.0
-        return along, [t.bodies for t in near], told[:, [2, 2]]
+            slides |= squares[:, 0, 0] >= (1 + (SLIDING * grip) ** 2) * load**2
+            if (load <= 0).any():
+                bears = load > 0
+                near = [t for t, bear in zip(near, bears, strict=True) if bear]
+                told, load, slides = told[bears], load[bears], slides[bears]
+        normal, point = told[:, 1], told[:, 2]
+        held = self._points([t.bodies for t in near], (point, point), pull)
+        if not slides.any():
+            return held, normal
+        rubs = self._built.world.getTimeStep() * (told[:, 0] - load[:, None] * normal) * slides[:, None]
+        for number, rows in held.items():
+            pull[number] += np.einsum("ci,cin->n", rubs, rows)
+            rows[slides, :1] = normal[slides, None] @ rows[slides]
+            rows[slides, 1:] = 0.0
+        return held, np.where(slides[:, None], (1.0, 0.0, 0.0), normal)
 
-    def _held_points(self, loops: Sequence[tuple[tuple[int, Floats], ...]]) -> Floats:
-        """Where the points that loops hold together are now (l, 2, 3) [m]; of the world's any place."""
-        points = np.zeros((len(loops), 2, 3))
+    def _loops(self, loops: Sequence[Loop], skeletons: Collection[int]) -> tuple[dict[int, Floats], Floats]:
+        """Rows (l, 3, n) and no outward directions of the points that loops hold together."""
+        points = np.zeros((2, len(loops), 3))
         for k, loop in enumerate(loops):
             for side, (place, point) in enumerate(loop):
                 X_WB = self._built.nodes[place].getWorldTransform()
-                points[k, side] = X_WB.translation() + X_WB.rotation() @ point
-        return points
+                points[side, k] = X_WB.translation() + X_WB.rotation() @ point
+        bodies = [(loop[0][0], loop[1][0] if len(loop) > 1 else NOBODY) for loop in loops]
+        return self._points(bodies, (points[0], points[1]), skeletons), np.zeros((len(loops), 3))
 
-    def _moved(
-        self, skeletons: Collection[int], along: Floats, places: Sequence[tuple[int, int]], points: Floats
+    def _points(
+        self, bodies: Sequence[tuple[int, int]], points: tuple[Floats, Floats], skeletons: Collection[int]
     ) -> dict[int, Floats]:
-        """For each skeleton the rows (h, 4, n) that give the velocities of holds along their directions, of the first body
-        against the second."""
+        """For each skeleton the rows (h, 3, n) of the velocities in W of points [m] of first bodies against those of second."""
         built = self._built
-        moved = {k: np.zeros((len(along), 4, built.skeletons[k].getNumDofs())) for k in skeletons}
+        rows = {k: np.zeros((len(bodies), 3, built.skeletons[k].getNumDofs())) for k in skeletons}
         jacobians: dict[int, tuple[Floats, Floats]] = {}
         for side, sign in ((0, 1.0), (1, -1.0)):
-            of_skeleton: dict[int, list[int]] = {}
-            for k, pair in enumerate(places):
+            sides: dict[int, list[int]] = {}
+            for k, pair in enumerate(bodies):
                 if pair[side] != NOBODY and (number := self._number_of[pair[side]]) != NOBODY:
-                    of_skeleton.setdefault(number, []).append(k)
-            for number, held in of_skeleton.items():
-                skeleton, bodies = built.skeletons[number], [places[k][side] for k in held]
-                for place in bodies:
+                    sides.setdefault(number, []).append(k)
+            for number, holds in sides.items():
+                places = [bodies[k][side] for k in holds]
+                for place in places:
                     if place not in jacobians:
-                        node = built.nodes[place]
                         # A body's origin is its centre of mass.
-                        jacobians[place] = skeleton.getWorldJacobian(node), node.getCOM()
-                lever = points[held, side] - np.array([jacobians[place][1] for place in bodies])
-                turned = np.empty((len(held), 4, 6))
-                turned[..., 3:] = sign * along[held]
-                turned[..., :3] = cross(lever[:, None], turned[..., 3:])
-                moved[number][held] += turned @ np.array([jacobians[place][0] for place in bodies])
-        return moved
+                        node = built.nodes[place]
+                        jacobians[place] = built.skeletons[number].getWorldJacobian(node), node.getCOM()
+                turned = np.empty((len(holds), 3, 6))
+                lever = points[side][holds] - [jacobians[place][1] for place in places]
+                turned[:, :, :3] = (sign * lever @ _TURNED).reshape(-1, 3, 3)
+                turned[:, :, 3:] = sign * np.eye(3)
+                rows[number][holds] += turned @ np.array([jacobians[place][0] for place in places])
+        return rows
 
-    def _with_joints(self, bearing: Bearing) -> Bearing:
-        """The same with the limits and the dry friction of joints."""
-        held: list[tuple[int, int, float]] = []
+    def _joints(self, pull: dict[int, Floats]) -> tuple[dict[int, Floats], Floats]:
+        """Rows (j, 3, n) and outward directions of the limits and of the joints that dry friction holds; it goes to `pull`
+        where a joint moves."""
+        held: list[tuple[int, int, float, float]] = []
         for number, joint in self._limits:
-            if number in bearing.rows and (impulse := joint.getConstraintImpulse(0)) != 0:
-                held.append((number, joint.getIndexInSkeleton(0), math.copysign(1.0, impulse)))
-        stops = len(held)
+            if number in pull and (impulse := joint.getConstraintImpulse(0)) != 0:
+                held.append((number, joint.getIndexInSkeleton(0), math.copysign(1.0, impulse), 1.0))
         for number, joint, loss in self._dry:
-            if number in bearing.rows:
+            if number in pull:
                 place, speed = joint.getIndexInSkeleton(0), joint.getVelocity(0)
                 if abs(speed) < AT_REST:
-                    held.append((number, place, 1.0))
+                    held.append((number, place, 1.0, 0.0))
                 else:
-                    bearing.pull[number][place] -= math.copysign(self._built.world.getTimeStep() * loss, speed)
-        if not held:
-            return bearing
-        extra = {number: np.zeros((3 * len(held), rows.shape[1])) for number, rows in bearing.rows.items()}
-        for k, (number, place, sign) in enumerate(held):
-            extra[number][3 * k, place] = sign
-        rows = {number: np.concatenate((some, extra[number])) for number, some in bearing.rows.items()}
-        return Bearing(rows, bearing.pull, np.append(bearing.both_ways, np.arange(len(held)) >= stops))
+                    pull[number][place] -= math.copysign(self._built.world.getTimeStep() * loss, speed)
+        rows = {k: np.zeros((len(held), 3, len(some))) for k, some in pull.items()} if held else {}
+        outward = np.zeros((len(held), 3))
+        for k, (number, place, sign, one_way) in enumerate(held):
+            rows[number][k, 0, place], outward[k, 0] = sign, one_way
+        return rows, outward
 
 
 def islands(starts: Iterable[int], links: Collection[tuple[int, int]]) -> list[list[int]]:

@@ -1,7 +1,7 @@
 """Springs and drives: the coordinate of a joint that they act on, and the laws by which the adapter sets them."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,12 +76,12 @@ class Laws:
         takes [N m or N], (n,).
     """
 
-    def __init__(self, motors: list[Motor]) -> None:
-        self.skeleton, self._motors = motors[0].skeleton, motors
+    def __init__(self, skeleton: Any, motors: Sequence[Motor]) -> None:
+        self.skeleton, self._motors = skeleton, motors
         self._indices = [int(m.joint.getIndexInSkeleton(0)) for m in motors]
-        self.places = np.array(self._indices)
+        self.places = np.array(self._indices, dtype=np.int64)
         # Of springs and drives the stiffness, damping, place of rest and push besides; what dry friction takes is apart.
-        self._k, self._c, self._rest, self._push = np.zeros((4, 2, self.skeleton.getNumDofs()))
+        self._k, self._c, self._rest, self._push = np.zeros((4, 2, skeleton.getNumDofs()))
         self.limit, self.loss = np.full_like(self._k, np.inf), np.zeros(self._k.shape[1])
         for i, motor in zip(self._indices, motors, strict=True):
             spring, drive = motor.spring, motor.drive
@@ -102,7 +102,8 @@ class Laws:
 
     def set(self, commands: Floats) -> None:
         """The commands (m,) of the motors for the coming step."""
-        self.skeleton.setCommands(self._indices, commands)
+        if self._indices:
+            self.skeleton.setCommands(self._indices, commands)
 
 
 def by_skeleton(motors: Iterable[Motor]) -> list[Laws]:
@@ -110,7 +111,7 @@ def by_skeleton(motors: Iterable[Motor]) -> list[Laws]:
     groups: dict[str, list[Motor]] = {}
     for motor in motors:
         groups.setdefault(motor.skeleton.getName(), []).append(motor)
-    return [Laws(group) for group in groups.values()]
+    return [Laws(group[0].skeleton, group) for group in groups.values()]
 
 
 class Pushes:

@@ -1,19 +1,35 @@
 """Stable PD control: springs and drives as torques of the velocity that is foreseen for the end of the step."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from adapters.dart.built import Built
-from adapters.dart.drives import by_skeleton
-from adapters.dart.holds import Bearing, Holds, Touch, islands
+from adapters.dart.drives import Laws, by_skeleton
+from adapters.dart.holds import Holds, Spans, Touch, islands
 from harness.trajectory import Floats, Integers
 
 __all__ = ["Foresight"]
 
 SHARED = 1e-10
-"""Of the mean mobility: what makes redundant contacts share a load, too little to give way."""
-_TINY = float(np.finfo(np.float64).tiny)
+"""Of the mobility of all mass at once: what makes redundant holds share a load, too little to give way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Island:
+    """Skeletons that are held together, their coordinates n one after the other.
+
+    Terms:
+        spans: those of each skeleton, by its number. led: those that move as told. limit: of springs and drives (2, n).
+        give: what redundant holds give way [1/kg].
+    """
+
+    laws: tuple[Laws, ...]
+    spans: Spans
+    led: Integers
+    limit: Floats
+    give: float
 
 
 class Foresight:
@@ -22,14 +38,10 @@ class Foresight:
     def __init__(self, built: Built) -> None:
         self._built = built
         self._holds = Holds(built)
-        numbers = {skeleton.getName(): k for k, skeleton in enumerate(built.skeletons)}
-        self._laws = {numbers[laws.skeleton.getName()]: laws for laws in by_skeleton(built.motors.values())}
-        driven = built.dart.dynamics.ActuatorType.VELOCITY
-        self._led: list[Integers] = []
-        for skeleton in built.skeletons:
-            joints = [skeleton.getJoint(i) for i in range(skeleton.getNumJoints())]
-            led = [j.getIndexInSkeleton(i) for j in joints if j.getActuatorType() == driven for i in range(j.getNumDofs())]
-            self._led.append(np.array(led, dtype=np.int64))
+        self._islands: dict[tuple[int, ...], Island] = {}
+        laws = {some.skeleton.getName(): some for some in by_skeleton(built.motors.values())}
+        self._laws = [laws.get(skeleton.getName()) or Laws(skeleton, ()) for skeleton in built.skeletons]
+        self._driven = [k for k, some in enumerate(self._laws) if len(some.places)]
 
     def foresee(self, begun: bool) -> None:
         """Springs and drives as torques of the velocity v' that is foreseen for the end of the step (stable PD control).
@@ -44,87 +56,78 @@ class Foresight:
         Source: J. Tan, K. Liu, G. Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31(4), 2011.
         """
         touches = self._holds.touches(begun)
-        for island in islands(self._laws, self._holds.links(touches)):
-            self._foresee(island, touches, begun)
+        for numbers in islands(self._driven, self._holds.links(touches)):
+            if numbers not in self._islands:
+                self._islands[numbers] = self._island(numbers)
+            self._foresee(self._islands[numbers], touches, begun)
 
-    def _foresee(self, island: Sequence[int], touches: Sequence[Touch], begun: bool) -> None:
-        """The torques of skeletons that are held together."""
-        dt = self._built.world.getTimeStep()
-        skeletons = {number: self._built.skeletons[number] for number in island}
-        for skeleton in skeletons.values():
-            skeleton.computeForwardDynamics()
-        u = {k: s.getVelocities() + dt * s.getAccelerations() for k, s in skeletons.items()}
-        masses = {k: s.getMassMatrix() for k, s in skeletons.items()}
-        laws = {k: self._laws[k] for k in island if k in self._laws}
-        forces = {k: some.forces(dt) for k, some in laws.items()}
-        bearing = self._holds.bearing(island, touches, begun)
+    def _island(self, numbers: tuple[int, ...]) -> Island:
+        """These skeletons together."""
+        laws = tuple(self._laws[k] for k in numbers)
+        told, spans, led, end = self._built.dart.dynamics.ActuatorType.VELOCITY, dict[int, slice](), list[int](), 0
+        for k, some in zip(numbers, laws, strict=True):
+            joints = [some.skeleton.getJoint(i) for i in range(some.skeleton.getNumJoints())]
+            led += [end + j.getIndexInSkeleton(i) for j in joints if j.getActuatorType() == told for i in range(j.getNumDofs())]
+            spans[k] = slice(end, end + some.limit.shape[1])
+            end = spans[k].stop
+        give = SHARED / sum(some.skeleton.getMass() for some in laws)
+        return Island(laws, spans, np.array(led, dtype=np.int64), _joined([some.limit for some in laws]), give)
+
+    def _foresee(self, island: Island, touches: Sequence[Touch], begun: bool) -> None:
+        """The torques of skeletons that are held together: v' and p of all in one system of equations."""
+        dt, laws = self._built.world.getTimeStep(), island.laws
+        for some in laws:
+            some.skeleton.computeForwardDynamics()
+        u = _joined([some.skeleton.getVelocities() + dt * some.skeleton.getAccelerations() for some in laws])
+        still, slope = map(_joined, zip(*(some.forces(dt) for some in laws), strict=True))
+        bearing = self._holds.bearing(island.spans, touches, begun)
+        n, rows = len(u), bearing.rows.reshape(-1, len(u))
+        system = np.zeros((n + len(rows), n + len(rows)))
+        system[n:, :n], system[:n, n:] = rows, -rows.T
+        known = np.concatenate((bearing.pull, -rows @ u))
+        for some, span in zip(laws, island.spans.values(), strict=True):
+            system[span, span] = some.skeleton.getMassMatrix()
+        if len(island.led):
+            system[island.led], system[:n, island.led], known[island.led] = 0.0, 0.0, 0.0
+            system[island.led, island.led] = 1.0
+        diagonal = system.reshape(-1)[:: len(system) + 1]
+        diagonal[n:] = island.give
+        unsprung = diagonal[:n].copy()
         while True:
-            end = self._end(u, masses, forces, bearing, dt)
-            exceeded = False
-            for k, some in laws.items():
-                still, slope = forces[k]
-                free = still - slope * end[k]
-                cut = np.minimum(np.maximum(free, -some.limit), some.limit)
-                some.set((cut[0] + cut[1])[some.places])
-                if (over := cut != free).any():
-                    # Each of them pushes with its limit from now on, whatever the velocity.
-                    forces[k], exceeded = (np.where(over, cut, still), np.where(over, 0.0, slope)), True
-            if not exceeded:
-                return
-
-    def _end(
-        self,
-        u: dict[int, Floats],
-        masses: dict[int, Floats],
-        forces: dict[int, tuple[Floats, Floats]],
-        bearing: Bearing,
-        dt: float,
-    ) -> dict[int, Floats]:
-        """Velocities (n,) of each skeleton at the end of the step, under `forces` (at v = 0, and slopes) and what bears."""
-        free, answers = dict[int, Floats](), dict[int, Floats]()
-        count = 3 * len(bearing.outward)
-        given, gap = np.zeros((count, count)), np.zeros(count)
-        for k, rows in bearing.rows.items():
-            resisting, pushes = masses[k].copy(), np.empty((len(u[k]), 1 + count))
-            pushes[:, 0], pushes[:, 1:] = bearing.pull[k], rows.T
-            if k in forces:
-                still, slope = forces[k]
-                slopes = slope[0] + slope[1]
-                pushes[:, 0] += dt * (still[0] + still[1] - slopes * u[k])
-                _diagonal(resisting)[:] += dt * slopes
-            if len(led := self._led[k]):
-                resisting[led], resisting[:, led], pushes[led] = 0.0, 0.0, 0.0
-                resisting[led, led] = 1.0
-            answer = np.linalg.solve(resisting, pushes)
-            free[k], answers[k] = u[k] + answer[:, 0], answer[:, 1:]
-            given += rows @ answers[k]
-            gap += rows @ free[k]
-        if not count:
-            return free
-        p = _impulses(given, gap, bearing.outward)
-        return {k: v + answers[k] @ p for k, v in free.items()}
+            gain = dt * (slope[0] + slope[1])
+            diagonal[:n] = unsprung + gain
+            push = dt * (still[0] + still[1]) - gain * u
+            free = still - slope * (u + _answer(system, known, push, bearing.outward))
+            cut = np.minimum(np.maximum(free, -island.limit), island.limit)
+            over = cut != free
+            if not over.any():
+                break
+            # Each of them pushes with its limit from now on, whatever the velocity.
+            still, slope = np.where(over, cut, still), np.where(over, 0.0, slope)
+        force = cut[0] + cut[1]
+        for some, span in zip(laws, island.spans.values(), strict=True):
+            some.set(force[span][some.places])
 
 
-def _impulses(given: Floats, gap: Floats, outward: Floats) -> Floats:
-    """The impulses (3 h,) by which holds bear; one that can only push `outward` (h, 3), and would pull, lets go.
+def _answer(system: Floats, known: Floats, push: Floats, outward: Floats) -> Floats:
+    """The changes of velocity (n,) by impulses `push` (n,) and what bears; what can only push `outward` (h, 3), and would pull,
+    lets go.
 
-    Terms: given: velocities (3 h, 3 h) that unit impulses give. gap: velocities (3 h,) without them.
+    Terms: system: M, -J^T; J, 0, and what the velocity changes of both. known: the right side without `push`.
     """
-    diagonal = _diagonal(given)
-    diagonal += SHARED * diagonal.mean() + _TINY
-    let_go = np.zeros(len(outward), dtype=np.bool_)
+    n, right = len(push), known.copy()
+    right[:n] += push
     while True:
-        p: Floats = np.linalg.solve(given, -gap)
-        pulls = np.einsum("hi,hi->h", p.reshape(-1, 3), outward) < 0
+        answer = np.asarray(np.linalg.solve(system, right), dtype=np.float64)
+        pulls = np.einsum("hi,hi->h", answer[n:].reshape(-1, 3), outward) < 0
         if not pulls.any():
-            return p
-        # A row that has let go is one of the unit matrix: its impulse is zero.
-        let_go |= pulls
-        rows = np.repeat(let_go, 3)
-        given[rows], given[:, rows], gap[rows] = 0.0, 0.0, 0.0
-        diagonal[rows] = 1.0
+            return answer[:n]
+        gone = n + np.flatnonzero(np.repeat(pulls, 3))
+        system = system.copy()
+        system[gone], system[:, gone], right[gone] = 0.0, 0.0, 0.0
+        system[gone, gone] = 1.0
 
 
-def _diagonal(matrix: Floats) -> Floats:
-    """The diagonal of a square matrix (n, n), to be written to."""
-    return matrix.reshape(-1)[:: len(matrix) + 1]
+def _joined(parts: Sequence[Floats]) -> Floats:
+    """The arrays of skeletons one after the other."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=-1)

@@ -1,8 +1,7 @@
 """What holds skeletons: the contacts, limits, dry joints and loops that bore in the last step, as rows of J v = 0."""
 
 import math
-from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,10 +12,12 @@ from adapters.dart.surfaces import SMALLEST_COEFFICIENT
 from adapters.dart.vendor import body_of
 from harness.trajectory import Floats
 
-__all__ = ["Bearing", "Holds", "Touch", "islands"]
+__all__ = ["Bearing", "Holds", "Spans", "Touch", "islands"]
 
 SLIDING = 0.999
 """From this share of its greatest friction on a contact slides rather than sticks."""
+Spans = Mapping[int, slice]
+"""Where the coordinates of each skeleton, by its number, stand among those of an island."""
 NOBODY = -1
 """The number of the skeleton of what is static."""
 _TURNED = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(1, 2, 0).reshape(3, 9)
@@ -24,7 +25,7 @@ _TURNED = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(1, 2, 0).resha
 
 
 class Touch(NamedTuple):
-    """Two shapes that touch: the numbers of their skeletons, the places of their bodies, the lesser friction, DART's contact."""
+    """Two shapes that touch: numbers of their skeletons, places of their bodies, the lesser friction, DART's contact."""
 
     numbers: tuple[int, int]
     bodies: tuple[int, int]
@@ -32,17 +33,16 @@ class Touch(NamedTuple):
     contact: Any
 
 
-@dataclass(frozen=True, slots=True)
-class Bearing:
-    """What holds some skeletons, by their numbers.
+class Bearing(NamedTuple):
+    """What holds some skeletons, whose coordinates n stand one after the other.
 
     Terms:
-        rows: of h holds three each (3 h, n), J v = 0 while they hold, zero where a hold has fewer. pull: what they exert beside,
-        impulses (n,). outward: (h, 3), the direction along which the impulse of a hold can only push, zero where it pulls too.
+        rows: of h holds three each (h, 3, n), J v = 0 while they hold, zero where a hold has fewer. pull: impulses (n,) beside.
+        outward: (h, 3), the direction along which the impulse of a hold can only push, zero where it pulls too.
     """
 
-    rows: dict[int, Floats]
-    pull: dict[int, Floats]
+    rows: Floats
+    pull: Floats
     outward: Floats
 
 
@@ -93,24 +93,22 @@ class Holds:
         pairs |= {(self._number_of[loop[0][0]], self._number_of[loop[-1][0]]) for loop in self._built.loops}
         return {(a, b) for a, b in pairs if a != b and NOBODY not in (a, b)}
 
-    def bearing(self, skeletons: Collection[int], touches: Sequence[Touch], begun: bool) -> Bearing:
-        """What held these skeletons in the last step; before the first one, whatever touches them does."""
-        near = [t for t in touches if t.numbers[0] in skeletons or t.numbers[1] in skeletons]
-        loops = [loop for loop in self._built.loops if any(self._number_of[place] in skeletons for place, _ in loop)]
-        pull = {number: np.zeros(self._built.skeletons[number].getNumDofs()) for number in skeletons}
-        held, outward = self._contacts(near, pull, begun)
-        others = [self._loops(loops, pull)] if loops else []
+    def bearing(self, spans: Spans, touches: Sequence[Touch], begun: bool) -> Bearing:
+        """What held skeletons in the last step; before the first one, whatever touches them does."""
+        near = [t for t in touches if t.numbers[0] in spans or t.numbers[1] in spans]
+        loops = [loop for loop in self._built.loops if any(self._number_of[place] in spans for place, _ in loop)]
+        pull = np.zeros(max(span.stop for span in spans.values()))
+        bearing = self._contacts(near, spans, pull, begun)
+        others = [self._loops(loops, spans, pull)] if loops else []
         if self._limits or self._dry:
-            others.append(self._joints(pull))
-        for more, directions in others:
-            if len(directions):
-                held = {number: np.concatenate((rows, more[number])) for number, rows in held.items()}
-                outward = np.concatenate((outward, directions))
-        return Bearing({k: rows.reshape(3 * len(rows), rows.shape[2]) for k, rows in held.items()}, pull, outward)
+            others.append(self._joints(spans, pull))
+        for more in others:
+            rows, outward = (np.concatenate(two) for two in zip(bearing[::2], more[::2], strict=True))
+            bearing = Bearing(rows, pull, outward)
+        return bearing
 
-    def _contacts(self, near: Sequence[Touch], pull: dict[int, Floats], begun: bool) -> tuple[dict[int, Floats], Floats]:
-        """Rows (c, 3, n) and outward directions of contacts: of those that stick the point's velocities in W, of those that
-        slide that along the normal; what rubs goes to `pull`."""
+    def _contacts(self, near: Sequence[Touch], spans: Spans, pull: Floats, begun: bool) -> Bearing:
+        """Contacts: of those that stick the point's velocities in W, of others that along the normal; these rub by `pull`."""
         told = np.array([(t.contact.force, t.contact.normal, t.contact.point) for t in near]).reshape(-1, 3, 3)
         squares = told[:, :2] @ told[:, :2].transpose(0, 2, 1)
         load, grip = squares[:, 0, 1], np.array([t.grip for t in near])
@@ -122,32 +120,28 @@ class Holds:
                 near = [t for t, bear in zip(near, bears, strict=True) if bear]
                 told, load, slides = told[bears], load[bears], slides[bears]
         normal, point = told[:, 1], told[:, 2]
-        held = self._points([t.bodies for t in near], (point, point), pull)
+        rows = self._points([t.bodies for t in near], (point, point), spans, pull)
         if not slides.any():
-            return held, normal
+            return Bearing(rows, pull, normal)
         rubs = self._built.world.getTimeStep() * (told[:, 0] - load[:, None] * normal) * slides[:, None]
-        for number, rows in held.items():
-            pull[number] += np.einsum("ci,cin->n", rubs, rows)
-            rows[slides, :1] = normal[slides, None] @ rows[slides]
-            rows[slides, 1:] = 0.0
-        return held, np.where(slides[:, None], (1.0, 0.0, 0.0), normal)
+        pull += np.einsum("ci,cin->n", rubs, rows)
+        rows[slides, :1] = normal[slides, None] @ rows[slides]
+        rows[slides, 1:] = 0.0
+        return Bearing(rows, pull, np.where(slides[:, None], (1.0, 0.0, 0.0), normal))
 
-    def _loops(self, loops: Sequence[Loop], skeletons: Collection[int]) -> tuple[dict[int, Floats], Floats]:
-        """Rows (l, 3, n) and no outward directions of the points that loops hold together."""
+    def _loops(self, loops: Sequence[Loop], spans: Spans, pull: Floats) -> Bearing:
+        """The points that loops hold together."""
         points = np.zeros((2, len(loops), 3))
         for k, loop in enumerate(loops):
             for side, (place, point) in enumerate(loop):
                 X_WB = self._built.nodes[place].getWorldTransform()
                 points[side, k] = X_WB.translation() + X_WB.rotation() @ point
         bodies = [(loop[0][0], loop[1][0] if len(loop) > 1 else NOBODY) for loop in loops]
-        return self._points(bodies, (points[0], points[1]), skeletons), np.zeros((len(loops), 3))
+        return Bearing(self._points(bodies, (points[0], points[1]), spans, pull), pull, np.zeros((len(loops), 3)))
 
-    def _points(
-        self, bodies: Sequence[tuple[int, int]], points: tuple[Floats, Floats], skeletons: Collection[int]
-    ) -> dict[int, Floats]:
-        """For each skeleton the rows (h, 3, n) of the velocities in W of points [m] of first bodies against those of second."""
-        built = self._built
-        rows = {k: np.zeros((len(bodies), 3, built.skeletons[k].getNumDofs())) for k in skeletons}
+    def _points(self, bodies: Sequence[tuple[int, int]], points: tuple[Floats, Floats], spans: Spans, like: Floats) -> Floats:
+        """The rows (h, 3, n) of the velocities in W of points [m] of first bodies against those of second ones."""
+        rows = np.zeros((len(bodies), 3, len(like)))
         jacobians: dict[int, tuple[Floats, Floats]] = {}
         for side, sign in ((0, 1.0), (1, -1.0)):
             sides: dict[int, list[int]] = {}
@@ -159,37 +153,33 @@ class Holds:
                 for place in places:
                     if place not in jacobians:
                         # A body's origin is its centre of mass.
-                        node = built.nodes[place]
-                        jacobians[place] = built.skeletons[number].getWorldJacobian(node), node.getCOM()
-                turned = np.empty((len(holds), 3, 6))
-                lever = points[side][holds] - [jacobians[place][1] for place in places]
-                turned[:, :, :3] = (sign * lever @ _TURNED).reshape(-1, 3, 3)
-                turned[:, :, 3:] = sign * np.eye(3)
-                rows[number][holds] += turned @ np.array([jacobians[place][0] for place in places])
+                        node = self._built.nodes[place]
+                        jacobians[place] = self._built.skeletons[number].getWorldJacobian(node), node.getCOM()
+                motion, origin = (np.array([jacobians[place][part] for place in places]) for part in (0, 1))
+                turned = ((points[side][holds] - origin) @ _TURNED).reshape(-1, 3, 3) @ motion[:, :3]
+                rows[holds, :, spans[number]] += sign * (turned + motion[:, 3:])
         return rows
 
-    def _joints(self, pull: dict[int, Floats]) -> tuple[dict[int, Floats], Floats]:
-        """Rows (j, 3, n) and outward directions of the limits and of the joints that dry friction holds; it goes to `pull`
-        where a joint moves."""
-        held: list[tuple[int, int, float, float]] = []
+    def _joints(self, spans: Spans, pull: Floats) -> Bearing:
+        """Limits, and joints that dry friction holds; where a joint moves it goes to `pull`."""
+        held: list[tuple[int, float, float]] = []
         for number, joint in self._limits:
-            if number in pull and (impulse := joint.getConstraintImpulse(0)) != 0:
-                held.append((number, joint.getIndexInSkeleton(0), math.copysign(1.0, impulse), 1.0))
+            if number in spans and (impulse := joint.getConstraintImpulse(0)) != 0:
+                held.append((spans[number].start + joint.getIndexInSkeleton(0), math.copysign(1.0, impulse), 1.0))
         for number, joint, loss in self._dry:
-            if number in pull:
-                place, speed = joint.getIndexInSkeleton(0), joint.getVelocity(0)
+            if number in spans:
+                place, speed = spans[number].start + joint.getIndexInSkeleton(0), joint.getVelocity(0)
                 if abs(speed) < AT_REST:
-                    held.append((number, place, 1.0, 0.0))
+                    held.append((place, 1.0, 0.0))
                 else:
-                    pull[number][place] -= math.copysign(self._built.world.getTimeStep() * loss, speed)
-        rows = {k: np.zeros((len(held), 3, len(some))) for k, some in pull.items()} if held else {}
-        outward = np.zeros((len(held), 3))
-        for k, (number, place, sign, one_way) in enumerate(held):
-            rows[number][k, 0, place], outward[k, 0] = sign, one_way
-        return rows, outward
+                    pull[place] -= math.copysign(self._built.world.getTimeStep() * loss, speed)
+        rows, outward = np.zeros((len(held), 3, len(pull))), np.zeros((len(held), 3))
+        for k, (place, sign, one_way) in enumerate(held):
+            rows[k, 0, place], outward[k, 0] = sign, one_way
+        return Bearing(rows, pull, outward)
 
 
-def islands(starts: Iterable[int], links: Collection[tuple[int, int]]) -> list[list[int]]:
+def islands(starts: Iterable[int], links: Collection[tuple[int, int]]) -> list[tuple[int, ...]]:
     """The groups of skeletons that links hold together, each with one of `starts`, in the order of numbers."""
     near: dict[int, set[int]] = {}
     for a, b in links:
@@ -205,5 +195,5 @@ def islands(starts: Iterable[int], links: Collection[tuple[int, int]]) -> list[l
                 group |= fresh
                 waiting += fresh
             seen |= group
-            groups.append(sorted(group))
+            groups.append(tuple(sorted(group)))
     return groups

@@ -1,7 +1,8 @@
 """One DART world: steps, states, contacts."""
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -163,8 +164,16 @@ class DartSimulation(Simulation):
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hit of each ray within max_range [m], by DART's own detector."""
+        return self._rays.cast(origins, directions, max_range)
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], list[Any]]:
+        """A function that casts these rays again into the shapes as they lie."""
+        return self._rays.caster(origins, directions, max_range)
+
+    @property
+    def _rays(self) -> Caster:
         self._caster = self._caster or Caster(self._open)
-        return self._caster.cast(origins, directions, max_range)
+        return self._caster
 
     def render(self, camera: Camera, colour: bool = True) -> Image:  # noqa: ARG002  (the contract's signature; DART draws nothing)
         """Not there. Raises: Unsupported."""

@@ -122,7 +122,7 @@ def growth_chart(store: "Store", sweep: Sweep, index: int) -> Figure:
 
 
 def standings(store: "Store", scaling: Scaling) -> Figure | None:
-    """Each engine's fastest setting in every scene, as a multiple of the fastest of all."""
+    """Each engine's fastest setting in every scene, as a multiple of the fastest that people can deploy."""
     rows = [
         drawn(store, row) | {"times": row.to_fastest.value, "times_low": row.to_fastest.low, "times_high": row.to_fastest.high}
         for row in scaling.costs
@@ -144,9 +144,10 @@ def standings(store: "Store", scaling: Scaling) -> Figure | None:
         chart(rows).marked("rule", strokeWidth=1.4).encode(x=low, x2="times_high:Q", y=y, color=style.colour()),
         chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
     ]
-    caption = "CPU time over that of the fastest engine of the scene: 1 is the fastest."
+    caption = "CPU time over that of the scene's fastest engine that can be deployed."
     how = (
-        "Every engine at its own fastest setting among those that pass the scene's checks. "
+        "Every engine at its own fastest setting among those that pass the scene's checks; the reference engine stands beside, "
+        "below 1 where it takes less. "
         "Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
         "the charts below and the table show what each price buys."
     )

@@ -66,10 +66,14 @@ def profile_chart(store: "Store", shares: Sequence[Share], limit: str) -> Figure
         chart(rows).marked("area", opacity=0.18).encode(x=x, y=low, y2="high:Q", detail="engine:N", color=style.colour()),
     ]
     pairs = max(share.pairs for share in shares if share.limit == limit)
-    caption = "Higher is better; at 1: how often an engine is the fastest." if factor else "Higher is better; 1 is real time."
+    caption = (
+        "Higher is better; at 1: how often an engine is the fastest to deploy."
+        if factor
+        else "Higher is better; 1 is real time."
+    )
     how = (
-        f"The share of {pairs} pairs of case and error, each reached by at least one engine, that an engine answers within "
-        f"{'so many times the cheapest price' if factor else 'so much CPU time'}. At the right: how often it gets there "
+        f"The share of {pairs} pairs of case and error, each reached by at least one engine to deploy, that an engine answers "
+        f"within {'so many times the cheapest price' if factor else 'so much CPU time'}. At the right: how often it gets there "
         "at all. Bands span the shares with one case left out."
     )
     columns = ("engine", AXES[limit], "share", "least", "without", "most", "without")

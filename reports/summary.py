@@ -46,7 +46,15 @@ def sentences(store: "Store") -> list[str]:
         *extremes(store, cells),
         *promises(store),
     ]
-    return [*written, *studied(store), *ours(store, cells), *leading(store), *silence(store), size(store)]
+    return [
+        *written,
+        *studied(store),
+        *ours(store, cells),
+        *standing_beside(store, seen),
+        *leading(store),
+        *silence(store),
+        size(store),
+    ]
 
 
 def studied(store: "Store") -> list[str]:
@@ -62,7 +70,7 @@ def studied(store: "Store") -> list[str]:
 
 
 def farthest(store: "Store") -> str:
-    """How often each engine that people can deploy goes farthest at equal sub-steps, and ours among them; '' without limits."""
+    """How often each engine that people can deploy goes farthest at equal sub-steps; '' without limits."""
     at_equal = [lead for lead in axis_leads(reaches(searches_if_described(store))) if lead.at == "equal sub-step"]
     if not at_equal:
         return ""
@@ -70,14 +78,9 @@ def farthest(store: "Store") -> str:
     level = [lead for lead in at_equal if lead.condition == condition]
     ranked = sorted((lead for lead in level if not lead.ours), key=lambda lead: -(lead.alone + lead.shared))
     counted = ", ".join(f"{titles[lead.engine]['title']} {lead.alone + lead.shared}" for lead in ranked)
-    beside = "".join(
-        f"; the yardstick, {titles[lead.engine]['title']}, as far or farther on {lead.alone + lead.shared}"
-        for lead in level
-        if lead.ours and lead.engine in yardsticks(store)
-    )
     return (
         f"Of {plural(max(lead.of for lead in level), 'axis', 'axes')} along which cases were made harder, at sub-steps of "
-        f"{condition}, farthest alone or with others: {counted}{beside}."
+        f"{condition}, farthest alone or with others: {counted}."
     )
 
 
@@ -110,7 +113,7 @@ def size(store: "Store") -> str:
 
 
 def leaders(store: "Store", seen: list[Glance]) -> list[str]:
-    """Who passes most cases of the engines that people can deploy, on each track; our own stands beside them, unranked."""
+    """Who passes most cases of the engines that people can deploy, on each track."""
     titles = {name: engine["title"] for name, engine in engines(store).items()}
     written = []
     for track in reversed(compared_tracks(store)):
@@ -122,11 +125,6 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
         judged = [glance for glance in answered if glance.engine not in yardsticks(store) and glance.asked]
         if len(judged) < 2:
             continue
-        beside = "".join(
-            f"; the yardstick, {titles[glance.engine]}, {glance.held}/{glance.asked}"
-            for glance in answered
-            if glance.engine in yardsticks(store)
-        )
         share = {glance.engine: glance.held / glance.asked for glance in judged}
         order = sorted(judged, key=lambda glance: -share[glance.engine])
         first = [glance for glance in order if share[glance.engine] == share[order[0].engine]]
@@ -135,13 +133,13 @@ def leaders(store: "Store", seen: list[Glance]) -> list[str]:
         written.append(
             f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most cases at their own step: "
             f"{first[0].held} of {first[0].asked}{' each' if len(first) > 1 else ''}"
-            f"{f' ({rest})' if rest else ''}{beside}."
+            f"{f' ({rest})' if rest else ''}."
         )
     return written
 
 
 def price(store: "Store", seen: list[Glance]) -> list[str]:
-    """Who is cheapest where all answered, and in the same breath whose errors are the smallest; ours on the others' scale."""
+    """Who is cheapest where all answered, and in the same breath whose errors are the smallest."""
     track = next(reversed(compared_tracks(store)), "")
     priced = [glance for glance in seen if glance.track == track and glance.relative_cost is not None]
     if len(priced) < 2:
@@ -173,12 +171,10 @@ def beside(store: "Store") -> list[str]:
 
 
 def ranked(store: "Store", ratios: dict[str, float]) -> str:
-    """'A 1x, B 2.3x (the yardstick C 0.5x)': from the best, relative to the best of each case, ours in brackets."""
-    titles, beside = engines(store), [name for name in ratios if name in yardsticks(store)]
-    order = sorted((name for name in ratios if name not in beside), key=lambda name: ratios[name])
-    words = {name: f"{titles[name]['title']} {amount(value, 2)}{TIMES}" for name, value in ratios.items()}
-    yard = "".join(f" (the yardstick, {words[name]})" for name in beside)
-    return (", ".join(words[name] for name in order) or "none measured") + yard
+    """'A 1x, B 2.3x': the engines that people can deploy from the best, relative to the best of each case."""
+    titles = engines(store)
+    order = sorted((name for name in ratios if name not in yardsticks(store)), key=lambda name: ratios[name])
+    return ", ".join(f"{titles[name]['title']} {amount(ratios[name], 2)}{TIMES}" for name in order) or "none measured"
 
 
 def tuning(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
@@ -266,6 +262,16 @@ def ours(store: "Store", cells: dict[tuple[str, str, str], Verdict]) -> list[str
                 else f"{engine['title']} is ours; tuned, it passes every trial that was put to it."
             )
     return written
+
+
+def standing_beside(store: "Store", seen: list[Glance]) -> list[str]:
+    """What our own engine comes to on the scale of those that people can deploy: a line beside them, and in no headline."""
+    return [
+        f"Beside them {engines(store)[glance.engine]['title']}, {glance.track}, takes {amount(glance.relative_cost, 2)}{TIMES} "
+        f"the CPU time of the cheapest of each case, at {amount(glance.relative_error, 2)}{TIMES} the smallest error."
+        for glance in seen
+        if glance.engine in yardsticks(store) and None not in (glance.relative_cost, glance.relative_error)
+    ]
 
 
 def silence(store: "Store") -> list[str]:

@@ -67,7 +67,9 @@ def show(folder: Path, table: str, form: str) -> None:
             say(sentence)
     else:
         brief = (
-            ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "reason"] if table == "trials" else columns
+            ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "clocked", "reason"]
+            if table == "trials"
+            else columns
         )
         if table == "trials" and any(row["recalled"] for row in rows):
             brief = [*brief[:-1], "recalled", "reason"]
@@ -132,10 +134,13 @@ def verify(folder: Path) -> None:
     """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
     from harness.history.folder import opened as opened_history
     from harness.history.soundness import problems_of
-    from harness.run.verify import problems
+    from harness.run.verify import notices, problems
 
-    whole = problems_of(opened_history(folder)) if (folder / "history.json").is_file() else problems(folder)
-    sentences = [str(problem) for problem in whole]
+    history = opened_history(folder) if (folder / "history.json").is_file() else None
+    sentences = [str(problem) for problem in (problems(folder) if history is None else problems_of(history))]
+    for each in [folder] if history is None else [night.folder for night in history.nights()]:
+        for notice in notices(each):
+            say(notice, err=True)
     for sentence in sentences:
         say(sentence)
     say(f"{len(sentences)} problems" if sentences else "every file is as it was written", err=True)

@@ -32,8 +32,9 @@ class Cost:
 
     Terms:
         where: the parameters that tell the scene from the case's others. unit: what is counted. cpu, low, high [s] of one unit.
-        to_fastest: over the fastest setting of any engine whose checks hold. to_ours: over the fastest setting of our engine
-        that penetrates no more and moves no more (or, without contact, errs no more) than this row; ours names it.
+        to_fastest: over the fastest setting whose checks hold of any engine that people can deploy. reference: what the
+        reference engine takes over this row, at its fastest setting that penetrates no more and moves no more (or, without
+        contact, errs no more) than this row; reference_setting names it.
         penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
         headline metric. best: is this the engine's fastest setting whose checks hold?
         clocks, workers: as in `harness.study.trial.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain
@@ -52,8 +53,8 @@ class Cost:
     low: float | None
     high: float | None
     to_fastest: Ratio | None
-    to_ours: Ratio | None
-    ours: str
+    reference: Ratio | None
+    reference_setting: str
     penetration: float | None
     residual: float | None
     error: float | None

@@ -15,19 +15,18 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
 from harness.findings.foreseen import foreseen
 from harness.findings.samples import Block, samples_by_block
 from harness.findings.where import in_words, other_values
-from harness.statistics.bootstrap import interval_of_drawn, medians
+from harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.rows import records
 from harness.store.store import Store
@@ -86,9 +85,9 @@ class Price:
         there; not clocked: no point that gets there has a time, and reason says what it roughly costs, where that is known; no
         answer: no trial gave an error, and reason says why.
         unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
-        the cheapest engine at this target, with its interval; 1 for
-        that engine itself. best_error: the smallest of all its clocked points. finest_dt [s]: the finest step of all its
-        points.
+        the cheapest engine at this target that people can deploy, with its interval; 1 for that engine itself, below 1 for the
+        reference engine where it costs less; None where no such engine gets there. best_error: the smallest of all its clocked
+        points. finest_dt [s]: the finest step of all its points.
         foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
         foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt, trial:
         the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
@@ -133,6 +132,7 @@ class Prices:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._cases: Mapping[str, Mapping[str, Any]] = store.catalogue.get("cases", {})
+        self._ours = {name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")}
 
     @cached_property
     def _headlines(self) -> Mapping[str, tuple[float, float]]:
@@ -240,7 +240,8 @@ class Prices:
         spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
-            cheapest = min(reached, key=lambda engine: reached[engine], default="")
+            deployable = [engine for engine in reached if engine not in self._ours]
+            cheapest = min(deployable, key=lambda engine: reached[engine], default="")
             for engine, costs in lists.items():
                 blank: dict[str, Any] = {f.name: None for f in fields(Price)}
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
@@ -267,10 +268,11 @@ class Prices:
                 under, over = costs.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
                 low, high = interval(costs.drawn[:, k])
-                ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
                 row |= {"verdict": "within the truth's error" if target < under.off else verdict}
                 row |= {"cost": reached[engine], "low": low, "high": high}
-                row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
+                if cheapest:
+                    ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
+                    row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
                 row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
 
@@ -303,7 +305,8 @@ def interval(values: Floats) -> tuple[float, float]:
 
 
 class Draws:
-    """What prices would be had other samples been taken, the same for all engines of a case: a bootstrap in two levels.
+    """What prices would be had other samples been taken, the same for all engines of a case: a bootstrap in two levels, as much
+    wider as few samples know too little of their spread.
 
     Processes are drawn first and blocks within each, since what a process was given (its place in memory) stays with all its
     blocks; the truth's error is drawn evenly within its bar, and moves all errors of the case alike.
@@ -313,15 +316,17 @@ class Draws:
 
     def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[Block, float]]) -> None:
         keys = sorted({key for point in points for key in samples.get(point.trial, {})})
-        places, self._shift = _drawn(tuple(Counter(process for process, _ in keys).values()))
+        places = drawn_in_groups(tuple(Counter(process for process, _ in keys).values()), DRAWS) if keys else None
+        self._shift = _shifts()
         self._costs: dict[str, Floats] = {}
         for point in points:
             taken = samples.get(point.trial, {})
             values = np.array([*(taken.get(key, math.nan) for key in keys), math.nan])
             middle = medians(values[None, :])[0]
-            drawn = medians(values[places]) / middle if taken else np.ones(DRAWS)
+            drawn = medians(values[places]) / middle if taken and places is not None else np.ones(DRAWS)
             # A draw may hold none of this trial's samples: it then says nothing of its cost.
-            self._costs[point.trial] = point.cost * np.where(np.isfinite(drawn), drawn, 1.0)
+            drawn = np.where(np.isfinite(drawn), drawn, 1.0)
+            self._costs[point.trial] = point.cost * drawn ** widening(len(taken))
 
     def of(self, points: Sequence[Point], targets: Floats) -> Floats:
         """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
@@ -331,27 +336,10 @@ class Draws:
         return prices_of_draws(shifted, costs, targets)
 
 
-@lru_cache(maxsize=64)
-def _drawn(blocks: tuple[int, ...]) -> tuple[NDArray[np.int64], Floats]:
-    """Which samples each draw takes, shape (DRAWS, m), and where in the truth's bar each lies, shape (DRAWS,).
-
-    Args: blocks: of each process, whose samples stand one process after the other. The same for all cases of a run, nearly.
-    """
-    rng = np.random.default_rng(0)
-    of_process = np.split(np.arange(sum(blocks)), np.cumsum(blocks)[:-1])
-
-    def drawn_from(count: int) -> NDArray[np.int64]:
-        return rng.integers(0, count, size=count)
-
-    chosen = [
-        np.concatenate([of_process[p][drawn_from(blocks[p])] for p in drawn_from(len(blocks))])
-        for _ in range(DRAWS if blocks else 0)
-    ]
-    # Processes may have given different numbers of blocks: shorter draws end in the place of a sample that nobody has.
-    places = np.full((len(chosen), max(map(len, chosen), default=0)), sum(blocks), dtype=np.int64)
-    for draw, drawn in enumerate(chosen):
-        places[draw, : len(drawn)] = drawn
-    return places, rng.uniform(-1.0, 1.0, DRAWS)
+@cache
+def _shifts() -> Floats:
+    """Where in the truth's bar each draw lies, shape (DRAWS,)."""
+    return np.random.default_rng(0).uniform(-1.0, 1.0, DRAWS)
 
 
 class List:

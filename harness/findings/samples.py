@@ -53,4 +53,5 @@ def ratio_in_blocks(cost: Mapping[Block, BlockSample], base: Mapping[Block, Bloc
     both = sorted(cost.keys() & base.keys())
     if not both:
         return None
-    return ratio(*(np.array([samples[block].of_a_unit(clock) for block in both]) for samples in (cost, base)))
+    mine, other = (np.array([samples[block].of_a_unit(clock) for block in both]) for samples in (cost, base))
+    return ratio(mine, other, [process for process, _ in both])

@@ -11,7 +11,6 @@ import numpy as np
 from harness.findings.changes.limits import searched_by
 from harness.findings.changes.matching import by_question, where_of
 from harness.findings.changes.repetitions import agreements_by_cell
-from harness.findings.clocked_part import clocked_part
 from harness.findings.limits_found import Search, searches
 from harness.findings.tables.determinism import Agreement
 from harness.history.folder import Night
@@ -114,8 +113,7 @@ def numbers_of(night: Night, store: Store) -> Numbers:
 
 
 def _of_trials(store: Store, machine: str, canaries: Mapping[Any, float]) -> list[Reading]:
-    samples, cases = store.samples, store.catalogue.get("cases", {})
-    steps = {} if samples.empty else samples.groupby("trial")["steps"].first().to_dict()
+    cases = store.catalogue.get("cases", {})
     headlines = {name: about.get("headline", "") for name, about in cases.items()}
     metrics = {(str(m.trial), str(m.metric)): m for m in store.measurements.itertuples()}
     asked, made = set(store.asked["trial"]), list[Reading]()
@@ -125,14 +123,14 @@ def _of_trials(store: Store, machine: str, canaries: Mapping[Any, float]) -> lis
         trial, version = str(row.trial), str(row.engine_version)
         if row.cpu_per_unit is not None and row.cpu_per_unit > 0:
             unit = f"CPU time of a {row.unit}" if isinstance(row.unit, str) else "CPU time"
-            # A timing kept from another machine has that one's digest; another part of the motion a price of its own.
-            part = clocked_part(row, int(steps.get(row.trial, 0)), cases.get(row.case, {}))
+            # A timing kept from another machine has that one's digest. Before it was said what was clocked, it could be a part
+            # of the motion.
             made.append(
                 Reading(
                     key=_named("price", key),
                     subject=_subject("price", row, store, unit, "s"),
                     value=float(row.cpu_per_unit),
-                    segment=(f"{str(row.clocked_on) or machine} {part or ''}", version),
+                    segment=(f"{str(row.clocked_on) or machine} {row.clocked}", version),
                     trial=trial,
                     canary=float(canaries.get(row.trial, np.nan)),
                 )

@@ -21,8 +21,9 @@ from harness.intake.safe_text import readable
 from harness.store.record import Record, Sample
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
+from harness.trial.bench import Sampling
 
-__all__ = ["LONGEST", "BrokenMessage", "Inbox", "readable", "read_record", "read_sample", "send"]
+__all__ = ["LONGEST", "BrokenMessage", "Inbox", "read_record", "read_sample", "read_sampling", "readable", "send"]
 
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""
@@ -155,3 +156,11 @@ def read_sample(value: Any) -> Sample:
     """The sample that a child told. Raises: BrokenMessage."""
     sample: Sample = _checked(Sample, value)
     return sample
+
+
+def read_sampling(value: Any) -> Sampling:
+    """How a child says that it samples. Raises: BrokenMessage."""
+    sampling: Sampling = _checked(Sampling, value)
+    if sampling.steps < 1 or sampling.run < 0 or (sampling.run and sampling.steps % sampling.run):
+        raise BrokenMessage(f"sampling: got {sampling.steps} steps of runs of {sampling.run}, expected whole runs")
+    return sampling

@@ -4,8 +4,8 @@ An answer takes what a process takes to start, and a time that grows with its st
 from the answers that there are: of the same case on the same engine, else of the same case, else of all. The first answer of
 an engine is left out as long as there is another, since it pays for what all share: an engine that is loaded, or compiles.
 What runs already has had its time so far. The timing run of a group of trials starts a process for each engine; each trial is
-calibrated there and takes its samples, each a whole run of its scene where that is longer than a sample has to be, and no
-longer than a cut. How far that is off is learnt from the groups that were clocked.
+calibrated there and takes its samples, each a whole run of its scene where that is longer than a sample has to be, and fewer
+of long runs. How far that is off is learnt from the groups that were clocked.
 
 What a search will still ask for counts as so many pieces like one that it asked for already, one after the other where it waits
 for each before it asks for the next.
@@ -30,6 +30,7 @@ from heapq import heapreplace
 from statistics import geometric_mean
 
 from harness.run.pieces import Awaited, Piece
+from harness.trial.bench import FEW, LONG
 
 __all__ = ["WIDEST", "Estimate", "RemainingTime"]
 
@@ -43,8 +44,6 @@ CALIBRATION = 0.2
 """Starts that a trial takes in a timing run before its samples, beside running its scene once: until a group has shown it."""
 CANARY = 0.004
 """Seconds of the fixed kernel that is clocked beside each sample."""
-CUT = 10.0
-"""A run of a scene that is longer than so many samples have to be is clocked in part (`harness.trial.bench.LONGEST`)."""
 STEPPING = 0.1
 """Share of an answer beyond its start in which its scene is run once; the rest is other runs and judging it."""
 TRUST = 3
@@ -396,5 +395,6 @@ class RemainingTime:
         busy = max(1.0, start / START)
         run = self._answers.run(piece, busy)
         sample = busy * piece.sample
-        runs = min(max(sample, run), CUT * sample)
-        return piece.count * (runs + busy * CANARY) + piece.processes * (runs + CALIBRATION * start)
+        runs, long = max(sample, run), run > LONG * sample
+        count, processes = (min(of, FEW) if long else of for of in (piece.count, piece.processes))
+        return count * (runs + busy * CANARY) + processes * (min(runs, LONG * sample) + CALIBRATION * start)

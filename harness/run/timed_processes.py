@@ -23,12 +23,12 @@ from harness.run.deadline import Deadline
 from harness.run.fork_servers import Server, context, start_apart
 from harness.run.interrupt import hour, naming, stop_if_asked
 from harness.run.memory_watch import MemoryWatch
-from harness.run.message import BrokenMessage, Inbox, read_sample, readable, send
+from harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, readable, send
 from harness.store.record import Sample
 from harness.study import plugins
 from harness.study.environments import elsewhere
 from harness.study.trial import Trial
-from harness.trial.bench import Bench, calibrate
+from harness.trial.bench import Bench, NotClocked, Sampling, calibrate
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 
@@ -58,7 +58,7 @@ class Place:
 
 
 def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -> None:
-    """Send the steps of a sample for each trial, then a sample for each order (trial's number, block, steps) that comes.
+    """Send how each trial is sampled, then a sample for each order (trial's number, block, steps, run) that comes.
 
     An exception is sent as text in place of either; a trial that raised one is not asked again.
     """
@@ -67,11 +67,15 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
     for number, trial in enumerate(trials):
         try:
             bench = Bench(plugins.case(trial.case), plugins.adapter(trial.engine), trial)
-            steps = calibrate(bench, trial.experiment.sample_seconds)
-            if not bench.steady:
-                bench.stop()
+            try:
+                sampling = calibrate(bench, trial.experiment.sample_seconds, trial.experiment.deadline)
+            finally:
+                if not bench.endless:
+                    bench.stop()
             benches[number] = bench
-            send(pipe, "steps", steps)
+            send(pipe, "sampling", sampling)
+        except NotClocked as error:
+            send(pipe, "trouble", str(error))
         except Exception as error:
             send(pipe, "trouble", _told(error, place))
     if place.core is not None:
@@ -79,8 +83,8 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
     gc.disable()
     while (order := pipe.recv()) is not None:
         try:
-            number, block, steps = order
-            send(pipe, "sample", _sample(benches[number], block, steps, place, trials[number].experiment.deadline))
+            number, block, sampling = order
+            send(pipe, "sample", _sample(benches[number], block, sampling, place, trials[number].experiment.deadline))
         except Exception as error:
             send(pipe, "trouble", _told(error, place))
     for bench in benches.values():
@@ -95,19 +99,29 @@ def _told(error: Exception, place: Place) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-def _sample(bench: Bench, block: int, steps: int, place: Place, seconds: float) -> Sample:
-    if not bench.steady:
+def _sample(bench: Bench, block: int, sampling: Sampling, place: Place, seconds: float) -> Sample:
+    if not bench.endless:
         bench.start()
     # Of workers only the first tries the machine, while the others wait: together they would try each other.
     canary = _canary() if place.first else 0.0
     if place.gate is not None:
         place.gate.wait(seconds)
     switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
-    cpu, wall = bench.clock(steps)
+    cpu, wall = bench.clock(sampling.steps)
     switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - switches
-    if not bench.steady:
+    if not bench.endless:
         bench.stop()
-    return Sample(process=0, block=block, steps=steps, units=bench.units, cpu=cpu, wall=wall, canary=canary, switches=switches)
+    return Sample(
+        process=0,
+        block=block,
+        steps=sampling.steps,
+        units=bench.units,
+        cpu=cpu,
+        wall=wall,
+        canary=canary,
+        switches=switches,
+        run=sampling.run,
+    )
 
 
 @dataclass(slots=True)
@@ -126,12 +140,12 @@ class Clocked:
     trouble: str = ""
     forsaken: bool = False
 
-    def ask(self, number: int, block: int, steps: int) -> None:
-        """Ask for a sample of so many steps; that a child has died while it waited is for `answer` to say."""
+    def ask(self, number: int, block: int, sampling: Sampling) -> None:
+        """Ask for a sample; that a child has died while it waited is for `answer` to say."""
         with contextlib.suppress(BrokenPipeError, ConnectionError):
-            self.inbox.pipe.send((number, block, steps))
+            self.inbox.pipe.send((number, block, sampling))
 
-    def answer(self, seconds: float) -> int | Sample | str | None:
+    def answer(self, seconds: float) -> Sampling | Sample | str | None:
         """The next message, a text where something went wrong, None where it is forsaken.
 
         `trouble` is set after death or the deadline. Raises: TimeIsUp, where that comes first.
@@ -174,15 +188,15 @@ class Clocked:
         pipe.close()
 
 
-def _read(kind: str, value: object) -> int | Sample | str:
-    """What a child told: the steps of a sample, a sample, or what went wrong. Raises: BrokenMessage."""
+def _read(kind: str, value: object) -> Sampling | Sample | str:
+    """What a child told: how it samples, a sample, or what went wrong. Raises: BrokenMessage."""
     if kind == "sample":
         return read_sample(value)
-    if kind == "steps" and type(value) is int and value > 0:
-        return value
+    if kind == "sampling":
+        return read_sampling(value)
     if kind == "trouble" and isinstance(value, str):
         return readable(value)
-    raise BrokenMessage(f"{readable(kind, 80)}: got {readable(repr(value), 80)}, expected 'steps', a 'sample' or 'trouble'")
+    raise BrokenMessage(f"{readable(kind, 80)}: got {readable(repr(value), 80)}, expected 'sampling', a 'sample' or 'trouble'")
 
 
 def joined(samples: Sequence[Sample]) -> Sample:
@@ -203,14 +217,14 @@ class Team:
 
     Terms:
         number: of the trial among those that its children serve. gate: where workers wait for each other; kept for as long as
-        they live. steps: of each in a sample; those of the first, so that all have the same to do. trouble: of this trial.
+        they live. sampling: that of the first, so that all have the same to do; None in trouble. trouble: of this trial.
     """
 
     trial: Trial
     children: Sequence[Clocked]
     number: int = 0
     gate: Barrier | None = None
-    steps: int = 0
+    sampling: Sampling | None = None
     trouble: str = ""
 
     @property
@@ -228,19 +242,20 @@ class Team:
         with naming([(self.trial, time.monotonic())]):
             answers = [child.answer(seconds) for child in self.children]
         self._note(answers)
-        self.steps = answers[0] if isinstance(answers[0], int) else 0
+        self.sampling = answers[0] if isinstance(answers[0], Sampling) else None
 
     def sample(self, block: int, seconds: float) -> Sample | None:
-        """What all did in this block, or None, with `trouble` set or lost. Raises: TimeIsUp."""
+        """What all did in this block, or None, with `trouble` set or lost; only asked of who is ready. Raises: TimeIsUp."""
+        assert self.sampling is not None
         for child in self.children:
-            child.ask(self.number, block, self.steps)
+            child.ask(self.number, block, self.sampling)
         with naming([(self.trial, time.monotonic())]):
             answers = [child.answer(seconds) for child in self.children]
         self._note(answers)
         samples = [answer for answer in answers if isinstance(answer, Sample)]
         return joined(samples) if len(samples) == len(answers) else None
 
-    def _note(self, answers: Iterable[int | Sample | str | None]) -> None:
+    def _note(self, answers: Iterable[Sampling | Sample | str | None]) -> None:
         self.trouble = "; ".join(dict.fromkeys(answer for answer in answers if isinstance(answer, str)))
 
     def stop(self) -> None:

@@ -1,11 +1,13 @@
 """The timing run: what a simulated second costs, in fresh processes and randomised interleaved blocks.
 
 Protocol: each engine of a group gets a process, with one thread, that serves all of its trials; it warms up, calibrates for
-each how many runs of the scene make one sample, and then waits, pinned to one core and without a garbage collector. Block by
-block, in a new random order each time, every trial takes one sample; then all begins anew in fresh processes, off another fork
-server and so laid out otherwise in memory. A trial of several workers has that many processes for itself, each pinned to a
-core of its own while there are enough: in its block all take the same number of steps, let go at once. What is clocked, and
-what is not, stands in `harness.trial.bench`; the processes in `harness.run.timed_processes`.
+each how many whole runs of the scene make one sample, and then waits, pinned to one core and without a garbage collector. Block
+by block, in a new random order each time, every trial takes one sample; then all begins anew in fresh processes, off another
+fork server and so laid out otherwise in memory. A trial whose runs are long takes three samples, or one where there is no time
+for more, spread over the processes; one that does not fit its deadline is not clocked. A trial of several workers has that many
+processes for itself, each pinned to a core of its own while there are enough: in its block all take the same number of steps,
+let go at once. What is clocked, and what is not, stands in `harness.trial.bench`; the processes in
+`harness.run.timed_processes`.
 """
 
 import random
@@ -30,16 +32,16 @@ _NOISY = 0.1
 
 
 def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Unit = "step") -> Timing:
-    """Median and 95 % bootstrap interval of CPU seconds per unit of work.
+    """Median and 95 % bootstrap interval of CPU seconds per unit of work, of what repeats in other processes would show.
 
     Per simulated second too, wherever the work is that of stepping and nothing stood beside it.
     """
     if not samples:
-        return Timing(trial=trial.trial, note=note or "no sample was taken")
+        return Timing(trial=trial.trial, clocked="not clocked", note=note or "no sample was taken")
     cpu = np.array([s.cpu / (s.steps * s.units) for s in samples])
     wall = np.array([s.wall / (s.steps * s.units) for s in samples])
     canary = np.array([s.canary for s in samples])
-    middle, (low, high) = float(np.median(cpu)), interval_of_median(cpu)
+    middle, (low, high) = float(np.median(cpu)), interval_of_median(cpu, [s.process for s in samples])
     wide = (high - low) / 2 > _NOISY * middle
     noisy = float(np.percentile(canary, 75) - np.percentile(canary, 25)) > _NOISY * float(np.median(canary))
     timing = Timing(
@@ -50,6 +52,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
         cpu_per_unit_high=high,
         unstable_timing=bool(wide or noisy or len(samples) < 3),
         note=note,
+        clocked="whole runs" if samples[0].run else "calls",
         samples=tuple(samples),
     )
     if unit not in ("step", "world-step") or trial.workers > 1:
@@ -70,13 +73,20 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
     experiment = trials[0].experiment
     samples: dict[str, list[Sample]] = {trial.trial: [] for trial in trials}
     notes: dict[str, str] = {}
+    most = dict.fromkeys(samples, experiment.processes * experiment.samples)
     for number in range(experiment.processes):
         teams: dict[str, Team] = {}
         try:
-            teams = ready_teams([trial for trial in trials if trial.trial not in notes], folder, number)
+            due = [trial for trial in trials if trial.trial not in notes and len(samples[trial.trial]) < most[trial.trial]]
+            teams = ready_teams(due, folder, number)
+            for name, team in teams.items():
+                if number == 0 and team.sampling is not None and team.sampling.most is not None:
+                    most[name] = min(most[name], team.sampling.most)
+            here = {name: _share(most[name] - len(samples[name]), experiment.processes - number) for name in teams}
             for block in range(experiment.samples):
                 stop_if_asked()
-                for name in shuffle.sample(sorted(teams), len(teams)):
+                asked = sorted(name for name in teams if block < here[name])
+                for name in shuffle.sample(asked, len(asked)):
                     sample = None
                     while sample is None and not teams[name].trouble:
                         if teams[name].lost:
@@ -98,3 +108,8 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
     for trial in trials:
         unit = plugins.case(trial.case).unit(trial.parameters, trial.clocks)
         yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""), unit)
+
+
+def _share(samples: int, processes: int) -> int:
+    """How many of these samples the next of so many processes takes."""
+    return -(-samples // processes)

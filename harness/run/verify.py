@@ -18,11 +18,12 @@ from harness.store.imported_scenes import FOLDER as SCENES
 from harness.store.imported_scenes import MINIMAL, unsound
 from harness.store.journal import DamagedFile, StoreError, Written, read_written
 from harness.store.machine_fingerprint import circumstances
+from harness.store.record import parts_of_runs
 from harness.store.seal import Damaged, check_seal
 from harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
 from harness.store.trajectory_file import kept_hash
 
-__all__ = ["Problem", "problems"]
+__all__ = ["Problem", "notices", "problems"]
 
 _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"
@@ -62,11 +63,39 @@ def problems(folder: Path) -> Iterator[Problem]:
         yield Problem(journal, f"its last line is torn: {written.torn} bytes", "--resume drops them and runs that trial anew")
     yield from _plain_files(store.folder, written)
     yield from _tables(store.folder, written)
+    yield from _clocked(store, written)
     yield from _trajectories(store.folder, written)
     yield from _truths(store.folder)
     yield from _imports(store.folder)
     yield from _summaries(store, written)
     yield from _strangers(store.folder, written)
+
+
+def notices(folder: Path) -> Iterator[str]:
+    """What is worth knowing of a run folder and is not wrong."""
+    try:
+        records = read_written(folder / "journal.jsonl").records.values()
+    except (StoreError, OSError):  # a problem, and told as one
+        return
+    if older := sum(bool(record.samples) and not record.clocked for record in records):
+        yield f"{folder}: {older} timings of an older version, which do not say whether they are of whole runs"
+
+
+def _clocked(store: Store, written: Written) -> Iterator[Problem]:
+    """Timings over anything but whole runs, by what the catalogue says that a run is."""
+    try:
+        cases: Mapping[str, Any] = store.catalogue.get("cases", {})
+    except StoreError:  # named already
+        cases = {}
+    for record in written.records.values():
+        case, due = cases.get(record.case, {}), None
+        if record.clocks in ("work", "reading") and record.unit != "ray" and "steady" in case:
+            due = max(1, round(case["duration"] / record.dt) - round((case["steady"] or 0.0) / record.dt))
+        others = [sample for sample in record.samples if record.clocked and due not in (None, sample.run)]
+        if wrong := parts_of_runs(record.clocked, record.samples) or others:
+            whole = wrong[0].run if due is None else due
+            what = f"trial {record.trial} was clocked over {wrong[0].steps} steps, expected whole runs of {whole}"
+            yield Problem(written.path, what, "its price is of a part of the motion; clock it anew in a new folder")
 
 
 def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:

@@ -1,5 +1,6 @@
 """One price over another, measured side by side."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,12 +20,13 @@ class Ratio:
     high: float
 
 
-def ratio(cost: NDArray[np.float64], base: NDArray[np.float64]) -> Ratio:
+def ratio(cost: NDArray[np.float64], base: NDArray[np.float64], processes: Sequence[int] | None = None) -> Ratio:
     """Median of cost/base over blocks, and the interval of that median.
 
     Args:
-        cost, base: CPU time of a unit in the blocks that both were sampled in, shape (b,), b >= 1, positive.
+        cost, base: CPU time of a unit in the blocks that both were sampled in, shape (b,), b >= 1, positive. processes: the
+        process of each block, whose blocks are drawn together; None for one.
     """
     shares = cost / base
-    low, high = interval_of_median(shares)
+    low, high = interval_of_median(shares, processes)
     return Ratio(value=float(np.median(shares)), low=low, high=high)

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Literal
 
 from harness.intake.mendable import LiesIn, Mendable
 from harness.store import disk
-from harness.store.record import SCHEMA_VERSION, Record, Timing
+from harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
 
 __all__ = ["DamagedFile", "FolderTaken", "Journal", "NoRun", "NotKept", "StoreError", "Written", "read_journal", "read_written"]
 
@@ -253,6 +253,7 @@ class Journal:
         again = self.timings.get(entry.trial) == entry.clocked_on if isinstance(entry, Timing) else entry.trial in self.records
         if again:
             raise StoreError(f"{self.path}: trial {entry.trial} is already there")
+        assert not parts_of_runs(entry.clocked, entry.samples), f"trial {entry.trial}: clocked over parts of runs"
         self._append("accuracy" if isinstance(entry, Record) else "timing", entry.plain())
 
     def _append(self, kind: Kind, content: Mapping[str, Any]) -> None:

@@ -4,20 +4,23 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from harness.store.notices import StoredNotice
 from harness.store.older_schemas import base_of_track, notices_in_sentences
 
-__all__ = ["SCHEMA_VERSION", "Measurement", "Record", "Sample", "Status", "Timing", "digest"]
+__all__ = ["SCHEMA_VERSION", "Clocked", "Measurement", "Record", "Sample", "Status", "Timing", "digest", "parts_of_runs"]
 
 SCHEMA_VERSION = 3
 """Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were
 sentences, and the base of a track its first word."""
 
 Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
+Clocked = Literal["", "whole runs", "calls", "not clocked"]
+"""What samples are of: whole runs of the scene (from its steady time on, where the case has one), casts or empty calls, which
+have no end, or nothing, where no sample could be taken. '' where no timing was asked for, and in folders of older versions."""
 
 
 def digest(value: Any) -> str:
@@ -61,6 +64,7 @@ class Sample:
     Terms:
         units: rays of one cast, worlds of one step; 1 where one scene is stepped; that many times more where several processes
         step side by side: `cpu` is then that of all of them, `wall` that of the slowest.
+        run: steps of one whole run of the scene; 0 for casts and empty calls, and in folders of older versions.
     """
 
     process: int
@@ -71,13 +75,20 @@ class Sample:
     canary: float
     switches: int
     units: int = 1
+    run: int = 0
+
+
+def parts_of_runs(clocked: str, samples: Sequence[Sample]) -> list[Sample]:
+    """The samples that are no whole runs, of a timing that says it is of such."""
+    return [s for s in samples if clocked == "whole runs" and (s.run < 1 or s.steps < s.run or s.steps % s.run)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
     """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them.
 
-    Terms: clocked_on: the digest of the machine, '' where it was not said.
+    Terms: clocked_on: the digest of the machine, '' where it was not said. clocked: what the samples are of; of nothing, the
+    note says why.
     """
 
     trial: str
@@ -93,6 +104,7 @@ class Timing:
     cpu_per_unit_high: float | None = None
     note: str = ""
     clocked_on: str = ""
+    clocked: Clocked = ""
     samples: tuple[Sample, ...] = ()
 
     def plain(self) -> dict[str, Any]:
@@ -127,7 +139,8 @@ class Record:
         clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`.
         answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
-        `harness.store.machine_fingerprint`. timing_note: what went wrong under the clock, as the warnings say too.
+        `harness.store.machine_fingerprint`. clocked: what was under the clock, see `Clocked`. timing_note: what went wrong
+        there, as the warnings say too.
         recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
         computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
         trajectory_kept: False where a trajectory is kept by its hash alone.
@@ -176,6 +189,7 @@ class Record:
     sources: Mapping[str, str] = field(default_factory=dict)
     answered_on: str = ""
     clocked_on: str = ""
+    clocked: Clocked = ""
     timing_note: str = ""
     recalled: str = ""
     again: str = ""

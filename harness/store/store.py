@@ -38,6 +38,7 @@ _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied"
     "sources": "{}",
     "answered_on": "",
     "clocked_on": "",
+    "clocked": "",
     "recalled": "",
     "again": "",
     "trajectory_kept": True,

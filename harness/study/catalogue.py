@@ -25,6 +25,7 @@ def describe_case(case: Case) -> dict[str, Any]:
         "parameters": dict(case.parameters),
         "bodies": len(scene.bodies),
         "duration": case.duration,
+        "steady": case.steady,
         "dt": case.dt,
         "ladder": list(case.ladder),
         "headline": case.headline,

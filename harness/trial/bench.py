@@ -1,15 +1,17 @@
 """What the clock runs in a trial: steps of a scene, with or without reading its state, rays cast into it, steps of many worlds
 of it, calls that take no step, or intervals of its sensors.
 
-Building, the time before a case is steady, and the law of forces that act from outside are outside the clock. A steady case
-goes on with one run until its end and then starts anew; any other starts anew for each sample, so that all samples have the
-same part of the motion.
+Building, the time before a case is steady, and the law of forces that act from outside are outside the clock. A sample is one
+whole run of the scene or several, each built anew; of a steady case, from its steady time to its end. So every engine of a case
+is clocked over the same motion: sliding may cost twice what lying still does. Casts and empty calls have no end: one scene
+serves all their samples.
 """
 
 import math
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from statistics import median
 from typing import Any
@@ -23,12 +25,19 @@ from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
 
-__all__ = ["TOGETHER", "Bench", "calibrate", "caster", "clock_steps", "rough_cost", "rough_cost_beside"]
+__all__ = [
+    "FEW", "LONG", "TOGETHER", "Bench", "NotClocked", "Sampling", "calibrate", "caster", "clock_steps", "rough_cost",
+    "rough_cost_beside",
+]  # fmt: skip
 
 TOGETHER = 4
 """Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""
-LONGEST = 10.0
-"""A single run of a scene is cut off after this many times the sample's length."""
+LONG = 10.0
+"""A run that lasts this many times the length of a sample is long: it is repeated `FEW` times, or as often as time allows."""
+FEW = 3
+"""Samples of a long run: the fewest with a middle that one disturbed sample does not move."""
+UNEVEN = 2.0
+"""How many times what its beginning foretells a run may take; one that would not fit so is warmed up over all of it."""
 PATIENCE = 3.0
 """A sample is made shorter where building anew for each of its runs would make it take more than this many times its length."""
 ALIKE = 1.02
@@ -69,12 +78,30 @@ def reader(simulation: Simulation, out: State) -> Callable[[], object]:
     return step_and_read
 
 
+class NotClocked(Exception):
+    """A whole run does not fit the time that a sample may take."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """How a bench is sampled.
+
+    Terms:
+        steps: of a sample, or its casts or empty calls. run: steps of a whole run, of which `steps` is a multiple; 0 for casts
+        and calls. most: how many samples there is time for; None for as many as are asked for.
+    """
+
+    steps: int
+    run: int = 0
+    most: int | None = None
+
+
 class Bench:
     """A trial under the clock.
 
     Terms:
         whole: clocked steps of a full run, without end for casts and empty calls. units: what one step or cast counts for.
-        steady: may a run go on over samples? unit: what is counted. dt [s].
+        endless: casts and empty calls, which go on over samples. unit: what is counted. dt [s].
         starting: CPU seconds that it last took to build and to go to where the clock starts. settled: does the clock of a
         steady case wait until the case is steady?
     """
@@ -88,11 +115,10 @@ class Bench:
         self._control = acting(self._scene, None if case.control is None else case.control(**trial.parameters))
         self._worlds = case.count_of_worlds(trial.parameters)
         self.unit, self.dt = case.unit(trial.parameters, trial.clocks), trial.settings.dt
-        endless = self._rays is not None or trial.clocks == "call"
-        self.steady = case.steady is not None or endless
+        self.endless = self._rays is not None or trial.clocks == "call"
         dt = trial.settings.dt
         self._before = round(case.steady / dt) if case.steady is not None and settled else 0
-        self.whole = sys.maxsize if endless else max(1, round(case.duration / dt) - self._before)
+        self.whole = sys.maxsize if self.endless else max(1, round(case.duration / dt) - self._before)
         if trial.clocks == "sensing":
             self.whole = max(1, self.whole // steps_of_interval(self._scene, dt))
         self.units = self._worlds if self._rays is None else len(self._rays.origins)
@@ -171,45 +197,57 @@ class Bench:
         return cpu, wall
 
 
-def calibrate(bench: Bench, seconds: float) -> int:
-    """Warm up and find how many steps, casts or calls last `seconds` of CPU time: whole runs of a scene unless too long.
+def calibrate(bench: Bench, seconds: float, deadline: float = math.inf) -> Sampling:
+    """Warm up and find what lasts `seconds` of CPU time: whole runs of a scene, one at least.
 
-    Of one that is too long it is the first half, quarter, eighth, ...: sliding may cost twice what lying still does, so that a
-    part that followed the clock would be another part, at another price, every time.
-    They last less where most of a sample would go by outside the clock, in building short runs anew.
+    Samples have fewer runs where most of them would go by outside the clock, in building. A long run is warmed up over its
+    beginning alone, unless it may not fit the deadline [s], which one sample with its building has to.
+    Raises: NotClocked, for a run that does not fit.
     """
     bench.start()
     bench.clock(1)
-    if bench.steady:
-        count, spent = 1, bench.clock(1)[0]
-        while spent < seconds / 4:
-            count *= 4
-            spent = bench.clock(count)[0]
-        outside = bench.starting / bench.whole
-        return max(1, min(math.ceil(count * seconds / spent), int(PATIENCE * seconds / (spent / count + outside))))
-    done, spent = 1, 0.0
-    while done < bench.whole and spent < LONGEST * seconds:
-        count = min(max(1, bench.whole // 20), bench.whole - done)
+    if bench.endless:
+        return Sampling(_lasting(bench, seconds))
+    long, allowed = LONG * seconds, deadline - bench.starting
+    left, spent, chunk = bench.whole - 1, 0.0, max(1, bench.whole // 20)  # what is cold in the first step is in no sample
+    run = 0.0
+    while left and (spent < long or UNEVEN * run > allowed):
+        count = min(chunk, left)
         spent += bench.clock(count)[0]
-        done += count
-    if done < bench.whole:
-        return max(1, bench.whole >> math.ceil(math.log2(bench.whole / done)))
-    runs = min(math.ceil(seconds / max(spent, 1e-7)), int(PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
-    return bench.whole * max(1, runs)
+        left -= count
+        run = spent * bench.whole / (bench.whole - 1 - left)
+        if spent > allowed:
+            took = f"{bench.starting:.3g} s to build and {spent:.3g} s for {bench.whole - left} of {bench.whole} steps"
+            raise NotClocked(f"a whole run does not fit the {deadline:g} s of a trial: {took}")
+    if spent < long:
+        runs = min(math.ceil(seconds / max(spent, 1e-7)), int(PATIENCE * seconds / max(spent + bench.starting, 1e-7)))
+        return Sampling(bench.whole * max(1, runs), bench.whole)
+    return Sampling(bench.whole, bench.whole, FEW if FEW * (bench.starting + run) <= deadline else 1)
+
+
+def _lasting(bench: Bench, seconds: float) -> int:
+    """Casts or calls that last `seconds` of CPU time."""
+    count, spent = 1, bench.clock(1)[0]
+    while spent < seconds / 4:
+        count *= 4
+        spent = bench.clock(count)[0]
+    return max(1, math.ceil(count * seconds / spent))
 
 
 def rough_cost(bench: Bench, seconds: float = 2e-3) -> float:
     """CPU seconds per simulated second, per unit where that is no step: the least of up to five short samples, taken at once.
 
     What disturbs a sample makes it longer, so that the least is known as soon as another comes within `ALIKE` of it: building
-    anew for each sample may take far longer than the sample. Whatever comes of it, the bench is stopped.
+    anew for each sample may take far longer than the sample. A long run is taken once. Whatever comes of it, the bench is
+    stopped.
     """
     try:
-        steps = calibrate(bench, seconds)
-        samples = [bench.clock(steps)[0]]
-        while len(samples) < 5 and (len(samples) == 1 or samples[1] > ALIKE * samples[0]):
-            samples = sorted((*samples, bench.clock(steps)[0]))
-        taken = samples[0] / (steps * bench.units)
+        sampling = calibrate(bench, seconds)
+        most = 5 if sampling.most is None else 1
+        samples = [bench.clock(sampling.steps)[0]]
+        while len(samples) < most and (len(samples) == 1 or samples[1] > ALIKE * samples[0]):
+            samples = sorted((*samples, bench.clock(sampling.steps)[0]))
+        taken = samples[0] / (sampling.steps * bench.units)
     finally:
         bench.stop()
     return taken / _length(bench)
@@ -219,11 +257,12 @@ def rough_cost_beside(bench: Bench, yardstick: Bench, seconds: float = 5e-4) -> 
     """The rough cost of a bench, and how many times that of a yardstick it is: the median of five samples, taken in turns.
 
     What slows the machine for a while slows both: under a load that came and went every second or two, the ratio was off by
-    4 % and a cost alone by 16 % (root mean square). Whatever comes of it, both are stopped.
+    4 % and a cost alone by 16 % (root mean square). Long runs are taken once each. Whatever comes of it, both are stopped.
     """
     try:
         both = [(side, calibrate(side, seconds)) for side in (bench, yardstick)]
-        taken = [[side.clock(steps)[0] / (steps * side.units) for side, steps in both] for _ in range(5)]
+        turns = 5 if all(sampling.most is None for _, sampling in both) else 1
+        taken = [[side.clock(of.steps)[0] / (of.steps * side.units) for side, of in both] for _ in range(turns)]
     finally:
         bench.stop()
         yardstick.stop()

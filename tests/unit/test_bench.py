@@ -1,5 +1,6 @@
 """The bench: what is inside the clock and what is not, counted on simulations that count; no time is asserted."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -14,9 +15,19 @@ from harness.study import plugins
 from harness.study.experiment import Experiment
 from harness.study.trial import Trial
 from harness.trajectory import State
-from harness.trial.bench import TOGETHER, Bench, calibrate, caster, rough_cost, rough_cost_beside
+from harness.trial.bench import (
+    TOGETHER,
+    Bench,
+    NotClocked,
+    Sampling,
+    calibrate,
+    caster,
+    rough_cost,
+    rough_cost_beside,
+)  # fmt: skip
 
 DT = 1 / 240
+SOUND_START = Bench.start
 PILE = plugins.case("stack_pile")
 
 
@@ -79,10 +90,10 @@ def steps(told: list[tuple[str, int]]) -> list[int]:
     return [count for what, count in told if what == "step"]
 
 
-def test_a_steady_case_is_clocked_from_its_steady_time_and_goes_on_with_one_run() -> None:
+def test_a_steady_case_is_clocked_from_its_steady_time_to_its_end() -> None:
     made, maker = bench(PILE, n=4)
     before, whole = round(PILE.steady * 240), round((PILE.duration - PILE.steady) * 240)  # type: ignore[operator]
-    assert made.steady
+    assert not made.endless
     assert made.whole == whole
     made.clock(50)
     made.clock(50)
@@ -100,7 +111,7 @@ def test_a_steady_case_is_clocked_from_its_steady_time_and_goes_on_with_one_run(
 
 def test_another_case_is_clocked_from_its_start_in_whole_runs() -> None:
     made, maker = bench(plugins.case("flight_box"))
-    assert not made.steady
+    assert not made.endless
     made.clock(2 * made.whole)
     assert steps(maker.told) == [made.whole, made.whole]
     assert [what for what, _ in maker.told if what != "step"] == ["build", "close", "build"]
@@ -126,7 +137,7 @@ def test_rays_are_cast_instead_of_steps_and_counted_one_by_one() -> None:
 
 def test_reading_takes_single_steps_and_reads_into_the_same_arrays_after_each() -> None:
     made, maker = bench(PILE, "reading", n=4)
-    assert (made.units, made.steady) == (1, True)
+    assert (made.units, made.endless) == (1, False)
     made.clock(3)
     told = maker.told[2:]  # after building and the way to where the clock starts
     assert [what for what, _ in told] == ["step", "state"] * 3
@@ -170,7 +181,8 @@ def test_an_empty_call_takes_no_step_and_never_ends_a_run(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(Bench, "start", slow)
     monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
-    assert calibrate(made, 0.01) == pytest.approx(10_000, rel=1e-9)  # built once, so building cuts no sample short
+    assert made.endless
+    assert calibrate(made, 0.01) == Sampling(10_000)  # built once, so building cuts no sample short
 
 
 @pytest.mark.parametrize("engine", ["bullet", "dart", "mujoco", "reference"])
@@ -197,30 +209,86 @@ def test_a_call_without_a_step_changes_no_bit_of_what_comes(engine: str, case: s
     assert ends[0] == ends[1]
 
 
-def test_calibration_takes_whole_runs_of_a_short_case_and_part_of_a_long_steady_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    short, _ = bench(plugins.case("flight_box"))
-    monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
-    assert calibrate(short, 0.01) % short.whole == 0
-    assert calibrate(short, 0.01) * 1e-6 >= 0.01
-    steady, _ = bench(PILE, n=4)
-    assert calibrate(steady, 0.01) == pytest.approx(10_000, rel=1e-9)
-    monkeypatch.setattr(Bench, "clock", lambda _, count: (0.2 * count, 0.2 * count))
-    assert calibrate(steady, 0.01) == 1
+class Clockwork:
+    """Time that passes by what is done: steps at a price that may change on the way, and building."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, step: Callable[[int], float], building: float = 0.0) -> None:
+        """Args: step: seconds of the k-th step of a run, from 0. building [s]: of each start."""
+        self.step, self.clocked, self.starts = step, 0, 0
+        begin = SOUND_START
+
+        def start(bench: Bench) -> None:
+            begin(bench)
+            self.starts += 1
+            bench.starting = building
+
+        def advance(bench: Bench, count: int) -> tuple[float, float]:
+            spent = sum(self.step(k) for k in range(bench._here, bench._here + count))
+            self.clocked += count
+            return spent, spent
+
+        monkeypatch.setattr(Bench, "start", start)
+        monkeypatch.setattr(Bench, "_step", advance)
+
+
+@pytest.mark.parametrize("case", [plugins.case("flight_box"), PILE], ids=lambda case: case.name)
+def test_a_sample_is_of_whole_runs_however_long_one_takes(monkeypatch: pytest.MonkeyPatch, case: Any) -> None:
+    made, _ = bench(case)
+    for cost in (1e-7, 1e-5, 1e-3, 1e-1):
+        Clockwork(monkeypatch, lambda _, cost=cost: cost)  # type: ignore[misc]
+        sampling = calibrate(made, 0.01)
+        assert sampling.run == made.whole
+        assert sampling.steps % made.whole == 0
+        assert sampling.steps * cost >= min(0.01, made.whole * cost) * (1 - 1e-9)
+        # A run of ten samples' length is long: three of them will do.
+        assert sampling.most == (3 if made.whole * cost > 0.1 else None)
+
+
+def test_a_price_is_that_of_a_whole_run_where_steps_get_ten_times_cheaper_half_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A body that slides costs 1 ms a step, and one that lies still .1 ms; a run is of half as many steps of each."""
+    made, _ = bench(plugins.case("flight_box"))
+    half = made.whole // 2
+    clockwork = Clockwork(monkeypatch, lambda k: 1e-3 if k < half else 1e-4)
+    sampling = calibrate(made, 0.001)
+    assert clockwork.clocked < half, "its dear half alone was seen before the clock"
+    made.start()
+    cost = made.clock(sampling.steps)[0] / sampling.steps
+    assert cost == pytest.approx((1e-3 * half + 1e-4 * (made.whole - half)) / made.whole, rel=1e-12)
+    assert rough_cost(bench(plugins.case("flight_box"))[0], 1e-4) * DT == pytest.approx(cost, rel=1e-9)
+    own, beside = (bench(plugins.case("flight_box"))[0] for _ in range(2))
+    assert rough_cost_beside(own, beside, 1e-4) == pytest.approx((cost / DT, 1.0), rel=1e-9)
+
+
+def test_a_run_that_does_not_fit_its_deadline_is_not_clocked_and_never_in_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, _ = bench(plugins.case("flight_box"))
+    Clockwork(monkeypatch, lambda _: 0.01)
+    run = 0.01 * made.whole
+    assert calibrate(made, 0.01, 3.1 * run).most == 3
+    assert calibrate(made, 0.01, 2.9 * run).most == 1
+    assert calibrate(made, 0.01, 1.1 * run) == Sampling(made.whole, made.whole, 1)
+    with pytest.raises(NotClocked, match=r"a whole run does not fit the 1 s of a trial: 0 s to build and .* of 240 steps"):
+        calibrate(made, 0.01, 1.0)
+    Clockwork(monkeypatch, lambda _: 0.001, building=2.0)
+    with pytest.raises(NotClocked, match="2 s to build"):
+        calibrate(made, 0.01, 1.0)
+
+
+def test_a_run_whose_steps_get_dearer_is_warmed_up_over_all_of_it_where_it_may_not_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, _ = bench(plugins.case("flight_box"))
+    half = made.whole // 2
+    Clockwork(monkeypatch, lambda k: 1e-3 if k < half else 1e-2)
+    with pytest.raises(NotClocked):
+        calibrate(made, 0.001, 0.3)  # its beginning foretells .24 s, it takes 1.3
 
 
 def test_runs_that_cost_more_to_build_than_to_clock_make_shorter_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run of 240 microseconds that takes 10 ms to build: 0.1 s of clock would be 4.2 s of building, 0.3 s are granted."""
     short, _ = bench(plugins.case("flight_box"))
-    start = Bench.start
-
-    def slow(self: Bench) -> None:
-        start(self)
-        self.starting = 0.01
-
-    monkeypatch.setattr(Bench, "start", slow)
-    monkeypatch.setattr(Bench, "clock", lambda _, count: (1e-6 * count, 1e-6 * count))
-    assert calibrate(short, 0.1) == int(3 * 0.1 / (0.01 + short.whole * 1e-6)) * short.whole
-    assert calibrate(short, 1e-4) == short.whole
+    Clockwork(monkeypatch, lambda _: 1e-6, building=0.01)
+    # The first step of the run that is timed before goes by unclocked.
+    runs = int(3 * 0.1 / (0.01 + (short.whole - 1) * 1e-6))
+    assert calibrate(short, 0.1) == Sampling(runs * short.whole, short.whole)
+    assert calibrate(short, 1e-4) == Sampling(short.whole, short.whole)
 
 
 def test_a_price_is_that_of_one_ray_or_one_world() -> None:

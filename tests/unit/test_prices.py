@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ import pandas as pd
 import pytest
 
 from harness.findings.prices import Prices, interval, medians
+from harness.findings.tables.price import brief
+from harness.findings.tables.price import sentences as price_sentences
 from harness.findings.tables.profile import FACTOR, hinges, profile, sentences, without
 from harness.findings.tables.profile import rows as profile_rows
 from harness.findings.tables.steps import largest_steps
@@ -151,7 +154,8 @@ def test_the_interval_of_a_ratio_is_that_of_the_median_of_its_blocks() -> None:
     That is .008 at the fourth, .036 at the fifth and .104 at the sixth: a fortieth lies at the fifth, a twentieth at the sixth.
     """
     found = ratio(np.arange(1.0, 18.0), np.ones(17))
-    assert (found.value, found.low, found.high) == (9.0, 5.0, 13.0)
+    half = 4.0 * 2.1199 / 1.95996  # Student's t of 16 degrees of freedom over the normal's percentile
+    assert (found.value, found.low, found.high) == pytest.approx((9.0, 9.0 - half, 9.0 + half), rel=1e-4)
 
 
 def test_medians_leave_out_what_is_missing() -> None:
@@ -164,23 +168,40 @@ def test_medians_leave_out_what_is_missing() -> None:
 
 
 def test_a_case_that_an_engine_was_not_put_to_is_not_held_against_it() -> None:
-    prices = Prices(Priced([*ladder("a", "dart", 1.0), *ladder("a", "ours", 2.0), *ladder("b", "ours", 1.0)])).prices
+    prices = Prices(Priced([*ladder("a", "dart", 1.0), *ladder("a", "bullet", 2.0), *ladder("b", "bullet", 1.0)])).prices
     shares = {(s.engine, s.within): s for s in profile(prices) if s.limit == FACTOR}
     assert shares["dart", 1.0].share == 1.0
-    # Both reach errors of 1e-1 to 1e-6, six pairs a case: ours is the cheapest in b alone.
-    assert (shares["dart", 1.0].pairs, shares["ours", 1.0].pairs) == (6, 12)
-    assert (shares["ours", 1.0].share, shares["ours", 2.0].share) == (0.5, 1.0)
+    # Both reach errors of 1e-1 to 1e-6, six pairs a case: bullet is the cheapest in b alone.
+    assert (shares["dart", 1.0].pairs, shares["bullet", 1.0].pairs) == (6, 12)
+    assert (shares["bullet", 1.0].share, shares["bullet", 2.0].share) == (0.5, 1.0)
 
 
 def test_the_case_on_which_a_share_hangs_is_named() -> None:
-    told = [*ladder("a", "dart", 1.0), *ladder("a", "ours", 9.0), *ladder("b", "dart", 9.0), *ladder("b", "ours", 1.0)]
-    store = Priced([*told, *ladder("c", "dart", 1.0), *ladder("c", "ours", 9.0)])
+    told = [*ladder("a", "dart", 1.0), *ladder("a", "bullet", 9.0), *ladder("b", "dart", 9.0), *ladder("b", "bullet", 1.0)]
+    store = Priced([*told, *ladder("c", "dart", 1.0), *ladder("c", "bullet", 9.0)])
     found = {share.engine: share for share in hinges(profile(Prices(store).prices)) if share.limit == FACTOR}
     assert without(found["dart"]) == ("b", 1.0)
-    assert without(found["ours"]) == ("b", 0.0)
+    assert without(found["bullet"]) == ("b", 0.0)
     assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in sentences(
         profile_rows(store)
     )
+
+
+def test_the_reference_engine_is_a_line_beside_the_cheapest_that_can_be_deployed() -> None:
+    """It costs half of what dart does in a; nobody else was put to b, which is then no pair."""
+    told = [*ladder("a", "dart", 2.0), *ladder("a", "bullet", 6.0), *ladder("a", "ours", 1.0), *ladder("b", "ours", 1.0)]
+    prices = Prices(Priced(told)).prices
+    ratios = {(price.case, price.engine): price.ratio for price in prices if price.target == 1e-2}
+    assert ratios.pop(("b", "ours")) is None
+    assert ratios == pytest.approx({("a", "dart"): 1.0, ("a", "bullet"): 3.0, ("a", "ours"): 0.5}, rel=1e-9)
+    assert {price.engine for price in prices if price.cheapest} == {"dart"}
+    shares = {(s.engine, s.within): (s.share, s.pairs) for s in profile(prices) if s.limit == FACTOR}
+    assert (shares["dart", 1.0], shares["ours", 1.0], shares["bullet", 2.0]) == ((1.0, 6), (1.0, 6), (0.0, 6))
+    told_of_prices = [brief(asdict(price)) for price in prices]
+    assert not any("None" in str(cell) or "nan" in str(cell) for row in told_of_prices for cell in row)
+    assert price_sentences([asdict(price) for price in prices]) == [
+        "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: dart 6."
+    ]
 
 
 def test_rays_have_no_real_time() -> None:

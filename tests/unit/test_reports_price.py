@@ -146,7 +146,7 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert [line.last for line in lines] == [False] * 6 + [True]
     first: Line = lines[1]
     assert first.entries["ours"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
-    assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x10", "")
+    assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x1", "")
     # The other's is a bound too: of two bounds there is no ratio.
     assert first.entries["ours"].text == "≥ 100\N{MULTIPLICATION SIGN}"
     assert lines[5].entries["dart"].text.startswith("not by dt 1/100 s, best 5")

@@ -96,17 +96,22 @@ def test_the_fastest_is_the_fastest_whose_checks_hold(scaling: Scaling) -> None:
     assert not at(scaling, 100, "theirs", "deep").best
     fast = at(scaling, 100, "theirs", "deep").to_fastest
     assert fast is not None
-    assert fast.value == pytest.approx(0.5)
-    assert at(scaling, 100, "ours", "coarse").to_fastest.value == 1.0  # type: ignore[union-attr]
+    assert fast.value == pytest.approx(0.25)
+    assert at(scaling, 100, "theirs", "default").to_fastest.value == 1.0  # type: ignore[union-attr]
+
+
+def test_the_reference_engine_is_a_line_beside_and_never_what_a_price_is_divided_by(scaling: Scaling) -> None:
+    """Its coarse setting takes half of what the fastest takes that people can deploy."""
+    assert at(scaling, 100, "ours", "coarse").to_fastest.value == pytest.approx(0.5)  # type: ignore[union-attr]
 
 
 def test_a_rival_is_compared_with_our_fastest_that_is_no_worse(scaling: Scaling) -> None:
     shallow, deep = at(scaling, 100, "theirs", "default"), at(scaling, 100, "theirs", "deep")
-    assert (shallow.ours, deep.ours) == ("fine", "coarse")  # coarse stands deeper than shallow
-    assert shallow.to_ours is not None
-    assert shallow.to_ours.value == pytest.approx(2 / 3)
-    assert deep.to_ours is not None
-    assert deep.to_ours.value == pytest.approx(0.5)
+    assert (shallow.reference_setting, deep.reference_setting) == ("fine", "coarse")  # coarse stands deeper than shallow
+    assert shallow.reference is not None
+    assert shallow.reference.value == pytest.approx(3 / 2)
+    assert deep.reference is not None
+    assert deep.reference.value == pytest.approx(2.0)
 
 
 def test_what_did_not_finish_is_a_row_with_its_reason(scaling: Scaling) -> None:
@@ -178,7 +183,7 @@ def test_reading_and_calling_stand_over_the_plain_step_of_the_same_scene(beside:
 
 
 def test_what_stands_beside_the_work_is_nobodys_best_and_no_sweep(beside: Scaling) -> None:
-    assert not any(row.best or row.to_fastest or row.to_ours for row in beside.costs)
+    assert not any(row.best or row.to_fastest or row.reference for row in beside.costs)
     assert beside.sweeps == ()
 
 

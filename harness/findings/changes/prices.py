@@ -27,7 +27,6 @@ import numpy as np
 
 from harness.findings.changes.matching import Pair, where_of
 from harness.findings.changes.values import Beside, Change
-from harness.findings.clocked_part import clocked_part
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.statistics.student import percentile
 from harness.store.store import Store
@@ -113,11 +112,13 @@ class _Neighbours:
 
 @dataclass(frozen=True, slots=True)
 class _Samples:
-    """Of one trial. Terms: cost [s] of a unit, canary [s], each (k,). steps: of each sample."""
+    """Of one trial. Terms: cost [s] of a unit, canary [s], each (k,). steps: of the first sample; run: of a whole run, 0 for
+    casts and calls and where that is not known."""
 
     cost: Floats
     canary: Floats
     steps: int
+    run: int
 
 
 def clocked(pairs: Sequence[Pair]) -> list[Pair]:
@@ -128,8 +129,7 @@ def clocked(pairs: Sequence[Pair]) -> list[Pair]:
 def price_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
     """A row for each trial, and one for each engine, whose price changed beyond doubt."""
     before, after = _samples(store_a), _samples(store_b)
-    cases = store_b.catalogue.get("cases", {})
-    same = [pair for pair in clocked(pairs) if _same_part(pair, before, after, cases)]
+    same = [pair for pair in clocked(pairs) if _same_motion(pair, before, after)]
     prices = [_price(pair, before, after) for pair in same]
     for engine in dict.fromkeys(price.pair.b.engine for price in prices):
         mine = [price for price in prices if price.pair.b.engine == engine]
@@ -152,21 +152,20 @@ def _samples(store: Store) -> dict[str, _Samples]:
         return {}
     cost = (table["cpu"] / (table["steps"] * table.get("units", 1))).to_numpy(float)
     canary, steps = table["canary"].to_numpy(float), table["steps"].to_numpy()
+    run = np.broadcast_to(table.get("run", 0), len(table))  # a table of an older version has no such column
     return {
-        str(trial): _Samples(cost[rows], canary[rows], int(steps[rows[0]]))
+        str(trial): _Samples(cost[rows], canary[rows], int(steps[rows[0]]), int(run[rows[0]]))
         for trial, rows in table.groupby("trial").indices.items()
     }
 
 
-def _same_part(
-    pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples], cases: Mapping[str, Mapping[str, Any]]
-) -> bool:
-    """Did both clocks run over the same part of the motion?"""
+def _same_motion(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> bool:
+    """Did both clocks run over the same motion? Folders of older versions do not say what a whole run is, the others do."""
     before, after = a.get(pair.a.trial), b.get(pair.b.trial)
     if before is None or after is None:
         return True
-    case = cases.get(pair.b.case, {})
-    return clocked_part(pair.a, before.steps, case) == clocked_part(pair.b, after.steps, case)
+    run = before.run or after.run
+    return not run or (before.run in (0, run) and after.run in (0, run) and before.steps % run == after.steps % run == 0)
 
 
 def _price(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:

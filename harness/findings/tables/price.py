@@ -1,5 +1,6 @@
 """The price list: what an error of a case costs on each engine; worked out in `harness.findings.prices`."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
@@ -19,7 +20,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
 
 
 BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "tried", "marks")
-"""What a terminal has room for; marks: * the cheapest, ~ an unstable timing, <= the cheapest point errs less already."""
+"""What a terminal has room for; marks: * cheapest to deploy, ~ an unstable timing, <= the cheapest point errs less already."""
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:
@@ -41,8 +42,8 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         row["engine"],
         f"{row['cost']:.3g}",
         f"{row['low']:.3g} .. {row['high']:.3g}",
-        f"{row['ratio']:.3g}",
-        f"{row['ratio_low']:.3g} .. {row['ratio_high']:.3g}",
+        "" if row["ratio"] is None else f"{row['ratio']:.3g}",
+        "" if row["ratio"] is None else f"{row['ratio_low']:.3g} .. {row['ratio_high']:.3g}",
         row["track"],
         f"{row['dt']:.4g}",
         _tried(row),
@@ -57,8 +58,6 @@ def _tried(row: Mapping[str, Any]) -> str:
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Who is cheapest how often."""
     pairs = {(row["case"], row["where"], row["target"]) for row in rows if row["cheapest"]}
-    counts = {
-        engine: sum(row["cheapest"] for row in rows if row["engine"] == engine) for row in rows for engine in [row["engine"]]
-    }
-    share = ", ".join(f"{engine} {count}" for engine, count in sorted(counts.items(), key=lambda item: -item[1]))
-    return [f"Of {len(pairs)} pairs of case and error that any engine reaches, cheapest: {share}."] if pairs else []
+    counts = Counter(row["engine"] for row in rows if row["cheapest"])
+    share = ", ".join(f"{engine} {count}" for engine, count in counts.most_common())
+    return [f"Of {len(pairs)} pairs of case and error that an engine to deploy reaches, cheapest: {share}."] if pairs else []

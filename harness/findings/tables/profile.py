@@ -1,6 +1,7 @@
 """The performance profile: which share of all wanted answers an engine gives within a time, and which case that hangs on.
 
-A wanted answer is a pair of a case and an error that at least one engine reaches; its price is that of the price list.
+A wanted answer is a pair of a case and an error that at least one engine reaches which people can deploy; its price is that of
+the price list, over the cheapest of such engines. The reference engine stands beside.
 """
 
 from collections import Counter
@@ -127,7 +128,7 @@ def without(share: Share) -> tuple[str, float]:
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
-    lines = [f"Shares of the {pairs} pairs of case and error that at least one engine reaches."] if pairs else []
+    lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
     for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR]):
         case, other = without(share)
         limit = "at the lowest price" if share.within == 1 else f"within {share.within:g} times the lowest price"

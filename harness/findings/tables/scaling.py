@@ -45,8 +45,8 @@ CLOCKED = {
 
 COLUMNS = (
     "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
-    "to_fastest_high", "to_ours", "to_ours_low", "to_ours_high", "ours", "penetration_m", "residual_m_s", "error",
-    "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
+    "to_fastest_high", "reference", "reference_low", "reference_high", "reference_setting", "penetration_m", "residual_m_s",
+    "error", "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
     "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
     "efficiency_high",
 )  # fmt: skip
@@ -122,8 +122,8 @@ class Scaling:
             low=_number(row.get("cpu_per_unit_low")),
             high=_number(row.get("cpu_per_unit_high")),
             to_fastest=None,
-            to_ours=None,
-            ours="",
+            reference=None,
+            reference_setting="",
             penetration=next((_number(values[name]) for name in PENETRATION if name in values), None),
             residual=next((_number(values[name]) for name in RESIDUAL if name in values), None),
             error=_number(values.get(headline)),
@@ -174,15 +174,16 @@ class Scaling:
         timed = sorted((row for row in rows if row.cpu is not None), key=lambda row: row.cpu or 0.0)
         sound = [row for row in timed if row.status == "passed"]
         best = {engine: next(row for row in sound if row.engine == engine) for engine in {row.engine for row in sound}}
+        fastest = next((row for row in sound if row.engine not in self._ours), None)
         compared = []
         for row in [*timed, *(row for row in rows if row.cpu is None)]:
             rival = next((own for own in sound if own.engine in self._ours and no_worse(own, row)), None)
             compared.append(
                 replace(
                     row,
-                    to_fastest=self._ratio(row, sound[0]) if sound else None,
-                    to_ours=self._ratio(row, rival) if rival is not None else None,
-                    ours=rival.track if rival is not None else "",
+                    to_fastest=self._ratio(row, fastest) if fastest is not None else None,
+                    reference=self._ratio(rival, row) if rival is not None and row.cpu is not None else None,
+                    reference_setting=rival.track if rival is not None else "",
                     best=best.get(row.engine) is row,
                 )
             )
@@ -229,7 +230,7 @@ class Scaling:
         flat = []
         for cost in self.costs:
             row = {name: value for name, value in asdict(cost).items() if name in COLUMNS and not isinstance(value, dict)}
-            for name in ("to_fastest", "to_ours", "to_plain", "efficiency"):
+            for name in ("to_fastest", "reference", "to_plain", "efficiency"):
                 compared: Ratio | None = getattr(cost, name)
                 if compared is not None:
                     row |= {name: compared.value, f"{name}_low": compared.low, f"{name}_high": compared.high}
@@ -249,7 +250,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
     return Scaling(store).rows()
 
 
-BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "x ours", "penetration", "moves", "marks", "status")
+BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "reference x", "penetration", "moves", "marks", "status")
 """What a terminal has room for; marks: * the engine's fastest whose checks hold, ~ an unstable timing."""
 
 
@@ -260,14 +261,15 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
         stated = "not known" if row["exponent"] is None else f"{row['exponent']:.2f}"
         grows = f"exponent {stated} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
         return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
-    costs = ""
+    answered = row["status"] in ("passed", "failed")
+    costs = "not clocked" if answered else ""
     if row["cpu_s"] is not None:
         costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
         if row["to_plain"] is not None:
             costs += f", {row['to_plain']:.3g} x the step alone"
         if row["efficiency"] is not None:
             costs += f", {row['rate_per_s']:,.0f} a second, efficiency {row['efficiency']:.2f}"
-    ahead = "" if row["to_ours"] is None else f"{row['to_ours']:.3g} ({row['ours']})"
+    ahead = "" if row["reference"] is None else f"{row['reference']:.3g} ({row['reference_setting']})"
     return (
         scene,
         row["engine"],
@@ -279,7 +281,7 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
         "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um",
         "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s",
         ("*" if row["best"] else "") + ("~" if row["unstable"] else ""),
-        row["status"] if row["status"] in ("passed", "failed") else f"{row['status']}: {row['reason']}",
+        row["status"] if answered and row["cpu_s"] is not None else f"{row['status']}: {row['reason']}",
     )
 
 

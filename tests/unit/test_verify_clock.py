@@ -1,0 +1,110 @@
+"""What a folder says of its clock: a price of a part of a run is named, and older folders are told apart."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from harness.cli.main import main
+from harness.findings.summary import summaries
+from harness.run.campaign import carry_out
+from harness.store import journal
+from harness.store.journal import Journal, read_written
+from harness.store.record import Clocked, Timing
+from harness.store.store import Store, write_json, write_tables
+from harness.study import plugins
+from harness.study.experiment import Experiment
+from harness.study.study import Study
+
+CASE = "flight_box"
+STUDY = Study(
+    name="clock", recordings=False, experiments=(Experiment(name="c", cases=(CASE,), samples=1, sample_seconds=1e-3),)
+)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("clock") / "run"
+    carry_out(STUDY, folder, {CASE: plugins.case(CASE)}, {"mujoco": plugins.adapter("mujoco")}, workers=1, resume=False)
+    return _summarised(folder)
+
+
+def _summarised(folder: Path) -> Path:
+    for name, content in summaries(Store(folder)).items():
+        (folder / name).write_bytes(content)
+    return folder
+
+
+def _written_anew(source: Path, out: Path, clocked: Clocked = "whole runs", **changes: int) -> Path:
+    """A folder with the same answers, whose first timing has samples with these changes; its chain and seals are right."""
+    records = read_written(source / "journal.jsonl")
+    out.mkdir()
+    book = Journal(out)
+    book.begin(records.sessions[0])
+    names = [name for name in Timing.__dataclass_fields__ if name not in ("note", "samples")]
+    for number, record in enumerate(records.records.values()):
+        blank = Timing(trial=record.trial)
+        book.append(replace(record, **{name: getattr(blank, name) for name in (*names[1:], "samples")}))
+        timing = Timing(**{name: getattr(record, name) for name in names}, samples=record.samples)
+        if number == 0:
+            samples = tuple(replace(sample, **changes) for sample in record.samples)
+            timing = replace(timing, clocked=clocked, samples=samples)
+        book.append(timing)
+    reached = {"lines": len(book.written.checksums), "checksum": book.written.checksums[-1]}
+    book.close()
+    for name in ("study.toml", "catalogue.json"):
+        for path in source.glob(f"{name}*"):
+            (out / path.name).write_bytes(path.read_bytes())
+    for folder in ("trajectories", "truths", "logs"):
+        for path in (source / folder).glob("*"):
+            (out / folder).mkdir(exist_ok=True)
+            (out / folder / path.name).write_bytes(path.read_bytes())
+    write_json(out / "machine.json", {**Store(source).machine, "journal": reached, "tables": write_tables(out)})
+    return _summarised(out)
+
+
+def _verified(folder: Path) -> Result:
+    return CliRunner().invoke(main, ["verify", str(folder)])
+
+
+def test_every_sample_of_a_run_is_of_whole_runs_and_the_row_says_so(run: Path) -> None:
+    store = Store(run)
+    assert set(store.trials["clocked"]) == {"whole runs"}
+    assert (store.samples["run"] == 240).all()
+    assert (store.samples["steps"] % 240 == 0).all()
+    assert _verified(run).exit_code == 0
+
+
+def test_a_folder_written_anew_as_it_was_verifies(run: Path, tmp_path: Path) -> None:
+    told = _verified(_written_anew(run, tmp_path / "same"))
+    assert (told.exit_code, told.stdout) == (0, "")
+
+
+PARTS: list[tuple[Clocked, dict[str, int]]] = [
+    ("whole runs", {"steps": 37}),
+    ("whole runs", {"steps": 37, "run": 37}),
+    ("whole runs", {"steps": 37, "run": 0}),
+    ("calls", {"steps": 37, "run": 0}),
+]
+
+
+@pytest.mark.parametrize(("clocked", "changes"), PARTS, ids=str)
+def test_a_doctored_store_whose_price_is_of_a_part_of_a_run_exits_with_3(
+    run: Path, tmp_path: Path, clocked: Clocked, changes: dict[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "parts_of_runs", lambda *_: [])
+    told = _verified(_written_anew(run, tmp_path / "doctored", clocked, **changes))
+    assert told.exit_code == 3
+    assert "was clocked over 37 steps, expected whole runs of 240" in told.stdout
+
+
+def test_no_price_of_a_part_of_a_run_is_stored(run: Path, tmp_path: Path) -> None:
+    with pytest.raises(AssertionError, match="clocked over parts of runs"):
+        _written_anew(run, tmp_path / "part", steps=37)
+
+
+def test_timings_of_an_older_version_are_a_notice(run: Path, tmp_path: Path) -> None:
+    told = _verified(_written_anew(run, tmp_path / "older", "", run=0))
+    assert told.exit_code == 0
+    assert "1 timings of an older version, which do not say whether they are of whole runs" in told.stderr

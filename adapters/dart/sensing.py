@@ -1,8 +1,8 @@
 """Rays, cast by DART's own detector in a group of its own.
 
 Of the two detectors of DART that know rays it is the right one: against closed forms, over every eighth ray of the case
-system_rays, it errs by 2e-13 m at most. Bullet's costs .5 to .9 of it, and errs by 0.1 mm on balls, 12 mm on cylinders, 3.1 m on
-capsules, and misses some boxes.
+system_rays, it errs by 2e-13 m at most. Bullet's costs .5 to .9 of it; it errs by 0.1 mm on balls, by 12 mm on cylinders and by
+3.1 m on capsules, and misses some boxes.
 """
 
 from collections.abc import Callable

@@ -16,6 +16,7 @@ from adapters.dart.sensing import Caster
 from adapters.dart.vectors import quaternions
 from adapters.dart.vendor import correcting
 from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
+from harness.adapter.distance_springs import DistanceSprings
 from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
 from harness.scene import Camera, Effect, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -96,10 +97,14 @@ class DartSimulation(Simulation):
         """What pushes the bodies in the coming sub-step: from outside, and springs between points of two of them."""
         if built.springs is None:
             return self._wrench
+        force, torque = self._sprung(built, built.springs)
+        return (force, torque) if self._wrench is None else (force + self._wrench[0], torque + self._wrench[1])
+
+    def _sprung(self, built: Built, springs: DistanceSprings) -> Wrenches:
+        """What springs between points push in the coming sub-step."""
         present = State.empty(len(built.scene.bodies))
         self.state(present)
-        force, torque = built.springs.forces(present)
-        return (force, torque) if self._wrench is None else (force + self._wrench[0], torque + self._wrench[1])
+        return springs.forces(present)
 
     def _check(self, built: Built) -> None:
         """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""

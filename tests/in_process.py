@@ -18,10 +18,10 @@ from harness.trial.accuracy import run_trial
 from harness.trial.bench import Bench
 from harness.trial.ensemble import endure
 
-__all__ = ["barely_clocked", "clocked_by", "in_this_process"]
+__all__ = ["barely_clocked", "clocked_by", "in_this_process", "steps_of_run"]
 
-STEPS, CANARY = 100, 1e-3
-"""Of a block, and the seconds of the canary in it."""
+CANARY = 1e-3
+"""Seconds of the canary in a block."""
 
 
 def in_this_process(patch: pytest.MonkeyPatch, cases: Mapping[str, Case] | None = None) -> None:
@@ -47,13 +47,20 @@ def clocked_by(patch: pytest.MonkeyPatch, blocks: Callable[[Trial], Sequence[flo
 
     def clocks(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
         for trial in trials:
+            run = steps_of_run(trial)
             samples = tuple(
-                Sample(process=0, block=k, steps=STEPS, cpu=STEPS * step, wall=CANARY, canary=CANARY, switches=0)
+                Sample(process=0, block=k, steps=run, cpu=run * step, wall=CANARY, canary=CANARY, switches=0, run=run)
                 for k, step in enumerate(blocks(trial))
             )
             yield replace(summarise(trial, samples), unstable_timing=False)
 
     patch.setattr(campaign, "clock_group", clocks)
+
+
+def steps_of_run(trial: Trial) -> int:
+    """The clocked steps of a whole run."""
+    case, dt = plugins.case(trial.case), trial.settings.dt
+    return max(1, round(case.duration / dt) - round((case.steady or 0.0) / dt))
 
 
 def barely_clocked(patch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.study.trial import Trial
 from tests.conftest import PLUGINS
-from tests.in_process import in_this_process
+from tests.in_process import in_this_process, steps_of_run
 
 __all__ = ["STUDY", "carry_out", "light", "same_tables", "tables"]
 
@@ -31,8 +31,10 @@ STUDY = Study(
 
 def _by_formula(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
     for trial in trials:
-        sample = Sample(process=0, block=0, steps=1, cpu=trial.settings.dt, wall=trial.settings.dt, canary=1.0, switches=0)
-        yield Timing(trial=trial.trial, unit="step", cpu_per_unit=trial.settings.dt, samples=(sample,))
+        run = steps_of_run(trial)
+        seconds = run * trial.settings.dt
+        sample = Sample(process=0, block=0, steps=run, cpu=seconds, wall=seconds, canary=1.0, switches=0, run=run)
+        yield Timing(trial=trial.trial, unit="step", cpu_per_unit=trial.settings.dt, clocked="whole runs", samples=(sample,))
 
 
 def light(patch: pytest.MonkeyPatch) -> None:

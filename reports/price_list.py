@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from harness.findings.emulations import whose
+from harness.findings.emulations import share_in_words, whose
 from harness.findings.prices import PER_SECOND, Price
 from reports.costs import titled
 from reports.disputes import disputed
@@ -137,10 +137,11 @@ def _ratio(price: Price, beside: Price | None) -> str:
 def marked(store: "Store", price: Price, beside: Price | None = None) -> Entry:
     """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
     law = whose(store.catalogue, price.engine, price.case, store.bases.get(price.trial, ""))
+    own = share_in_words(price.emulated) if price.cost is not None else ""
     against = disputed(store, price.engine, price.case)
     plain = entry(price, beside)
-    hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", against) if word)
-    return replace(plain, hint=hint, law=law, disputed=against)
+    hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", own, against) if word)
+    return replace(plain, hint=hint, law=": ".join(filter(None, (law, own))), disputed=against)
 
 
 def _outside(price: Price) -> Entry:

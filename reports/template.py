@@ -10,6 +10,7 @@ from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
 from harness.findings import integrators, parameter_words
+from harness.findings.emulations import share_in_words
 from harness.metric.titles import metric_title
 from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
@@ -99,6 +100,7 @@ def environment() -> Environment:
         "quantity": quantity,
         "formula": formula,
         "knobs": knobs,
+        "own_share": share_in_words,
         "unit": unit_text,
         "settings": settings_text,
         "step": step,

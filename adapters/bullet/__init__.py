@@ -287,6 +287,12 @@ ADAPTER = BulletAdapter(
             where="where a revolute joint closes the loop",
         ),
     ),
+    laws=(
+        "adapters.bullet.drives:Actuation.efforts",
+        "adapters.bullet.simulation:BulletSimulation._drive",
+        "adapters.bullet.simulation:BulletSimulation._sprung",
+        "adapters.bullet.belts:Belt.push",
+    ),
     deviations=(
         "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its "
         "start could reverse a velocity within it, with the feet held that bore a force in the step before",

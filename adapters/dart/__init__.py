@@ -260,6 +260,12 @@ ADAPTER = DartAdapter(
             where="where a revolute joint closes the loop",
         ),
     ),
+    laws=(
+        "adapters.dart.foresight:Foresight.foresee",
+        "adapters.dart.drives:Pushes.set",
+        "adapters.dart.forces:damp",
+        "adapters.dart.simulation:DartSimulation._sprung",
+    ),
     deviations=(
         "a joint that closes a loop, on 'tuned' also the ball joint of a top, is a velocity constraint and has a gap, of which "
         "a share is taken back a step: 0.01, on 'tuned' 0.2",

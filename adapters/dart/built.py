@@ -9,7 +9,10 @@ from harness.adapter.distance_springs import DistanceSprings
 from harness.scene import Effect, Scene
 from harness.trajectory import Floats
 
-__all__ = ["Built"]
+__all__ = ["Built", "Loop"]
+
+Loop = tuple[tuple[int, Floats], ...]
+"""One or two (place of the body, point in B [m]): what a constraint holds together, or to the world."""
 
 
 @dataclass(slots=True)
@@ -20,8 +23,8 @@ class Built:
         nodes: one BodyNode for each body. free: bodies alone under a FreeJoint; linked: all other moving ones. belts: joints of
         kinematic bodies with (w_WB, v_WB), by body. coordinates: DART's joints that have one, by name. hung: the place of the
         body that hangs on each joint of a skeleton, by name. damped: (body, linear, angular damping [1/s]) that act as forces.
-        shapes: for rays. springs: those between points of two bodies. loops: (place of the body, point in B [m]) of what a
-        constraint holds together. cone: the solver of the exact friction cone. effects: what the scene calls
+        shapes: for rays. springs: those between points of two bodies. loops: what constraints
+        hold together. cone: the solver of the exact friction cone. effects: what the scene calls
         for.
     """
 
@@ -41,7 +44,7 @@ class Built:
     motors: dict[str, Motor] = field(default_factory=dict)
     shapes: list[Any] = field(default_factory=list)
     springs: DistanceSprings | None = None
-    loops: list[tuple[tuple[int, Floats], ...]] = field(default_factory=list)
+    loops: list[Loop] = field(default_factory=list)
     cone: Any = None
     notices: list[Notice] = field(default_factory=list)
     effects: Effect = field(init=False)

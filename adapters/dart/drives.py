@@ -1,6 +1,7 @@
-"""Springs and drives: the coordinate of a joint that they act on, and the law by which limited ones push."""
+"""Springs and drives: the coordinate of a joint that they act on, and the laws by which the adapter sets them."""
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,8 +9,9 @@ import numpy as np
 
 from harness.adapter import Notice
 from harness.scene import Drive, Spring
+from harness.trajectory import Floats
 
-__all__ = ["AT_REST", "SERVO_NOTICE", "Motor", "drive_within_limits"]
+__all__ = ["AT_REST", "SERVO_NOTICE", "Laws", "Motor", "Pushes", "by_skeleton"]
 
 SERVO_NOTICE = Notice(
     "drives: DART's own servo holds the velocity (c u + k (target - x))/(c + dt k) by whatever force within the limit: another "
@@ -40,43 +42,9 @@ class Motor:
         return self.drive.limit is not None
 
     @property
-    def held(self) -> bool:
-        """Does dry friction hold the joint since the last step?"""
-        return bool(self.joint.getCoulombFriction(0) > 0 and abs(self.joint.getVelocity(0)) < AT_REST)
-
-    @property
-    def rubbed(self) -> float:
-        """What dry friction takes of a joint that moves [N m or N], against what the drive pushes."""
-        return 0.0 if self.held else math.copysign(self.joint.getCoulombFriction(0), self.joint.getVelocity(0))
-
-    @property
     def works(self) -> bool:
         """Is there something to be worked out in every step?"""
         return self.stable or self.servo or self.limited or self.push != 0.0
-
-    def pace(self, dt: float) -> float:
-        """The velocity [rad/s or m/s] at the end of a step under which the drive pushes no more, which the servo holds."""
-        k, c = self.drive.stiffness, self.drive.damping
-        return (c * self.drive.target_velocity + k * (self.target - float(self.joint.getPosition(0)))) / (c + dt * k)
-
-    def forces(self, v: float, dt: float) -> tuple[float, float]:
-        """What spring and drive exert [N m or N], without a limit, where a step at the velocity v leads."""
-        x = self.joint.getPosition(0) + dt * v
-        spring, drive = self.spring, self.drive
-        return (
-            spring.stiffness * (spring.rest - x) - spring.damping * v,
-            drive.stiffness * (self.target - x) + drive.damping * (drive.target_velocity - v) + (drive.feedforward or 0.0),
-        )
-
-    def inertia(self, dt: float, saturated: bool) -> float:
-        """What the joint's inertia seems to grow by [kg m2 or kg], as the forces fall while its velocity grows."""
-        drive = Drive() if saturated else self.drive
-        return dt * (self.spring.damping + drive.damping) + dt**2 * (self.spring.stiffness + drive.stiffness)
-
-    def cut(self, force: float) -> float:
-        """The drive's force within its limit."""
-        limit = self.drive.limit if self.drive.limit is not None else math.inf
-        return float(min(max(force, -limit), limit))
 
     def rest(self) -> None:
         """Let spring and unlimited drive share DART's joint spring; what its rest cannot hold becomes a constant push."""
@@ -99,27 +67,90 @@ class Motor:
         self.push = force - k * rest
 
 
-def drive_within_limits(motors: list[Motor], dt: float) -> None:
+class Laws:
+    """Springs and drives of one skeleton as arrays (2, n), springs first, one column a coordinate, zero where there is none: a
+    force [N m or N] is that at v = 0 less slope * v, v the velocity at the end of a step.
+
+    Terms:
+        places: of the motors' coordinates (m,). limit: of the forces, infinite where there is none. loss: what dry friction
+        takes [N m or N], (n,).
+    """
+
+    def __init__(self, skeleton: Any, motors: Sequence[Motor]) -> None:
+        self.skeleton, self._motors = skeleton, motors
+        self._indices = [int(m.joint.getIndexInSkeleton(0)) for m in motors]
+        self.places = np.array(self._indices, dtype=np.int64)
+        # Of springs and drives the stiffness, damping, place of rest and push besides; what dry friction takes is apart.
+        self._k, self._c, self._rest, self._push = np.zeros((4, 2, skeleton.getNumDofs()))
+        self.limit, self.loss = np.full_like(self._k, np.inf), np.zeros(self._k.shape[1])
+        for i, motor in zip(self._indices, motors, strict=True):
+            spring, drive = motor.spring, motor.drive
+            self._k[:, i], self._c[:, i] = (spring.stiffness, drive.stiffness), (spring.damping, drive.damping)
+            self._rest[0, i] = spring.rest
+            self._push[1, i] = drive.damping * drive.target_velocity + (drive.feedforward or 0.0)
+            self.limit[1, i] = math.inf if drive.limit is None else drive.limit
+            self.loss[i] = motor.joint.getCoulombFriction(0)
+
+    def forces(self, dt: float) -> tuple[Floats, Floats]:
+        """What springs and drives exert from here, without a limit, at v = 0, and the slopes over a step of dt [s]."""
+        self._rest[1, self.places] = [m.target for m in self._motors]
+        return self._k * (self._rest - self.skeleton.getPositions()) + self._push, self._c + dt * self._k
+
+    def pushes(self) -> Floats:
+        """What the motors push beside [N m or N], (m,)."""
+        return np.array([m.push for m in self._motors])
+
+    def set(self, commands: Floats) -> None:
+        """The commands (m,) of the motors for the coming step."""
+        if self._indices:
+            self.skeleton.setCommands(self._indices, commands)
+
+
+def by_skeleton(motors: Iterable[Motor]) -> list[Laws]:
+    """The laws of these motors, those of a skeleton together."""
+    groups: dict[str, list[Motor]] = {}
+    for motor in motors:
+        groups.setdefault(motor.skeleton.getName(), []).append(motor)
+    return [Laws(group[0].skeleton, group) for group in groups.values()]
+
+
+class Pushes:
+    """What motors need in every step that are not foreseen: constant pushes, paces of servos, forces within limits."""
+
+    def __init__(self, motors: Iterable[Motor]) -> None:
+        told = [m for m in motors if not m.stable]
+        self._servos = by_skeleton(m for m in told if m.servo)
+        self._others = [m for m in told if not m.servo]
+        self._limited = by_skeleton(m for m in self._others if m.limited)
+
+    def set(self, dt: float) -> None:
+        """Set the motors' commands for the coming step of dt [s]."""
+        for motor in self._others:
+            if motor.push != 0.0:
+                motor.joint.setCommand(0, motor.push)
+        for laws in self._servos:
+            # The velocities at the end of the step under which the drives push no more.
+            force, slope = laws.forces(dt)
+            laws.set(force[1, laws.places] / slope[1, laws.places])
+        for laws in self._limited:
+            _set_within_limits(laws, dt)
+
+
+def _set_within_limits(laws: Laws, dt: float) -> None:
     """Limited drives: f = k (t - x') + c (u - v') + b with x' = x + dt v', v' = v + dt (a + M^-1 f), then cut off;
     b is the feedforward.
 
     a is the acceleration without them, M the mass matrix augmented by DART's implicit springs and dampers.
     """
-    skeleton = motors[0].skeleton
+    skeleton, places = laws.skeleton, laws.places
     skeleton.computeForwardDynamics()
-    places = [m.joint.getIndexInSkeleton(0) for m in motors]
-    x, v, a = (np.asarray(f())[places] for f in (skeleton.getPositions, skeleton.getVelocities, skeleton.getAccelerations))
-    mobility = np.linalg.inv(np.asarray(skeleton.getAugMassMatrix()))[np.ix_(places, places)]
-    k, c = (np.array([getattr(m.drive, name) for m in motors]) for name in ("stiffness", "damping"))
-    wanted = np.array([m.target for m in motors]), np.array([m.drive.target_velocity for m in motors])
-    v_free = v + dt * (a - mobility @ [m.rubbed for m in motors])
-    push = k * (wanted[0] - x - dt * v_free) + c * (wanted[1] - v_free)
-    push += np.array([m.drive.feedforward or 0.0 for m in motors])
-    gain = dt * (c + dt * k)
+    v, a = (f()[places] for f in (skeleton.getVelocities, skeleton.getAccelerations))
+    mobility = np.linalg.inv(skeleton.getAugMassMatrix())[np.ix_(places, places)]
     # What dry friction holds does not move within the step, unless the drive can tear it loose where it stands.
-    held = np.array([m.held for m in motors])
-    push = np.where(held, k * (wanted[0] - x) + c * (wanted[1] - v), push)
-    gain = np.where(held, 0.0, gain)
-    f = np.linalg.solve(np.eye(len(motors)) + gain[:, None] * mobility, push)
-    for motor, force in zip(motors, f, strict=True):
-        motor.joint.setCommand(0, motor.push + motor.cut(float(force)))
+    loss, limit = laws.loss[places], laws.limit[1, places]
+    held = (loss > 0) & (np.abs(v) < AT_REST)
+    force, slope = (both[1, places] for both in laws.forces(dt))
+    push = force - slope * np.where(held, 0.0, v + dt * (a - mobility @ np.where(held, 0.0, np.copysign(loss, v))))
+    gain = np.where(held, 0.0, dt * slope)
+    f = np.linalg.solve(np.eye(len(places)) + gain[:, None] * mobility, push)
+    laws.set(laws.pushes() + np.clip(f, -limit, limit))

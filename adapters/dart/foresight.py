@@ -1,38 +1,35 @@
 """Stable PD control: springs and drives as torques of the velocity that is foreseen for the end of the step."""
 
-import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from adapters.dart.built import Built
-from adapters.dart.drives import AT_REST, Motor
-from adapters.dart.surfaces import SMALLEST_COEFFICIENT
-from adapters.dart.vectors import tangents
-from adapters.dart.vendor import body_of
+from adapters.dart.drives import Laws, by_skeleton
+from adapters.dart.holds import Holds, Spans, Touch, islands
 from harness.trajectory import Floats, Integers
 
 __all__ = ["Foresight"]
 
-SLIDING = 0.999
-"""From this share of its greatest friction on a contact slides rather than sticks."""
 SHARED = 1e-10
-"""Of the mean mobility: what makes redundant contacts share a load, too little to give way."""
+"""Of the mobility of all mass at once: what makes redundant holds share a load, too little to give way."""
 
 
-@dataclass(slots=True)
-class Hold:
-    """What holds skeletons: for each of them, by its place, the rows (r, n) of its Jacobian; J v = 0 while it holds.
+@dataclass(frozen=True, slots=True)
+class Island:
+    """Skeletons that are held together, their coordinates n one after the other.
 
     Terms:
-        one_sided: does the first row push only? pull: what else it is known to exert, impulses (n,) on each skeleton.
+        spans: those of each skeleton, by its number. led: those that move as told. limit: of springs and drives (2, n).
+        give: what redundant holds give way [1/kg].
     """
 
-    rows: dict[int, Floats]
-    one_sided: bool = False
-    pull: dict[int, Floats] = field(default_factory=dict)
+    laws: tuple[Laws, ...]
+    spans: Spans
+    led: Integers
+    limit: Floats
+    give: float
 
 
 class Foresight:
@@ -40,168 +37,97 @@ class Foresight:
 
     def __init__(self, built: Built) -> None:
         self._built = built
-        self._driven: dict[int, dict[str, Motor]] = {}
-        self._limits: list[tuple[int, Any]] = []
-        self._dry: list[tuple[int, Any, float]] = []
-        self._loose: list[Integers] = []
-        numbers = {skeleton.getName(): k for k, skeleton in enumerate(built.skeletons)}
-        self._skeleton_of: list[int | None] = [numbers.get(node.getSkeleton().getName()) for node in built.nodes]
-        for name, motor in built.motors.items():
-            self._driven.setdefault(numbers[motor.skeleton.getName()], {})[name] = motor
-        for k, skeleton in enumerate(built.skeletons):
-            joints = [skeleton.getJoint(i) for i in range(skeleton.getNumJoints())]
-            held = built.dart.dynamics.ActuatorType.VELOCITY
-            loose = [j.getIndexInSkeleton(i) for j in joints if j.getActuatorType() != held for i in range(j.getNumDofs())]
-            self._loose.append(np.array(loose, dtype=np.int64))
-            single = [j for j in joints if j.getNumDofs() == 1]
-            self._dry += [(k, j, float(j.getCoulombFriction(0))) for j in single if j.getCoulombFriction(0) > 0]
-            self._limits += [(k, j) for j in joints if j.getNumDofs() == 1 and j.areLimitsEnforced()]
+        self._holds = Holds(built)
+        self._islands: dict[tuple[int, ...], Island] = {}
+        laws = {some.skeleton.getName(): some for some in by_skeleton(built.motors.values())}
+        self._laws = [laws.get(skeleton.getName()) or Laws(skeleton, ()) for skeleton in built.skeletons]
+        self._driven = [k for k, some in enumerate(self._laws) if len(some.places)]
 
     def foresee(self, begun: bool) -> None:
         """Springs and drives as torques of the velocity v' that is foreseen for the end of the step (stable PD control).
 
         M (v' - u) = dt f(v') + J^T p and J v' = 0: u is what the step brings without springs and drives, f are their forces
         where v' leads, J the contacts, limits and loops that bore in the last step. DART finds p itself, under these torques.
+        Skeletons that nothing holds together are foreseen one by one.
 
         Args:
             begun: is the first batch of steps over? In it whatever touches bears.
 
         Source: J. Tan, K. Liu, G. Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31(4), 2011.
         """
-        built = self._built
-        dt = built.world.getTimeStep()
-        holds = self._holds(dt, begun)
-        reached, waiting = set[int](), list(self._driven)
-        while waiting:
-            if (number := waiting.pop()) not in reached:
-                reached.add(number)
-                waiting += [other for hold in holds if number in hold.rows for other in hold.rows]
-        first, size, u = {}, 0, list[Floats]()
-        for number in sorted(reached):
-            skeleton = built.skeletons[number]
-            skeleton.computeForwardDynamics()
-            first[number] = size
-            u.append(np.asarray(skeleton.getVelocities()) + dt * np.asarray(skeleton.getAccelerations()))
-            size += len(u[-1])
-        ahead = np.concatenate(u)
-        bearing = [hold for hold in holds if reached.issuperset(hold.rows)]
-        masses = {number: np.array(built.skeletons[number].getMassMatrix()) for number in reached}
-        saturated: dict[str, float] = {}
+        touches = self._holds.touches(begun)
+        for numbers in islands(self._driven, self._holds.links(touches)):
+            if numbers not in self._islands:
+                self._islands[numbers] = self._island(numbers)
+            self._foresee(self._islands[numbers], touches, begun)
+
+    def _island(self, numbers: tuple[int, ...]) -> Island:
+        """These skeletons together."""
+        laws = tuple(self._laws[k] for k in numbers)
+        told, spans, led, end = self._built.dart.dynamics.ActuatorType.VELOCITY, dict[int, slice](), list[int](), 0
+        for k, some in zip(numbers, laws, strict=True):
+            joints = [some.skeleton.getJoint(i) for i in range(some.skeleton.getNumJoints())]
+            led += [end + j.getIndexInSkeleton(i) for j in joints if j.getActuatorType() == told for i in range(j.getNumDofs())]
+            spans[k] = slice(end, end + some.limit.shape[1])
+            end = spans[k].stop
+        give = SHARED / sum(some.skeleton.getMass() for some in laws)
+        return Island(laws, spans, np.array(led, dtype=np.int64), _joined([some.limit for some in laws]), give)
+
+    def _foresee(self, island: Island, touches: Sequence[Touch], begun: bool) -> None:
+        """The torques of skeletons that are held together: v' and p of all in one system of equations."""
+        dt, laws = self._built.world.getTimeStep(), island.laws
+        for some in laws:
+            some.skeleton.computeForwardDynamics()
+        u = _joined([some.skeleton.getVelocities() + dt * some.skeleton.getAccelerations() for some in laws])
+        still, slope = map(_joined, zip(*(some.forces(dt) for some in laws), strict=True))
+        bearing = self._holds.bearing(island.spans, touches, begun)
+        n, rows = len(u), bearing.rows.reshape(-1, len(u))
+        system = np.zeros((n + len(rows), n + len(rows)))
+        system[n:, :n], system[:n, n:] = rows, -rows.T
+        known = np.concatenate((bearing.pull, -rows @ u))
+        for some, span in zip(laws, island.spans.values(), strict=True):
+            system[span, span] = some.skeleton.getMassMatrix()
+        if len(island.led):
+            system[island.led], system[:n, island.led], known[island.led] = 0.0, 0.0, 0.0
+            system[island.led, island.led] = 1.0
+        diagonal = system.reshape(-1)[:: len(system) + 1]
+        diagonal[n:] = island.give
+        unsprung = diagonal[:n].copy()
         while True:
-            mobility, push = np.zeros((size, size)), np.zeros(size)
-            for number, mass in masses.items():
-                gain = np.zeros(len(mass))
-                for name, motor in self._driven.get(number, {}).items():
-                    k = motor.joint.getIndexInSkeleton(0)
-                    gain[k] = motor.inertia(dt, name in saturated)
-                    spring, drive = motor.forces(ahead[first[number] + k], dt)
-                    push[first[number] + k] = dt * (spring + saturated.get(name, drive))
-                loose = self._loose[number]
-                mobility[np.ix_(first[number] + loose, first[number] + loose)] = np.linalg.inv(
-                    (mass + np.diag(gain))[np.ix_(loose, loose)]
-                )
-            end = _held(ahead, mobility, push, bearing, first)
-            exceeded = False
-            for number, motors in self._driven.items():
-                for name, motor in motors.items():
-                    spring, drive = motor.forces(end[first[number] + motor.joint.getIndexInSkeleton(0)], dt)
-                    cut = saturated.get(name, motor.cut(drive))
-                    motor.joint.setCommand(0, spring + cut)
-                    if name not in saturated and cut != drive:
-                        saturated[name], exceeded = cut, True
-            if not exceeded:
-                return
-
-    def _holds(self, dt: float, begun: bool) -> list[Hold]:
-        """The contacts, limits and loops that bore in the last step; before the first one, whatever touches."""
-        built = self._built
-        result = built.world.getLastCollisionResult()
-        if not begun:
-            solver = built.world.getConstraintSolver()
-            result = built.dart.collision.CollisionResult()
-            solver.getCollisionGroup().collide(solver.getCollisionOption(), result)
-        jacobians: dict[int, Floats] = {}
-        places: dict[int, Floats] = {}
-
-        def of_point(place: int, point: Floats, along: Floats) -> tuple[int, Floats] | None:
-            """Skeleton and rows of the velocities [m/s] of a point along directions (r, 3)."""
-            number = self._skeleton_of[place]
-            if number is None:
-                return None
-            node = built.nodes[place]
-            if place not in jacobians:
-                jacobians[place] = np.asarray(built.skeletons[number].getWorldJacobian(node))
-                places[place] = np.asarray(node.getWorldTransform().translation())
-            turn, way = jacobians[place][:3], jacobians[place][3:]
-            return number, along @ way + np.cross(point - places[place], along) @ turn
-
-        holds = []
-        for contact in result.getContacts():
-            force, normal = np.asarray(contact.force), np.asarray(contact.normal)
-            load = float(force @ normal)
-            if begun and load <= 0:
-                continue
-            objects = contact.collisionObject1, contact.collisionObject2
-            grip = min(o.getShapeFrame().getDynamicsAspect().getFrictionCoeff() for o in objects)
-            across = force - load * normal
-            slides = grip <= SMALLEST_COEFFICIENT or (begun and math.hypot(*across) >= SLIDING * grip * load)
-            along = normal[None] if slides else np.vstack((normal, tangents(normal)))
-            hold = Hold({}, one_sided=True)
-            for sign, object_ in zip((1.0, -1.0), objects, strict=True):
-                motion = of_point(body_of(object_), np.asarray(contact.point), np.vstack((along, across)))
-                if motion is not None:
-                    number, rows = motion
-                    hold.rows[number] = hold.rows.get(number, 0.0) + sign * rows[:-1]
-                    hold.pull[number] = hold.pull.get(number, 0.0) + sign * dt * rows[-1] * bool(slides)
-            holds.append(hold)
-        for number, joint in self._limits:
-            impulse = joint.getConstraintImpulse(0)
-            if impulse != 0:
-                row = np.zeros((1, built.skeletons[number].getNumDofs()))
-                row[0, joint.getIndexInSkeleton(0)] = math.copysign(1.0, impulse)
-                holds.append(Hold({number: row}, one_sided=True))
-        for number, joint, loss in self._dry:
-            row = np.zeros((1, built.skeletons[number].getNumDofs()))
-            row[0, joint.getIndexInSkeleton(0)] = 1.0
-            speed = float(joint.getVelocity(0))
-            if abs(speed) < AT_REST:
-                holds.append(Hold({number: row}))
-            else:
-                holds.append(Hold({number: row[:0]}, pull={number: -math.copysign(dt * loss, speed) * row[0]}))
-        for loop in built.loops:
-            hold = Hold({})
-            for sign, (place, point) in zip((1.0, -1.0), loop, strict=False):
-                X_WB = built.nodes[place].getWorldTransform()
-                motion = of_point(place, X_WB.translation() + X_WB.rotation() @ point, np.eye(3))
-                if motion is not None:
-                    number, rows = motion
-                    hold.rows[number] = hold.rows.get(number, 0.0) + sign * rows
-            holds.append(hold)
-        return [hold for hold in holds if hold.rows]
+            gain = dt * (slope[0] + slope[1])
+            diagonal[:n] = unsprung + gain
+            push = dt * (still[0] + still[1]) - gain * u
+            free = still - slope * (u + _answer(system, known, push, bearing.outward))
+            cut = np.minimum(np.maximum(free, -island.limit), island.limit)
+            over = cut != free
+            if not over.any():
+                break
+            # Each of them pushes with its limit from now on, whatever the velocity.
+            still, slope = np.where(over, cut, still), np.where(over, 0.0, slope)
+        force = cut[0] + cut[1]
+        for some, span in zip(laws, island.spans.values(), strict=True):
+            some.set(force[span][some.places])
 
 
-def _held(ahead: Floats, mobility: Floats, push: Floats, holds: list[Hold], first: Mapping[int, int]) -> Floats:
-    """Velocities (n,) after the impulses `push` and those by which holds bear; a one-sided hold that would pull lets go.
+def _answer(system: Floats, known: Floats, push: Floats, outward: Floats) -> Floats:
+    """The changes of velocity (n,) by impulses `push` (n,) and what bears; what can only push `outward` (h, 3), and would pull,
+    lets go.
 
-    Terms:
-        ahead: velocities (n,) without impulses. mobility (n, n). first: the place of each skeleton's first coordinate.
+    Terms: system: M, -J^T; J, 0, and what the velocity changes of both. known: the right side without `push`.
     """
-    push = push.copy()
-    for hold in holds:
-        for number, impulse in hold.pull.items():
-            push[first[number] : first[number] + len(impulse)] += impulse
-    free: Floats = ahead + mobility @ push
-    while holds:
-        starts = np.cumsum([0, *(len(next(iter(hold.rows.values()))) for hold in holds)])
-        jacobian = np.zeros((starts[-1], len(ahead)))
-        for hold, start in zip(holds, starts, strict=False):
-            for number, rows in hold.rows.items():
-                jacobian[start : start + len(rows), first[number] : first[number] + rows.shape[1]] = rows
-        given = jacobian @ mobility @ jacobian.T
-        given[np.diag_indices_from(given)] += SHARED * np.trace(given) / len(given) + np.finfo(np.float64).tiny
-        p = np.linalg.solve(given, -jacobian @ free)
-        kept = [hold for hold, start in zip(holds, starts, strict=False) if not (hold.one_sided and p[start] < 0)]
-        if len(kept) == len(holds):
-            return free + mobility @ jacobian.T @ p
-        holds = kept
-    return free
+    n, right = len(push), known.copy()
+    right[:n] += push
+    while True:
+        answer = np.asarray(np.linalg.solve(system, right), dtype=np.float64)
+        pulls = np.einsum("hi,hi->h", answer[n:].reshape(-1, 3), outward) < 0
+        if not pulls.any():
+            return answer[:n]
+        gone = n + np.flatnonzero(np.repeat(pulls, 3))
+        system = system.copy()
+        system[gone], system[:, gone], right[gone] = 0.0, 0.0, 0.0
+        system[gone, gone] = 1.0
+
+
+def _joined(parts: Sequence[Floats]) -> Floats:
+    """The arrays of skeletons one after the other."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=-1)

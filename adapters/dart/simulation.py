@@ -1,12 +1,14 @@
 """One DART world: steps, states, contacts."""
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from adapters.dart.built import Built
 from adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
+from adapters.dart.drives import Pushes
 from adapters.dart.forces import Wrenches, push
 from adapters.dart.foresight import Foresight
 from adapters.dart.reactions import reactions
@@ -14,6 +16,7 @@ from adapters.dart.sensing import Caster
 from adapters.dart.vectors import quaternions
 from adapters.dart.vendor import correcting
 from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
+from harness.adapter.distance_springs import DistanceSprings
 from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
 from harness.scene import Camera, Effect, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -38,6 +41,7 @@ class DartSimulation(Simulation):
         self._last = State.initial(built.scene)
         self._movable = [i for i, body in enumerate(built.scene.bodies) if body.movable]
         self._forced = bool(built.belts or built.damped or any(m.works for m in built.motors.values()))
+        self._pushes = Pushes(built.motors.values())
         stable = built.motors and built.resolved.options["drives"] == "stable"
         self._foresight = Foresight(built) if stable else None
         self._last_seen = LastSeen(built) if built.resolved.options["deactivation"] else None
@@ -81,7 +85,7 @@ class DartSimulation(Simulation):
             few = min(count, 1 if self._last_seen and self._steps < FIRST_STEPS else STEPS_UNCHECKED)
             for _ in range(few):
                 if pushed:
-                    push(built, self._loads(built), self._movable)
+                    push(built, self._loads(built), self._movable, self._pushes)
                     if self._foresight:
                         self._foresight.foresee(self._steps > 0)
                 advance()
@@ -93,10 +97,14 @@ class DartSimulation(Simulation):
         """What pushes the bodies in the coming sub-step: from outside, and springs between points of two of them."""
         if built.springs is None:
             return self._wrench
+        force, torque = self._sprung(built, built.springs)
+        return (force, torque) if self._wrench is None else (force + self._wrench[0], torque + self._wrench[1])
+
+    def _sprung(self, built: Built, springs: DistanceSprings) -> Wrenches:
+        """What springs between points push in the coming sub-step."""
         present = State.empty(len(built.scene.bodies))
         self.state(present)
-        force, torque = built.springs.forces(present)
-        return (force, torque) if self._wrench is None else (force + self._wrench[0], torque + self._wrench[1])
+        return springs.forces(present)
 
     def _check(self, built: Built) -> None:
         """DART replaces a pose that is not finite by the identity, but the velocities stay what they are: ask them."""
@@ -161,8 +169,16 @@ class DartSimulation(Simulation):
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hit of each ray within max_range [m], by DART's own detector."""
+        return self._rays.cast(origins, directions, max_range)
+
+    def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], list[Any]]:
+        """A function that casts these rays again into the shapes as they lie."""
+        return self._rays.caster(origins, directions, max_range)
+
+    @property
+    def _rays(self) -> Caster:
         self._caster = self._caster or Caster(self._open)
-        return self._caster.cast(origins, directions, max_range)
+        return self._caster
 
     def render(self, camera: Camera, colour: bool = True) -> Image:  # noqa: ARG002  (the contract's signature; DART draws nothing)
         """Not there. Raises: Unsupported."""

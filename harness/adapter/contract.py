@@ -306,14 +306,16 @@ class Adapter(ABC):
         test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
         failures. trade_offs: where 'default' or one knob turned beats 'tuned', and why; the study `dominance` holds it true.
         deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
-        adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
-        why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
-        promises for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that,
-        once, beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads';
-        none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
-        them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
-        licence: of the package, an SPDX identifier; '' where it is not known. platforms: for which its package index has
-        wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.
+        adapter makes, with how; all others are the engine's own. laws: the functions, 'module:name' or 'module:class.name', by
+        which it works such features out in every step: a price tells which share of it they took.
+        advantages: of the engine that the others are compared with, why it errs least where it does: '<track>/<case>'. orders:
+        what each integrator, by its name in `Simulation.resolved`, promises for smooth motion. compile_allowance [s]: what an
+        engine that compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers of threads
+        that one world can be stepped on, by its option 'threads'; none where it takes one. loads: modules that take long to
+        load and say nothing when they are; accuracy runs start with them loaded. single_precision: the engine computes in
+        single precision, so that its states have seven digits. licence: of the package, an SPDX identifier; '' where it is not
+        known. platforms: for which its package index has wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-
+        arm64, windows-x86_64.
         loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
         loader_defaults: by loader and ending of a file, the quantities that its documentation says it changes, each with the
         place that says so.
@@ -330,6 +332,7 @@ class Adapter(ABC):
     trade_offs: tuple[TradeOff, ...] = ()
     deviations: tuple[str, ...] = ()
     emulated: tuple[Emulation, ...] = ()
+    laws: tuple[str, ...] = ()
     advantages: Mapping[str, Advantage] = field(default_factory=dict)
     orders: Mapping[str, int] = field(default_factory=dict)
     compile_allowance: float = 0.0

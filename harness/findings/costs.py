@@ -40,7 +40,7 @@ class Cost:
         clocks, workers: as in `harness.study.trial.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain
         step of the same engine and setting, where something else was clocked. rate [1/s]: units that all processes get done in
         a second of wall time; efficiency: that over `workers` times the rate of one process; where several stepped side by
-        side.
+        side. emulated: the share of the price (0 to 1) that is the adapter's own laws; None where it was not measured.
     """
 
     case: str
@@ -72,6 +72,7 @@ class Cost:
     to_plain: Ratio | None = None
     rate: float | None = None
     efficiency: Ratio | None = None
+    emulated: float | None = None
 
     @property
     def beside(self) -> bool:

@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Made", "made", "whose"]
+__all__ = ["Made", "made", "share_in_words", "whose"]
+
+TOLD = 0.1
+"""From this share of a price on it is told how much of it is the adapter's own work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,3 +46,8 @@ def whose(catalogue: Mapping[str, Any], engine: str, case: str, track: str) -> s
         f"{emulation.feature.replace('_', ' ')}{' in part' if emulation.where else ''}" for emulation in emulations
     )
     return f"{', '.join(names)} emulated" if names else ""
+
+
+def share_in_words(share: float | None) -> str:
+    """'74 % is the adapter's own'; '' where it is a tenth at most, or was not measured."""
+    return f"{100 * share:.0f} % is the adapter's own" if share is not None and share > TOLD else ""

@@ -53,7 +53,8 @@ class Point:
     Terms:
         substep [s]: the step that was really taken. error: share of the scale; off: by how much the truth may be off,
         likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval; of an unclocked trial the
-        rough cost alone. front: does no clocked point of the same engine beat it? best: none of any engine?
+        rough cost alone. emulated: the share of the cost (0 to 1) that is the adapter's own laws, None where it was not
+        measured. front: does no clocked point of the same engine beat it? best: none of any engine?
     """
 
     case: str
@@ -71,6 +72,7 @@ class Point:
     status: str
     trial: str
     substep: float
+    emulated: float | None
     front: bool
     best: bool
 
@@ -91,7 +93,8 @@ class Price:
         foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
         foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt, trial:
         the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
-        tried: settings of the engine in this case whose answers differ; ended: why there are no more.
+        emulated: the share of that point's cost (0 to 1) that is the adapter's own laws, None where it was not measured. tried:
+        settings of the engine in this case whose answers differ; ended: why there are no more.
     """
 
     case: str
@@ -116,6 +119,7 @@ class Price:
     dt: float | None
     trial: str
     unstable: bool
+    emulated: float | None
     reason: str
     tried: int
     ended: Ended
@@ -209,6 +213,7 @@ class Prices:
             status=row["status"],
             trial=row["trial"],
             substep=float(row["dt"]) if math.isnan(number(row.get("substep"))) else float(row["substep"]),
+            emulated=None if math.isnan(number(row.get("emulated"))) else float(row["emulated"]),
             front=False,
             best=False,
         )
@@ -273,7 +278,7 @@ class Prices:
                 if cheapest:
                     ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
                     row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
-                row |= {"track": under.track, "dt": under.dt, "trial": under.trial}
+                row |= {"track": under.track, "dt": under.dt, "trial": under.trial, "emulated": under.emulated}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
 
 

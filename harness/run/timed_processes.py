@@ -28,7 +28,8 @@ from harness.store.record import Sample
 from harness.study import plugins
 from harness.study.environments import elsewhere
 from harness.study.trial import Trial
-from harness.trial.bench import Bench, NotClocked, Sampling, calibrate
+from harness.trial.bench import LONG, Bench, NotClocked, Sampling, calibrate
+from harness.trial.emulated_share import emulated_share
 
 __all__ = ["Clocked", "Team", "joined", "ready_teams"]
 
@@ -66,14 +67,16 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
     benches: dict[int, Bench] = {}
     for number, trial in enumerate(trials):
         try:
-            bench = Bench(plugins.case(trial.case), plugins.adapter(trial.engine), trial)
+            adapter = plugins.adapter(trial.engine)
+            bench = Bench(plugins.case(trial.case), adapter, trial)
             try:
                 sampling = calibrate(bench, trial.experiment.sample_seconds, trial.experiment.deadline)
             finally:
                 if not bench.endless:
                     bench.stop()
+            own = emulated_share(bench, adapter.laws, LONG * trial.experiment.sample_seconds)
             benches[number] = bench
-            send(pipe, "sampling", sampling)
+            send(pipe, "sampling", replace(sampling, emulated=own))
         except NotClocked as error:
             send(pipe, "trouble", str(error))
         except Exception as error:
@@ -121,6 +124,7 @@ def _sample(bench: Bench, block: int, sampling: Sampling, place: Place, seconds:
         canary=canary,
         switches=switches,
         run=sampling.run,
+        emulated=sampling.emulated,
     )
 
 

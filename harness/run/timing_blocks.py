@@ -53,6 +53,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
         unstable_timing=bool(wide or noisy or len(samples) < 3),
         note=note,
         clocked="whole runs" if samples[0].run else "calls",
+        emulated=_middle([s.emulated for s in samples if s.emulated is not None]),
         samples=tuple(samples),
     )
     if unit not in ("step", "world-step") or trial.workers > 1:
@@ -66,6 +67,10 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
         wall_per_sim_s=float(np.median(wall)) / dt,
         realtime_factor=dt / float(np.median(wall)),
     )
+
+
+def _middle(shares: Sequence[float]) -> float | None:
+    return float(np.median(shares)) if shares else None
 
 
 def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -> Iterator[Timing]:

@@ -65,6 +65,8 @@ class Sample:
         units: rays of one cast, worlds of one step; 1 where one scene is stepped; that many times more where several processes
         step side by side: `cpu` is then that of all of them, `wall` that of the slowest.
         run: steps of one whole run of the scene; 0 for casts and empty calls, and in folders of older versions.
+        emulated: the share of the CPU time (0 to 1) that the adapter's own laws took, in a run apart from the samples of the
+        process; None in folders of older versions.
     """
 
     process: int
@@ -76,6 +78,7 @@ class Sample:
     switches: int
     units: int = 1
     run: int = 0
+    emulated: float | None = None
 
 
 def parts_of_runs(clocked: str, samples: Sequence[Sample]) -> list[Sample]:
@@ -88,7 +91,7 @@ class Timing:
     """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them.
 
     Terms: clocked_on: the digest of the machine, '' where it was not said. clocked: what the samples are of; of nothing, the
-    note says why.
+    note says why. emulated: the middle of that of the samples.
     """
 
     trial: str
@@ -105,6 +108,7 @@ class Timing:
     note: str = ""
     clocked_on: str = ""
     clocked: Clocked = ""
+    emulated: float | None = None
     samples: tuple[Sample, ...] = ()
 
     def plain(self) -> dict[str, Any]:
@@ -140,7 +144,7 @@ class Record:
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`.
         answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
         `harness.store.machine_fingerprint`. clocked: what was under the clock, see `Clocked`. timing_note: what went wrong
-        there, as the warnings say too.
+        there, as the warnings say too. emulated: the share (0 to 1) of the price that is the adapter's own laws.
         recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
         computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
         trajectory_kept: False where a trajectory is kept by its hash alone.
@@ -192,6 +196,7 @@ class Record:
     answered_on: str = ""
     clocked_on: str = ""
     clocked: Clocked = ""
+    emulated: float | None = None
     timing_note: str = ""
     recalled: str = ""
     again: str = ""

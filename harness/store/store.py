@@ -39,13 +39,14 @@ _SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied"
     "answered_on": "",
     "clocked_on": "",
     "clocked": "",
+    "emulated": math.nan,
     "recalled": "",
     "again": "",
     "trajectory_kept": True,
 }
 """What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
-_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep")
+_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep", "emulated")
 _TRIAL_TYPES = dict.fromkeys((*_NUMBERS, *_PRICES), "float64") | {
     "unstable_timing": "boolean",
     "seed": "int64",
@@ -83,7 +84,7 @@ def tables_of(records: Mapping[str, Record], table: Table = _in_arrow) -> dict[s
     return {
         "trials": table(trials, TRIAL_COLUMNS, _TRIAL_TYPES),
         "measurements": table(measurements, _MEASUREMENT_COLUMNS, _MEASUREMENT_TYPES),
-        "samples": table(samples, _SAMPLE_COLUMNS, {}),
+        "samples": table(samples, _SAMPLE_COLUMNS, {"emulated": "float64"}),
     }
 
 

@@ -88,12 +88,14 @@ class Sampling:
 
     Terms:
         steps: of a sample, or its casts or empty calls. run: steps of a whole run, of which `steps` is a multiple; 0 for casts
-        and calls. most: how many samples there is time for; None for as many as are asked for.
+        and calls. most: how many samples there is time for; None for as many as are asked for. emulated: the share of the CPU
+        time (0 to 1) that the adapter's own laws take.
     """
 
     steps: int
     run: int = 0
     most: int | None = None
+    emulated: float = 0.0
 
 
 class Bench:

@@ -1,5 +1,7 @@
 """Bodies, surfaces and runs that the tests of DART's adapter share."""
 
+import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 from adapters.dart import ADAPTER
@@ -34,6 +36,7 @@ __all__ = [
     "PD",
     "TUNED",
     "box_body",
+    "calls_of",
     "free_body",
     "ground_body",
     "hinged_wheel",
@@ -49,6 +52,23 @@ FINE = 1e-3
 G = 9.81
 FLOOR = Plane()
 CUBE = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1))
+
+
+def calls_of(work: Callable[[], object]) -> int:
+    """How many functions of Python and of bindings `work` calls."""
+    calls = 0
+
+    def count(_: object, event: str, __: object) -> None:
+        nonlocal calls
+        calls += event in ("call", "c_call")
+
+    usual = sys.getprofile()
+    sys.setprofile(count)
+    try:
+        work()
+    finally:
+        sys.setprofile(usual)
+    return calls
 
 
 def with_options(dt: float = FINE, track: Settings = TUNED, **options: object) -> Settings:

@@ -30,13 +30,16 @@ from harness.scene import (
 pytest.importorskip("dartpy", reason="DART is not installed")
 
 from adapters.dart import ADAPTER
+from adapters.dart.simulation import DartSimulation
 from adapters.dart.solvers import SOLVERS
+from cases import system_rays
 from tests.conformance.dart_scenes import (
     CUBE,
     DEFAULT,
     PD,
     TUNED,
     box_body,
+    calls_of,
     free_body,
     ground_body,
     solid_body,
@@ -127,6 +130,19 @@ def test_rays_meet_each_shape_where_geometry_says(shape: Shape) -> None:
     # Rounding over 10 m, grown at grazing rays; a hull's corners are single precision, 2^-24 of 0.4 m, grown alike.
     np.testing.assert_allclose(hits.distance[met], expected[met], atol=1e-6 if isinstance(shape, ConvexHull) else 1e-11)
     assert (np.einsum("ij,ij->i", hits.normal_W, directions)[met] < 0).all()
+
+
+def test_a_ray_costs_no_more_calls_than_the_vendor_s_own_reading_loop() -> None:
+    """The clock runs over `caster`: for each ray the vendor's call and one that keeps what it told."""
+    stage, rays = system_rays.scene(), system_rays.rays(thin=64)
+    simulation = ADAPTER.build(stage, with_options())
+    assert isinstance(simulation, DartSimulation)
+    args = rays.origins, rays.directions, rays.max_range
+    hits, told = simulation.cast(*args), simulation.caster(*args)()
+    met = np.array([hit is not None for hit in told])
+    assert (met == np.isfinite(hits.distance)).all()
+    assert ([hit[0] * rays.max_range for hit in told if hit] == hits.distance[met]).all()
+    assert calls_of(simulation.caster(*args)) <= 2 * len(told) + 3
 
 
 def test_a_run_beyond_double_precision_is_diverged_and_not_repaired() -> None:

@@ -1,7 +1,7 @@
 """Drives, springs and limits in DART: what is foreseen over a step, joint springs, servos."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -27,12 +27,15 @@ from harness.trajectory import Floats, State
 pytest.importorskip("dartpy", reason="DART is not installed")
 
 from adapters.dart import ADAPTER
+from adapters.dart.simulation import DartSimulation
+from adapters.dart.vendor import body_of
 from cases import stand_quadruped
 from tests.conformance.dart_scenes import (
     DEFAULT,
     PD,
     TUNED,
     G,
+    calls_of,
     free_body,
     ground_body,
     hinged_wheel,
@@ -66,6 +69,14 @@ def test_a_stiff_limited_drive_settles_at_a_coarse_step() -> None:
     drive = replace(PD, stiffness=1e6, damping=1e4, target_velocity=0.0, limit=20.0)
     # dt sqrt(k/I) is 6: explicit forces would explode, bang-bang ones would chatter by f dt^2/I = 7e-4.
     assert abs(_coordinate(hinged_wheel(drive=drive), 2.0, with_options(1 / 240)) - 1.2) < 1e-9
+
+
+def test_a_limited_drive_tears_a_joint_loose_from_dry_friction_by_its_feedforward() -> None:
+    scene = hinged_wheel(drive=Drive(feedforward=5.0, limit=10.0))
+    stuck = replace(scene, joints=tuple(replace(joint, friction_loss=1.0) for joint in scene.joints))
+    for settings in (DEFAULT, with_options(drives="stable")):
+        # From rest by what friction leaves of it, w = f t/I.
+        assert abs(state_after(stuck, 0.3, settings).w_WB[0, 2] - (5.0 - 1.0) * 0.3 / 0.5) < 1e-9
 
 
 def test_a_command_moves_the_target_of_a_drive_and_names_a_joint_without_one() -> None:
@@ -240,6 +251,53 @@ def test_a_machine_in_equilibrium_stands_on_what_is_foreseen_and_sags_on_joint_s
         assert abs(state_after(machine, 1.0, with_options(dt)).p_WB[1, 2] - start.p_WB[1, 2]) < G * dt**2
     sagged = state_after(machine, 1.0, with_options(1 / 240, drives="spring"))
     assert start.p_WB[1, 2] - sagged.p_WB[1, 2] > 1e-2
+
+
+def test_what_is_foreseen_of_machines_side_by_side_costs_what_it_costs_of_each() -> None:
+    """In calls, which no load of the machine disturbs: few for one, and of four machines four times as many."""
+    counts = []
+    for n in (1, 4):
+        simulation = ADAPTER.build(stand_quadruped.scene(n=n), with_options(1 / 240, TUNED))
+        simulation.step(20)
+        counts.append(calls_of(partial(simulation.step, 10)) / 10)
+    assert counts[0] < 400
+    assert counts[1] < 4.2 * counts[0]
+
+
+def test_what_is_foreseen_solves_the_law_with_all_that_holds() -> None:
+    """Torques against the law with a multiplier for each hold, in plain words, of a quadruped whose contacts are loaded."""
+    scene, dt = stand_quadruped.scene(), 1 / 240
+    simulation = ADAPTER.build(scene, with_options(dt, TUNED))
+    assert isinstance(simulation, DartSimulation)
+    built = simulation._open
+    [machine] = built.skeletons
+    law = [(joint, joint.drive) for joint in scene.joints if isinstance(joint, Revolute) and joint.drive is not None]
+    places = [built.coordinates[joint.name].getIndexInSkeleton(0) for joint, _ in law]
+    k, c, target = (np.array([getattr(drive, name) for _, drive in law]) for name in ("stiffness", "damping", "target"))
+    for _ in range(5):
+        simulation.step(1)
+        machine.computeForwardDynamics()
+        u = machine.getVelocities() + dt * machine.getAccelerations()
+        resisting, x = machine.getMassMatrix(), machine.getPositions()[places]
+        rows = []
+        for contact in built.world.getLastCollisionResult().getContacts():
+            foot = built.nodes[body_of(contact.collisionObject1)]
+            inside = foot.getWorldTransform().inverse()
+            rows.append(machine.getWorldJacobian(foot, inside.rotation() @ contact.point + inside.translation())[3:])
+        assert len(rows) == 4
+        holds = np.vstack(rows)
+        system = np.zeros((len(u) + 12, len(u) + 12))
+        system[: len(u), : len(u)] = resisting
+        system[places, places] += dt * (c + dt * k)
+        system[len(u) :, : len(u)], system[: len(u), len(u) :] = holds, -holds.T
+        right = np.concatenate((resisting @ u, np.zeros(12)))
+        right[places] += dt * k * (target - x)
+        end = np.linalg.solve(system, right)[places]
+        assert simulation._foresight is not None
+        simulation._foresight.foresee(begun=True)
+        # What lets redundant holds share gives way by 1e-10 of the mobility.
+        np.testing.assert_allclose(machine.getCommands()[places], k * (target - x - dt * end) - c * end, atol=1e-8)
+        machine.resetCommands()
 
 
 def _leaning_parallelogram() -> Scene:

@@ -195,7 +195,7 @@ class Idle:
 @pytest.fixture
 def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
     """Two children of one trial that wait for each other, as threads of this process."""
-    monkeypatch.setattr(clockwork, "plugins", SimpleNamespace(case=str, adapter=str))
+    monkeypatch.setattr(clockwork, "plugins", SimpleNamespace(case=str, adapter=lambda _: SimpleNamespace(laws=())))
     monkeypatch.setattr(clockwork, "Bench", Idle)
     monkeypatch.setattr(clockwork, "confine", lambda *_: None)
     monkeypatch.setattr(clockwork, "end_started", lambda: None)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
+from harness.findings.emulations import share_in_words
 from harness.findings.priced import priced
 from harness.findings.prices import Price
 from harness.store.store import Store
@@ -36,6 +37,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         return [case, f"{row['target']:.0e}", row["engine"], outcome, "", "", "", row["track"], "", _tried(row), ""]
     marks = ("*" if row["cheapest"] else "") + ("~" if row["unstable"] else "")
     marks += {"at most": "<=", "within the truth's error": "truth"}.get(row["verdict"], "")
+    marks = " ".join(filter(None, (marks, share_in_words(row["emulated"]))))
     return [
         case,
         f"{row['target']:.0e}",

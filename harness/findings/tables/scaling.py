@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 
 from harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
+from harness.findings.emulations import share_in_words
 from harness.findings.parameter_words import called, said
 from harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
 from harness.findings.where import differing, other_values
@@ -48,7 +49,7 @@ COLUMNS = (
     "to_fastest_high", "reference", "reference_low", "reference_high", "reference_setting", "penetration_m", "residual_m_s",
     "error", "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
     "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
-    "efficiency_high",
+    "efficiency_high", "emulated",
 )  # fmt: skip
 """Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, and so an exponent not known."""
 
@@ -137,6 +138,7 @@ class Scaling:
             experiment=row["experiment"],
             clocks=row.get("clocks", "work"),
             workers=workers,
+            emulated=_number(row.get("emulated")),
             units=next((s.units for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
         )
 
@@ -269,6 +271,8 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
             costs += f", {row['to_plain']:.3g} x the step alone"
         if row["efficiency"] is not None:
             costs += f", {row['rate_per_s']:,.0f} a second, efficiency {row['efficiency']:.2f}"
+        if own := share_in_words(row["emulated"]):
+            costs += f", {own}"
     ahead = "" if row["reference"] is None else f"{row['reference']:.3g} ({row['reference_setting']})"
     return (
         scene,

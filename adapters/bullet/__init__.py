@@ -16,8 +16,10 @@ Deviations:
       reverse a velocity within it they are those of its end, linearly implicit, with the accelerations by all else that the
       (sub)step before had (`Actuation`). Machines without a fixed base are taken to be held at the points that bear them, as
       the step before left these: with the mobility of a foot in the air their hinges would tremble (humanoid, 1/240 s: 0.06
-      rad), with the torques of the step's start they would fall at 1/120 s. With `drives` = "motor" Bullet's own motors drive,
-      rigid up to their limit; no track takes them, as they are another law.
+      rad), with the torques of the step's start they would fall at 1/120 s. What holds may give way, as wheels slip: no
+      torque is such that a joint then goes beyond the rate at which its drive pushes no more, by more than what held drove it
+      in the step before. With `drives` = "motor" Bullet's own motors drive, rigid up to their limit; no track takes them, as
+      they are another law.
     * Dry friction in a joint is Bullet's own motor that asks for no velocity, with a bounded force: Coulomb's law; a joint that
       Bullet's motor drives cannot have it. A coupling is Bullet's gear, a velocity constraint: what it drifts is rounding.
     * A spring between points of two bodies (`Distance` with a spring) is a pair of forces of the adapter, held over each
@@ -290,7 +292,8 @@ ADAPTER = BulletAdapter(
     ),
     deviations=(
         "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its "
-        "start could reverse a velocity within it, with the feet held that bore a force in the step before",
+        "start could reverse a velocity within it, with the feet held that bore a force in the step before, and bounded for "
+        "the case that these give way",
         "springs between points of two bodies are forces of the adapter, too stiff ones linearly implicit along the line; "
         "across it stable while h^2 f/(m l) < 4, with f the tension and l the length",
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",

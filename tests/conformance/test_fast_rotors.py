@@ -30,7 +30,7 @@ def kept(adapter: Adapter, scene: Scene, settings: Settings, seconds: float = 2.
             simulation.step()
             simulation.state(state)
             shares.append(energy(scene, state) / start)
-        return min(shares), max(shares), (simulation.resolved, [notice.text for notice in simulation.warnings()])
+        return min(shares), max(shares), (simulation.resolved, [str(notice) for notice in simulation.warnings()])
     finally:
         simulation.close()
 
@@ -55,7 +55,7 @@ def test_where_a_rotor_is_a_coordinate_the_growth_of_its_wobble_is_told(engine: 
     settings = adapter.tracks["default" if held == "by default" else "tuned"].with_dt(1e-3)
     simulation = adapter.build(scene, settings)
     try:
-        told = [notice.text for notice in simulation.warnings()]
+        told = [str(notice) for notice in simulation.warnings()]
         h = settings.dt / (simulation.resolved.substeps or 1)
     finally:
         simulation.close()

@@ -174,8 +174,8 @@ ADAPTER = BulletAdapter(
     ),
     tracks={
         "default": Settings(
-            source="pybullet 3.2.7 as installed, but for the motors that it puts on every joint, which are off: on a hinge they "
-            "bear up to 1 N m s a step, 240 N m at 1/240 s, and hold a pendulum of 1 kg level for ever"
+            source="pybullet 3.2.7 as installed, but for the motors that it puts on every joint, which are off: on a hinge "
+            "they bear up to 1 N m s a step, 240 N m at 1/240 s, and hold a pendulum of 1 kg level for ever"
         ),
         "tuned": Settings(
             iterations=200,
@@ -303,8 +303,8 @@ ADAPTER = BulletAdapter(
         ),
     ),
     deviations=(
-        "the motors that pybullet puts on every joint are off on both tracks; they bear up to 1 N m s a step on a hinge, 240 N m "
-        "at 1/240 s, and hold a pendulum of 1 kg level for ever",
+        "the motors that pybullet puts on every joint are off on both tracks; they bear up to 1 N m s a step on a hinge, 240 "
+        "N m at 1/240 s, and hold a pendulum of 1 kg level for ever",
         "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its "
         "start could reverse a velocity within it, with the feet held that bore a force in the step before, and bounded for "
         "the case that these give way",

@@ -10,6 +10,7 @@ from markupsafe import Markup, escape
 
 from harness.case.own_titles import called
 from harness.findings import integrators, parameter_words
+from harness.findings.steps_taken import substeps_of
 from harness.metric.titles import metric_title
 from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
@@ -102,6 +103,7 @@ def environment() -> Environment:
         "unit": unit_text,
         "settings": settings_text,
         "step": step,
+        "substeps": substeps_of,
         "ticked": ticked,
         "address": lambda text: quote(text, safe=""),
     }

@@ -11,6 +11,7 @@ __all__ = ["failures"]
 def failures(store: "Store") -> list[str]:
     """What the gate is about: our own engine's checks on the tuned track and its determinism, and the audit of effects."""
     from harness.findings.effects_audit import JUDGE, audit
+    from harness.findings.steps_taken import step_in_words, substeps_of
     from harness.findings.tables import determinism
     from harness.findings.tables.effects import rows
 
@@ -21,7 +22,8 @@ def failures(store: "Store") -> list[str]:
         trials["engine"].isin(ours) & (trials["track"] == "tuned") & ~trials["status"].isin(("passed", "unsupported"))
     ]
     sentences = [
-        f"gate: {row.case} on {row.engine}/{row.track} at dt {row.dt:g}: {row.status}: {row.reason}"
+        f"gate: {row.case} on {row.engine}/{row.track} at dt {step_in_words(row.dt, substeps_of(str(row.resolved)))}: "
+        f"{row.status}: {row.reason}"
         for row in broken.itertuples()
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]

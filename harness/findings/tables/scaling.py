@@ -20,6 +20,7 @@ import pandas as pd
 from harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from harness.findings.parameter_words import called, said
 from harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
+from harness.findings.steps_taken import with_substeps
 from harness.findings.where import differing, other_values
 from harness.statistics.order import FEWEST
 from harness.statistics.ratio import Ratio
@@ -46,9 +47,9 @@ CLOCKED = {
 COLUMNS = (
     "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
     "to_fastest_high", "to_ours", "to_ours_low", "to_ours_high", "ours", "penetration_m", "residual_m_s", "error",
-    "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
-    "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
-    "efficiency_high",
+    "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "substeps",
+    "trial", "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency",
+    "efficiency_low", "efficiency_high",
 )  # fmt: skip
 """Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, and so an exponent not known."""
 
@@ -246,7 +247,7 @@ class Scaling:
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return Scaling(store).rows()
+    return with_substeps(store, Scaling(store).rows())
 
 
 BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "x ours", "penetration", "moves", "marks", "status")

@@ -1,6 +1,5 @@
 """A time step is told with the sub-steps that it was taken in, whoever tells it."""
 
-
 import pytest
 
 from harness.findings.steps_taken import step_in_words, substeps_of, substeps_taken, with_substeps

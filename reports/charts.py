@@ -9,7 +9,7 @@ from reports.answers import answers
 from reports.contents import cases
 from reports.figure import Figure, thin
 from reports.grammar import channel, chart, fixed
-from reports.marks import HOVER, LANE, POINT, Marks, decades, finished, lane_names, lane_texts, logarithmic, ticks
+from reports.marks import HOVER, LANE, NUMBERS, POINT, Marks, decades, finished, lane_names, lane_texts, logarithmic, ticks
 from reports.points import points
 from reports.status import outcome
 from reports.text import amount, slug, unit_text, visible
@@ -53,7 +53,7 @@ def error_by_step(
         return None
     bounds = sorted({(row["dt"], row["bound"]) for row in drawn if row["bound"]}) if bounded else []
     spec = layered(store, drawn, axis_title(metric, unit), bounds=bounds)
-    return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("dt", "error")), how)
+    return Figure(f"{name}-step", "Error against time step", caption, spec, *table(drawn, ("step", "error")), how)
 
 
 def step_charts(store: "Store") -> Mapping[str, str]:
@@ -72,7 +72,7 @@ def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], 
     """Headings and cells of the table under a chart."""
     columns = ("engine", "track", *(HOVER[name] for name in numbers), "outcome", "trial")
     keys = ("engine", "track", *numbers, "status", "trial")
-    return columns, [[amount(row[key]) if key in numbers else row[key] for key in keys] for row in drawn]
+    return columns, [[amount(row[key]) if key in NUMBERS else row[key] for key in keys] for row in drawn]
 
 
 def layered(store: "Store", drawn: list[Row], y_title: str, *, bounds: Sequence[Any]) -> Row:

@@ -49,6 +49,7 @@ HOVER = {
     "reason": "reason",
     "case": "case",
     "dt": "time step [ms]",
+    "step": "time step",
     "error": "error",
     "pace": "times real time",
     "cpu": "CPU time per simulated second [s]",
@@ -88,6 +89,7 @@ class Marks:
         return [
             channel(f"{key}:Q", title=title, format=".3~g") if key in NUMBERS else channel(f"{key}:N", title=title)
             for key, title in HOVER.items()
+            if key != "dt"
         ]
 
     def _filling(self, track: str) -> float:

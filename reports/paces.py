@@ -35,6 +35,7 @@ class Pace:
     engine: str
     track: str
     dt: float
+    substeps: int
     times: float
     low: float
     high: float
@@ -80,6 +81,7 @@ def _cheapest(points: Sequence[Point], title: str) -> Pace | None:
         engine=point.engine,
         track=point.track,
         dt=point.dt,
+        substeps=point.substeps,
         times=1 / point.cost,
         low=1 / (point.high or point.cost),
         high=1 / (point.low or point.cost),

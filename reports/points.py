@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from harness.findings.steps_taken import substeps_of
 from harness.store.rows import records
 from reports.contents import engines, setting_words
 from reports.status import outcome
-from reports.text import visible
+from reports.text import step, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -41,7 +42,8 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
     """Rows of `answers` for a chart.
 
     Terms of a row:
-        engine, track, series, trial, status, symbol, reason, settings: words. dt [ms], dt_s [s], error [its unit], cpu, low,
+        engine, track, series, trial, status, symbol, reason, settings: words. dt [ms]; step: the same in words, with
+        the sub-steps that it was taken in. error [its unit], cpu, low,
         high [CPU s per simulated s]; pace [simulated s per CPU s]. edge: 'none' where the error can be drawn on a
         logarithmic axis, 'exact' where it is
         0, 'outcome' where there is no error.
@@ -64,6 +66,7 @@ def points(store: "Store", rows: pd.DataFrame) -> list[Row]:
                 "reason": visible(str(row["said"]))[:300],
                 "settings": visible(row["settings_line"])[:300],
                 "dt": 1e3 * float(row["dt"]),
+                "step": step(float(row["dt"]), substeps_of(str(row["resolved"]))),
                 "error": error,
                 "bound": number(row["at_most"]),
                 "cpu": cpu,

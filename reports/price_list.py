@@ -115,7 +115,7 @@ def entry(price: Price, beside: Price | None = None) -> Entry:
         durations = f"{duration(price.low)} to {duration(price.high)}"
         between = f"{amount(1 / price.high)} to {amount(1 / price.low)}{TIMES}" if paced else durations
     ratio = _ratio(price, beside)
-    hint = f"{knobs(price.track)}, dt {step(price.dt) if price.dt else 'not known'}; {price.verdict}"
+    hint = f"{knobs(price.track)}, dt {step(price.dt, price.substeps) if price.dt else 'not known'}; {price.verdict}"
     if paced:
         hint = f"{duration(price.cost)} of CPU time per simulated second; {hint}"
     if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
@@ -146,7 +146,7 @@ def marked(store: "Store", price: Price, beside: Price | None = None) -> Entry:
 
 def _outside(price: Price) -> Entry:
     """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
-    finest, best = f"dt {step(price.finest_dt)}", amount(price.best_error, 2)
+    finest, best = f"dt {step(price.finest_dt, price.finest_substeps)}", amount(price.best_error, 2)
     hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(price.track)}"
     trend = ""
     if price.foreseen_dt is not None:

@@ -11,6 +11,7 @@ from markupsafe import Markup, escape
 from harness.case.own_titles import called
 from harness.findings import integrators, parameter_words
 from harness.findings.emulations import share_in_words
+from harness.findings.steps_taken import substeps_of
 from harness.metric.titles import metric_title
 from reports.compiled_templates import CompiledTemplates
 from reports.contents import cases, engine_file, engines
@@ -104,6 +105,7 @@ def environment() -> Environment:
         "unit": unit_text,
         "settings": settings_text,
         "step": step,
+        "substeps": substeps_of,
         "ticked": ticked,
         "address": lambda text: quote(text, safe=""),
     }

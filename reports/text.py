@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import Any
 
 from harness.case.own_titles import OWN
+from harness.findings.steps_taken import beside
 from harness.findings.where import whole_part
 from harness.intake import safe_text
 from harness.intake.safe_text import LONGEST
@@ -175,11 +176,11 @@ def _knob_value(name: str, value: Any) -> str:
     return step(value) if name == "dt" or name.endswith("_step") else plain_value(value)
 
 
-def step(dt: Any) -> str:
-    """A time step [s] as people write it: '1/240 s', or '3.3 ms' where it is no whole part of a second."""
+def step(dt: Any, substeps: int | None = 1) -> str:
+    """A time step [s] as people write it: '1/60 s (4 sub-steps)', or '3.3 ms' where it is no whole part of a second."""
     if not isinstance(dt, int | float) or isinstance(dt, bool) or not 0 < dt < math.inf:
         return plain_value(dt)
-    return whole_part(dt) or duration(dt)
+    return (whole_part(dt) or duration(dt)) + beside(substeps)
 
 
 def plain_value(value: Any) -> str:

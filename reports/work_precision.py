@@ -20,7 +20,7 @@ from reports.palette import looks
 from reports.points import labels
 from reports.status import outcome
 from reports.template import case_file
-from reports.text import TIMES, amount, duration, power, slug, visible
+from reports.text import TIMES, amount, duration, power, slug, step, visible
 
 if TYPE_CHECKING:
     from harness.store.store import Store
@@ -70,7 +70,7 @@ def drawn(store: "Store", point: Point) -> Row:
         "engine": labels(store)[point.engine],
         "track": point.track if point.track in TRACKS else "other settings",
         "setting": visible(point.track)[:60],
-        "dt": 1e3 * point.dt,
+        "step": step(point.dt, point.substeps),
         "error": point.error,
         "least": max(point.error - point.off, LEAST),
         "most": point.error + point.off,
@@ -89,9 +89,9 @@ def drawn(store: "Store", point: Point) -> Row:
 
 def hover(unit: str) -> list[Any]:
     """What hovering over a point shows."""
-    words = {"engine": "engine", "setting": "setting", "status": "outcome", "timing": "timing", "trial": "trial"}
+    words = {"engine": "engine", "setting": "setting", "step": "time step", "status": "outcome", "timing": "timing"}
+    words["trial"] = "trial"
     numbers = {
-        "dt": "time step [ms]",
         "error": "error, of the scale",
         "off": "the truth may be off by",
         **({"pace": "times real time"} if unit == PER_SECOND else {}),
@@ -101,7 +101,7 @@ def hover(unit: str) -> list[Any]:
     }
     quantities = [channel(f"{key}:Q", title=title, format=".3~g") for key, title in numbers.items()]
     named = [channel(f"{key}:N", title=title) for key, title in words.items()]
-    return [*named[:2], *quantities, *named[2:]]
+    return [*named[:3], *quantities, *named[3:]]
 
 
 def cost_title(unit: str) -> str:
@@ -147,14 +147,15 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
     how = (
         f"Each point is one trial, open for the vendor's defaults{', half filled for other settings' if half else ''}; lines "
         "join what no other setting of the same engine beats, grey rings what no setting of any engine beats. Upright bars are "
-        "95 % intervals of the cost, level ones how far the truth itself may be off; errors below 10⁻⁹ stand there."
+        "95 % intervals of the cost, level ones how far the truth itself may be off; errors below 10⁻⁹ stand there. Costs "
+        "are CPU time, that of all sub-steps which an engine cuts a time step into: hovering tells both."
         + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
         + (" Trials without an error or a cost are counted above the frame." if lanes else "")
     )
     columns = (
         "engine",
         "setting",
-        "step [ms]",
+        "time step",
         "error",
         "truth off by",
         "CPU time [s]",
@@ -164,9 +165,13 @@ def work_precision(store: "Store", scene: Scene) -> Figure:
         "outcome",
         "trial",
     )
-    numbers = ("dt", "error", "off", "cost", "low", "high")
+    numbers = ("error", "off", "cost", "low", "high")
     cells = [
-        [row["engine"], row["setting"], *(amount(row[key]) for key in numbers), row["timing"], row["status"], row["trial"]]
+        [
+            *(row[key] for key in ("engine", "setting", "step")),
+            *(amount(row[key]) for key in numbers),
+            *(row[key] for key in ("timing", "status", "trial")),
+        ]
         for row in rows
     ]
     title = f"{'Speed' if paced else 'Cost'} against error" + (f": {visible(scene.where)[:60]}" if scene.where else "")

@@ -1,6 +1,6 @@
 """A scene becomes a world of Bullet: everything in its order."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from itertools import combinations, product
 from typing import Any
 
@@ -18,6 +18,7 @@ from adapters.bullet.simulation import BulletSimulation
 from adapters.bullet.trees import constrained_joints, spanning_trees
 from adapters.bullet.vendor import Port
 from harness.adapter import Notice, Settings, Unsupported
+from harness.adapter.fast_rotors import rotor_notices
 from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
 from harness.trajectory import State
@@ -31,7 +32,9 @@ def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[s
     made = Assembly(port, unseen_shape(port), np.array([conjugate(q) for _, q in plan.principal]))
     _check(plan)
     set_parameters(port, settings, plan.options, plan.touching)
-    _put_bodies(plan, made)
+    constrained = constrained_joints(scene, plan.joints, options["joints"])
+    made.notices += rotor_notices(scene, plan.joints, constrained, plan.h)
+    _put_bodies(plan, made, constrained)
     port.call("setGravity", *plan.gravity)
     _filter(plan, made)
     _surplus(plan, made)
@@ -52,10 +55,9 @@ def _check(plan: Plan) -> None:
             )
 
 
-def _put_bodies(plan: Plan, made: Assembly) -> None:
+def _put_bodies(plan: Plan, made: Assembly, constrained: Container[str]) -> None:
     """Bodies in maximal coordinates first, then what stands still, bodies in multibody coordinates, trees and constraints."""
     bodies = plan.scene.bodies
-    constrained = constrained_joints(plan.scene, plan.joints, plan.options["joints"])
     trees = spanning_trees(plan.scene, plan.joints, constrained)
     held = {name for joint in plan.joints if joint.name in constrained for name in (joint.parent, joint.child)}
     single = [tree.base for tree in trees if tree.base is not None and not tree.links]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from adapters.bullet.mobility import Footing, Skeleton
-from adapters.bullet.vendor import Port
+from adapters.bullet.vendor import LIFTED, Port
 from harness.scene import Drive, Spring, Vector3
 from harness.trajectory import Floats
 
@@ -44,7 +44,8 @@ class Actuation:
     Where some pose may let the efforts of the step's start reverse a velocity within the step, they are those of its end:
     tau = tau(q + h v', v') with v' = v + h (a + W tau). W is the mobility of the joints, with the points held that stand on
     something; a, the accelerations by all else (gravity, limits, inertial forces, contacts that come and go), is what it was in
-    the step before. At the start, and when other points are held than before, it is gravity's.
+    the step before. At the start, and when other points are held than before, it is gravity's. What holds may give way within
+    the step, if a wheel slips or a foot lifts off: the efforts are bounded for that (`_bounded`).
 
     Source: Tan, Liu, Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31 (2011) 34; there a comes from the equations
     of motion, which know nothing of contacts.
@@ -75,6 +76,10 @@ class Actuation:
     """1/(1 + push impedance), with no drive at its limit."""
     unpushed: Floats | None = None
     """The rates that the efforts of the step before alone would have led to."""
+    loose: Floats = field(init=False)
+    """The push if nothing were held."""
+    unheld: Floats | None = None
+    """The rates that those efforts would have led to if nothing had been held."""
     springs: Floats = field(init=False)
     """Stiffness, damping and rest, (3, a)."""
     drives: Floats = field(init=False)
@@ -105,16 +110,21 @@ class Actuation:
         v = np.array([state[1] for state in states])
         (k, c, free), (stiff, damped, target_velocity, limit, constant), h = self.springs, self.drives, self.h
         passive, active = c + h * k, damped + h * stiff
-        held = self.footing.held(port, number, start=self.pose is None)
+        start = self.pose is None
+        held = self.footing.held(port, number, start)
         stance = tuple(sorted((hold.link, len(hold.rows)) for hold in held))
         if self.pose is None or stance != self.stance or (np.abs(x - self.pose) > self.reach).any():
-            mobility, self.fall = self.skeleton.response(port, number, self.gravity, held)
+            mobility, self.fall, loose = self.skeleton.response(port, number, self.gravity, held, 0.0 if start else h)
             self.yielding = np.linalg.inv(np.eye(len(x)) + h * mobility * (passive + active))
             if self.pose is None or stance != self.stance:
                 self.unpushed = None
-            self.pose, self.push, self.stance = x, h * mobility, stance
+            self.pose, self.push, self.stance, self.loose = x, h * mobility, stance, h * loose
+            if self.unheld is None:
+                # What holds bears gravity at the start, and what drives must bear for it.
+                self.unheld = v - self.loose @ np.linalg.lstsq(mobility, self.fall, rcond=None)[0]
         rest = k * (x - free)
         pull = stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity + constant
+        most = pull - rest
         onward = v + h * self.fall if self.unpushed is None else 2 * v - self.unpushed
         end = self.yielding @ (onward + self.push @ (pull - rest))
         # A drive beyond its limit is a constant, which may bring the next one to its own.
@@ -123,6 +133,26 @@ class Actuation:
             active = np.where(beyond, 0.0, active)
             end = np.linalg.solve(np.eye(len(x)) + self.push * (passive + active), onward + self.push @ (pull - rest))
         total = pull - active * end - rest - passive * end
+        if held:
+            total = self._bounded(total, v, most, passive + damped + h * stiff)
         self.unpushed = v + self.push @ total
+        self.unheld = v + self.loose @ total
         efforts: list[float] = total.tolist()
         return efforts
+
+    def _bounded(self, total: Floats, v: Floats, most: Floats, impedance: Floats) -> Floats:
+        """Efforts (a,) that are safe if what holds gives way: a wheel that slips is far more mobile than one that rolls.
+
+        None then drives its coordinate further beyond the rate `most`/`impedance`, at which it would push no more, than what
+        held drove it in the step before. None is raised or turned round.
+        """
+        assert self.unheld is not None
+        sign, reaction = np.sign(total), v - self.unheld
+        idle = np.divide(most, impedance, out=np.copysign(LIFTED, most), where=impedance > 0)
+        excess = v + reaction + self.loose @ total - idle - sign * np.abs(reaction)
+        beyond = sign * excess > 0.0
+        if not beyond.any():
+            return total
+        bounded, less = total.copy(), total[beyond] - np.linalg.solve(self.loose[np.ix_(beyond, beyond)], excess[beyond])
+        bounded[beyond] = sign[beyond] * np.clip(sign[beyond] * less, 0.0, np.abs(total[beyond]))
+        return bounded

@@ -18,8 +18,12 @@ __all__ = ["Footing", "Held", "Skeleton"]
 
 TOUCHING = 1e-6
 """The gap [m] within which a foot stands at the start: scenes are built touching to rounding."""
-SINGULAR = 1e-9
-"""The share of the greatest below which a direction of contacts counts as held by the others already."""
+SINGULAR = 1e-4
+"""The share of the greatest below which a direction of contacts counts as held by the others already.
+
+Standing machines have shares of 1e-3 and above, and what points say twice has 1e-16; four wheels of which one says what the
+other three do have some 1e-5 as the machine turns, which is a lever of a tenth of a millimetre and holds nothing.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,25 +107,36 @@ class Skeleton:
             np.flatnonzero([c[3] for c in coordinates]),
         )
 
-    def response(self, port: Port, number: int, gravity: Vector3, held: Sequence[Held] = ()) -> tuple[Floats, Floats]:
+    def response(
+        self, port: Port, number: int, gravity: Vector3, held: Sequence[Held] = (), age: float = 0.0
+    ) -> tuple[Floats, Floats, Floats]:
         """How the coordinates acted on answer at the present pose, all others free and the points `held` kept where they are.
+
+        Each of these has the lever that it had when it was found, `age` [s] ago: at a wheel that rolls on, the place where it
+        was lies behind the axle, and would hold the wheel's turning by the weight.
 
         With the mass matrix M = sum of m J^T J + K^T I K over the bodies, the coordinates of a free base among them, and C the
         velocities of what is held, by coordinates: P = M^-1 - M^-1 C^T (C M^-1 C^T)^+ C M^-1. pybullet's calculateMassMatrix
         refuses a tree whose inertia rounding leaves unsymmetric.
 
-        Returns: mobility (a, a), the accelerations by unit efforts on each, a block of P; fall (a,), those by gravity [m/s2].
+        Returns: mobility (a, a), the accelerations by unit efforts on each, a block of P; fall (a,), those by gravity [m/s2];
+        loose (a, a), the mobility if nothing were held.
         Source: Udwadia, Kalaba, Analytical Dynamics, 1996, chapter 3 (the equations of motion under constraints).
         """
         links = port.bullet.getLinkStates(
-            number, range(len(self.mass) - self.free), computeForwardKinematics=1, physicsClientId=port.client
+            number,
+            range(len(self.mass) - self.free),
+            computeLinkVelocity=1,
+            computeForwardKinematics=1,
+            physicsClientId=port.client,
         )
-        rows = [link[0] + link[4] + link[1] for link in links]
+        rows = [link[0] + link[4] + link[1] + link[6] for link in links]
         if self.free:
             p, q = port.bullet.getBasePositionAndOrientation(number, physicsClientId=port.client)
-            rows.insert(0, p + p + q)
+            v, _ = port.bullet.getBaseVelocity(number, physicsClientId=port.client)
+            rows.insert(0, p + p + q + v)
         table = np.array(rows)
-        centre, origin, turn = table[:, :3], table[:, 3:6], matrices(table[:, 6:])
+        centre, origin, turn = table[:, :3], table[:, 3:6], matrices(table[:, 6:10])
         axis = np.einsum("dij,dj->di", turn[self.moved], self.axis)
         arm = np.cross(axis, centre[:, None] - origin[self.moved])
         J = np.where(self.turns[:, None], arm, axis) * self.carries[..., None]
@@ -136,10 +151,12 @@ class Skeleton:
         wanted = np.eye(root.shape[1])[:, acted]
         pulled = np.einsum("bdi,b,i->d", J, self.mass, np.asarray(gravity))
         answers: Floats = np.linalg.solve(root.T @ root, np.column_stack((wanted, pulled)))
+        loose = answers[acted, :-1]
         if held:
             bodies = np.array([hold.link for hold in held]) + self.free
-            moves = J[bodies] + np.cross(K[bodies], (np.array([hold.point_W for hold in held]) - centre[bodies])[:, None])
+            lever = np.array([hold.point_W for hold in held]) - (centre - age * table[:, 10:])[bodies]
+            moves = J[bodies] + np.cross(K[bodies], lever[:, None])
             C = np.concatenate([hold.rows @ move.T for hold, move in zip(held, moves, strict=True)])
             push = np.linalg.solve(root.T @ root, C.T)
             answers = answers - push @ (np.linalg.pinv(C @ push, rcond=SINGULAR, hermitian=True) @ (C @ answers))
-        return answers[acted, :-1], answers[acted, -1]
+        return answers[acted, :-1], answers[acted, -1], loose

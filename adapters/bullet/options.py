@@ -8,6 +8,7 @@ from typing import Any
 from adapters.bullet.trees import fast_tops
 from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, Port, break_contacts_at, silenced
 from harness.adapter import Settings, SettingsError
+from harness.adapter.fast_rotors import fast_rotors
 from harness.scene import Effect, Scene
 
 __all__ = [
@@ -24,7 +25,7 @@ __all__ = [
 VENDOR_STEP = 1 / 240
 """The time step [s] that the Quickstart Guide says is best left as it is: solver iterations and ERPs are tuned to it."""
 TOP_STEP = 1 / 960
-"""The longest (sub)step [s] of a fast top on `joints` = "scene": its axis errs by up to 6 m/s times the step at any spin."""
+"""The longest (sub)step [s] of a fast top or rotor on `joints` = "scene": a top errs by up to 6 m/s times it at any spin."""
 REBOUND_LOSS = 1e-6
 """What a rebound may lose [m/s] by the contact slop: Bullet takes slop/dt from it."""
 OPTIONS: Mapping[str, tuple[type, ...]] = {
@@ -115,7 +116,7 @@ def substeps_of(scene: Scene, settings: Settings, options: Mapping[str, Any]) ->
     if settings.substeps is not None:
         return settings.substeps
     longest: float = options["longest_step"]
-    if options["joints"] == "scene" and Effect.JOINTS in scene.effects and fast_tops(scene):
+    if options["joints"] == "scene" and Effect.JOINTS in scene.effects and (fast_tops(scene) or fast_rotors(scene)):
         longest = min(longest, TOP_STEP)
     # 4 dt longest steps are 4, whatever rounding adds.
     return max(1, math.ceil(settings.dt / longest * (1 - 1e-9)))

@@ -10,6 +10,7 @@ from adapters.bullet.frames import matrices, xyzw
 from harness.adapter import Unsupported
 from harness.adapter.carried_laws import carried, followed
 from harness.adapter.disjoint_sets import DisjointSets
+from harness.adapter.fast_rotors import fast_rotors
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
 
@@ -39,7 +40,7 @@ def loaded(joint: Joint) -> bool:
     return bool(carried(joint))
 
 
-def fast_tops(scene: Scene) -> set[str]:
+def fast_tops(scene: Scene) -> frozenset[str]:
     """The ball joints that hold a fast top, by name: one body on what stands still, whose spin gravity cannot overturn.
 
     With s the angular momentum of the spin about the line from the joint to the centre of mass, of length l, and I the greatest
@@ -67,15 +68,16 @@ def fast_tops(scene: Scene) -> set[str]:
         greatest = float(np.linalg.eigvalsh(np.asarray(body.inertia)).max()) + body.mass * reach**2
         if abs(spin) > across and spin**2 > 4 * greatest * body.mass * pull * reach:
             tops.add(joint.name)
-    return tops
+    return frozenset(tops)
 
 
 def constrained_joints(scene: Scene, joints: Sequence[Joint], choice: str) -> frozenset[str]:
     """The joints, by name, that are constraints between free bodies rather than links of a multibody."""
-    if choice == "constraints":
-        plain = [joint for joint in joints if isinstance(joint, Ball | Fixed | Revolute) and not loaded(joint)]
-        return frozenset(joint.name for joint in plain) - followed(scene)
-    return frozenset(fast_tops(scene)) if choice == "scene" and joints else frozenset()
+    if choice == "links" or not joints:
+        return frozenset()
+    plain = [joint for joint in joints if isinstance(joint, Ball | Fixed | Revolute) and not loaded(joint)]
+    free = frozenset(joint.name for joint in plain) - followed(scene)
+    return free if choice == "constraints" else fast_tops(scene) | (fast_rotors(scene).hinges & free)
 
 
 def spanning_trees(scene: Scene, joints: Sequence[Joint], constrained: Container[str]) -> list[Tree]:

@@ -1,5 +1,6 @@
 """A scene becomes a DART world."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,12 @@ from adapters.dart.options import INTEGRATOR, validated
 from adapters.dart.simulation import DartSimulation
 from adapters.dart.solvers import set_solver
 from adapters.dart.surfaces import coefficients
+from adapters.dart.tops import substeps_of
 from adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
 from adapters.dart.vendor import overheard
 from harness.adapter import Notice, Settings, SettingsError, Unsupported
 from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
+from harness.adapter.fast_rotors import rotor_notices
 from harness.scene import Effect, Scene
 
 __all__ = ["build"]
@@ -37,6 +40,8 @@ def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
     for joint in joints:
         check_velocities(scene, joint)
     constrained = constrained_joints(scene, joints, options["joints"] or "coordinates")
+    if settings.substeps is None:
+        settings = replace(settings, substeps=substeps_of(scene, settings.dt, options["joints"]))
     # What was asked for as 'auto' may turn out to be one of the two.
     every = len(constrained) == sum(map(cuttable, joints))
     options["joints"] = "coordinates" if not constrained else "constraints" if every else "auto"
@@ -56,6 +61,7 @@ def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
     # The one message that says what it does not do: the request that it claims to ignore takes effect (see `resolved`).
     built.notices += [Notice(f"dart: {line}") for line in heard if "primary LCP solver that is the same" not in line]
     built.notices += _surplus(scene)
+    built.notices += rotor_notices(scene, joints, {joint.name for joint in constrained}, built.world.getTimeStep())
     return DartSimulation(built)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from adapters.dart.tops import spins
 from harness.adapter import Unsupported
 from harness.adapter.carried_laws import carried
+from harness.adapter.fast_rotors import fast_rotors
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats
@@ -61,7 +62,7 @@ def forest(scene: Scene, joints: tuple[Joint, ...], constrained: list[Joint]) ->
 
 
 def constrained_joints(scene: Scene, joints: tuple[Joint, ...], how: str) -> list[Joint]:
-    """The joints that shall be constraints on free bodies: none, all that can be, or ('auto') those of tops.
+    """The joints that shall be constraints on free bodies: none, all that can be, or ('auto') those of tops and fast rotors.
 
     DART's explicit step turns the velocities of a BallJoint, which are those in the body, and so lengthens them by (W h)^2/2 a
     step, W the rate of the wobble; those of a FreeJoint are in W, where a top's spin turns nothing. Without spin coordinates
@@ -69,7 +70,10 @@ def constrained_joints(scene: Scene, joints: tuple[Joint, ...], how: str) -> lis
     """
     if how == "coordinates":
         return []
-    return [joint for joint in joints if (_holds_a_top(scene, joint) if how == "auto" else cuttable(joint))]
+    if how == "constraints":
+        return [joint for joint in joints if cuttable(joint)]
+    rotors = fast_rotors(scene).hinges
+    return [joint for joint in joints if (joint.name in rotors and cuttable(joint)) or _holds_a_top(scene, joint)]
 
 
 def _holds_a_top(scene: Scene, joint: Joint) -> bool:

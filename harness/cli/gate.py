@@ -12,6 +12,7 @@ def failures(store: "Store") -> list[str]:
     """What the gate is about: our own engine's checks on the tuned track and its determinism, the audit of effects, and tuned
     tracks of all engines that a change of one knob beats without a reason."""
     from harness.findings.effects_audit import JUDGE, audit
+    from harness.findings.steps_taken import step_in_words, substeps_of
     from harness.findings.tables import determinism, dominance
     from harness.findings.tables.effects import rows
 
@@ -22,7 +23,8 @@ def failures(store: "Store") -> list[str]:
         trials["engine"].isin(ours) & (trials["track"] == "tuned") & ~trials["status"].isin(("passed", "unsupported"))
     ]
     sentences = [
-        f"gate: {row.case} on {row.engine}/{row.track} at dt {row.dt:g}: {row.status}: {row.reason}"
+        f"gate: {row.case} on {row.engine}/{row.track} at dt {step_in_words(row.dt, substeps_of(str(row.resolved)))}: "
+        f"{row.status}: {row.reason}"
         for row in broken.itertuples()
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]

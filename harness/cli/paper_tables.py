@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from harness.findings.steps_taken import substeps_of
+
 if TYPE_CHECKING:
     from harness.findings.limits_found import Search
     from harness.store.store import Store
@@ -67,7 +69,18 @@ def _span(low: float | None, high: float | None) -> Span | None:
 
 
 def _trials(store: "Store", rows: Sequence[Mapping[str, Any]], titles: _Titles) -> tuple[Sequence[str], list[Row]]:
-    headings = ("Case", "Engine", "Track", "Time step [ms]", "Error", "Unit", "CPU time [ms/s]", "95 % interval", "Outcome")
+    headings = (
+        "Case",
+        "Engine",
+        "Track",
+        "Time step [ms]",
+        "Sub-steps",
+        "Error",
+        "Unit",
+        "CPU time [ms/s]",
+        "95 % interval",
+        "Outcome",
+    )
     cases = store.catalogue.get("cases", {})
     table = store.measurements
     values = {
@@ -78,8 +91,8 @@ def _trials(store: "Store", rows: Sequence[Mapping[str, Any]], titles: _Titles) 
     for row in rows:
         error, unit = values.get((row["trial"], cases.get(row["case"], {}).get("headline", "")), (None, ""))
         price = (_ms(row["cpu_per_sim_s"]), _span(_ms(row["cpu_low"]), _ms(row["cpu_high"])))
-        about = (titles.cases[row["case"]], titles.engines[row["engine"]], row["track"], _ms(row["dt"]))
-        cells.append([*about, error, unit, *price, row["status"]])
+        about = (titles.cases[row["case"]], titles.engines[row["engine"]], row["track"])
+        cells.append([*about, _ms(row["dt"]), substeps_of(str(row["resolved"])), error, unit, *price, row["status"]])
     return headings, cells
 
 
@@ -93,6 +106,7 @@ _PRICE = (
     "95 % interval",
     "Setting",
     "Time step [ms]",
+    "Sub-steps",
     "Price",
 )
 """The error is a share of the case's scale; ms/s are CPU milliseconds a simulated second."""
@@ -114,16 +128,28 @@ def _price(row: Mapping[str, Any], titles: _Titles) -> Row:
         *cost,
         row["track"],
         step,
+        None if step is None else row["substeps"],
         word,
     ]
 
 
-_STEPS = ("Case", "Engine", "Track", "Stable to [ms]", "Within 1 % to [ms]", "Error there", "Times real time")
+_STEPS = (
+    "Case",
+    "Engine",
+    "Track",
+    "Stable to [ms]",
+    "Sub-steps",
+    "Within 1 % to [ms]",
+    "Sub-steps",
+    "Error there",
+    "Times real time",
+)
 
 
 def _step(row: Mapping[str, Any], titles: _Titles) -> Row:
     about = (titles.scene(row["case"], row["where"]), titles.engines[row["engine"]], row["track"])
-    return [*about, _ms(row["stable"]), _ms(row["accurate"]), row["error"], row["realtime"]]
+    steps = (_ms(row["stable"]), row["stable_substeps"], _ms(row["accurate"]), row["accurate_substeps"])
+    return [*about, *steps, row["error"], row["realtime"]]
 
 
 _LIMITS = ("Case", "Engine", "Track", "Axis", "Unit", "Held to", "Broke at", "CPU time [ms/s]", "By")

@@ -12,6 +12,7 @@ from harness.cli.options import limited, opened, run_folder
 from harness.cli.own_scene import shown_status
 from harness.cli.paper_tables import paper_table
 from harness.findings import tables
+from harness.findings.steps_taken import step_in_words, substeps_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -74,7 +75,14 @@ def show(folder: Path, table: str, form: str) -> None:
         if table == "trials" and any(row["recalled"] for row in rows):
             brief = [*brief[:-1], "recalled", "reason"]
         if table == "trials":
-            rows = [row | {"status": shown_status(str(row["case"]), str(row["status"]))} for row in rows]
+            rows = [
+                row
+                | {
+                    "status": shown_status(str(row["case"]), str(row["status"])),
+                    "dt": step_in_words(row["dt"], substeps_of(str(row["resolved"]))),
+                }
+                for row in rows
+            ]
         shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
         print_table(table, brief, shown)
 

@@ -25,6 +25,7 @@ from harness.findings.agreement import errors_of
 from harness.findings.effort import Ended, efforts
 from harness.findings.foreseen import foreseen
 from harness.findings.samples import Block, samples_by_block
+from harness.findings.steps_taken import substeps_of
 from harness.findings.where import in_words, other_values
 from harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from harness.statistics.pareto import on_front, price, prices_of_draws
@@ -51,10 +52,10 @@ class Point:
     """One trial on the plane of error and cost.
 
     Terms:
-        substep [s]: the step that was really taken. error: share of the scale; off: by how much the truth may be off,
-        likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval; of an unclocked trial the
-        rough cost alone. emulated: the share of the cost (0 to 1) that is the adapter's own laws, None where it was not
-        measured. front: does no clocked point of the same engine beat it? best: none of any engine?
+        substeps: that dt was taken in. substep [s]: the step that was really taken. error: share of the scale; off: by how
+        much the truth may be off, likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval;
+        of an unclocked trial the rough cost alone. emulated: the share of the cost (0 to 1) that is the adapter's own laws,
+        None where it was not measured. front: does no clocked point of the same engine beat it? best: none of any engine?
     """
 
     case: str
@@ -62,6 +63,7 @@ class Point:
     engine: str
     track: str
     dt: float
+    substeps: int
     error: float
     off: float
     cost: float
@@ -89,12 +91,12 @@ class Price:
         unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
         the cheapest engine at this target that people can deploy, with its interval; 1 for that engine itself, below 1 for the
         reference engine where it costs less; None where no such engine gets there. best_error: the smallest of all its clocked
-        points. finest_dt [s]: the finest step of all its points.
+        points. finest_dt [s]: the finest step of all its points, finest_substeps: that it was taken in.
         foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
-        foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt, trial:
-        the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's, marked so?
-        emulated: the share of that point's cost (0 to 1) that is the adapter's own laws, None where it was not measured. tried:
-        settings of the engine in this case whose answers differ; ended: why there are no more.
+        foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt,
+        substeps, trial: the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's,
+        marked so? emulated: the share of that point's cost (0 to 1) that is the adapter's own laws, None where it was not
+        measured. tried: settings of the engine in this case whose answers differ; ended: why there are no more.
     """
 
     case: str
@@ -112,11 +114,13 @@ class Price:
     cheapest: bool
     best_error: float | None
     finest_dt: float | None
+    finest_substeps: int | None
     foreseen_dt: float | None
     foreseen_order: float | None
     foreseen_track: str
     track: str
     dt: float | None
+    substeps: int | None
     trial: str
     unstable: bool
     emulated: float | None
@@ -203,6 +207,7 @@ class Prices:
             engine=row["engine"],
             track=row["track"],
             dt=float(row["dt"]),
+            substeps=substeps_of(str(row["resolved"])),
             error=max(error / scale, LEAST),
             off=off / scale if math.isfinite(off) else 0.0,
             cost=cost,
@@ -252,7 +257,8 @@ class Prices:
                 row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
                 row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
                 row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
-                row |= {"foreseen_track": "", "finest_dt": min((p.dt for p in of_engine[engine]), default=None)}
+                finest = min(of_engine[engine], key=lambda p: p.dt, default=None)
+                row |= {"finest_dt": finest and finest.dt, "finest_substeps": finest and finest.substeps, "foreseen_track": ""}
                 if costs.best is None:
                     yield Price(**(row | lacking[engine]))
                     continue
@@ -268,7 +274,7 @@ class Prices:
                     trend = None if close else foreseen(of_engine[engine], target)
                     if trend is not None:
                         outcome |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
-                    yield Price(**(row | outcome | {"trial": least.trial, "track": least.track, "dt": least.dt}))
+                    yield Price(**(row | outcome | _leaning_on(least)))
                     continue
                 under, over = costs.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
@@ -278,8 +284,13 @@ class Prices:
                 if cheapest:
                     ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
                     row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
-                row |= {"track": under.track, "dt": under.dt, "trial": under.trial, "emulated": under.emulated}
+                row |= _leaning_on(under) | {"emulated": under.emulated}
                 yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
+
+
+def _leaning_on(point: Point) -> dict[str, Any]:
+    """The fields of a price that say which trial it is read off."""
+    return {"track": point.track, "dt": point.dt, "substeps": point.substeps, "trial": point.trial}
 
 
 def unit_of(trials: pd.DataFrame) -> str:

@@ -12,7 +12,8 @@ from typing import Any
 import pandas as pd
 
 from harness.case.alteration import Alteration
-from harness.findings.where import differing, in_words, whole_part
+from harness.findings.steps_taken import step_in_words, substeps_of
+from harness.findings.where import differing, in_words
 
 __all__ = ["Row", "rows", "told_apart"]
 
@@ -27,8 +28,8 @@ EVERY_STEP = "every step recorded"
 class Row:
     """Trials that read alike.
 
-    Terms: dt: '1/240 s'. apart: parameters, alteration and remedy in words, and, where only the reason differs from another
-    row's, how the scene was run; '' for the case as it is. count: of the trials.
+    Terms: dt: '1/60 s (4 sub-steps)', as it was taken. apart: parameters, alteration and remedy in words, and, where only the
+    reason differs from another row's, how the scene was run; '' for the case as it is. count: of the trials.
     """
 
     case: str
@@ -70,11 +71,11 @@ def _apart(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[str]:
 def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[Row]:
     """The trials as rows, in the order in which each row's first stands; no two of them read alike."""
     how = {text: _repetition(text) for text in trials["alteration"].unique()}
-    steps = {dt: whole_part(dt) or f"{dt:.4g} s" for dt in trials["dt"].unique()}
     groups: dict[tuple[str, ...], dict[str, list[str]]] = {}
-    columns = trials[["case", "engine", "track", "dt", "status", "reason", "alteration"]]
+    columns = trials[["case", "engine", "track", "dt", "resolved", "status", "reason", "alteration"]]
     for row, told in zip(columns.itertuples(index=False), _apart(trials, catalogue), strict=True):
-        key = (str(row.case), str(row.engine), str(row.track), steps[row.dt], told, str(row.status))
+        step = step_in_words(row.dt, substeps_of(str(row.resolved)))
+        key = (str(row.case), str(row.engine), str(row.track), step, told, str(row.status))
         groups.setdefault(key, {}).setdefault(str(row.reason), []).append(how[row.alteration])
     return [
         Row(case, engine, track, dt, _joined(told, ways if len(by_reason) > 1 else ()), status, reason, len(ways))

@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.store.store import Store
 from reports.recordings.runs import Stage
 from reports.text import amount, settings_text, visible
@@ -49,12 +50,12 @@ def text(store: Store, stage: Stage, newtons: float, notes: Sequence[str] = ()) 
     ranked = sorted(stage.trials, key=lambda t: (t["trial"] not in shown, t["engine"], t["track"], -t["dt"]))
     lines += ["## Outcomes", ""]
     lines += table(
-        ("engine", "track", "dt [s]", "shown", "status", "reason"),
+        ("engine", "track", "time step", "shown", "status", "reason"),
         [
             (
                 t["engine"],
                 t["track"],
-                amount(t["dt"]),
+                step_in_words(t["dt"], substeps_of(str(t["resolved"]))),
                 "yes" if t["trial"] in shown else "no",
                 t["status"],
                 outcome(t, stage.notes.get(t["trial"], "")),

@@ -188,8 +188,8 @@ def test_profiles_have_a_line_and_a_band_for_each_engine() -> None:
 
 def step(accurate: float | None, coarsest: float) -> Step:
     return Step(
-        case="a", where="", engine="dart", track="tuned", stable=None, accurate=accurate, coarsest=coarsest, finest=1e-3,
-        runs=4, error=None, realtime=None, trial="",
+        case="a", where="", engine="dart", track="tuned", stable=None, stable_substeps=None, accurate=accurate,
+        accurate_substeps=None, coarsest=coarsest, finest=1e-3, finest_substeps=1, runs=4, error=None, realtime=None, trial="",
     )  # fmt: skip
 
 

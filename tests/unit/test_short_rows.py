@@ -28,6 +28,7 @@ class Tried:
     remedy: str = ""
     seed: int = 0
     dt: float = 1 / 240
+    substeps: int | None = None
     reason: str = "gap = 2 m, bound 1"
     experiment: str = "ladder"
 
@@ -41,6 +42,7 @@ def table(*tried: Tried) -> pd.DataFrame:
             "engine": "mujoco",
             "track": "tuned",
             "dt": one.dt,
+            "resolved": json.dumps({"substeps": one.substeps}),
             "parameters": json.dumps({"edge": one.edge, "velocity": list(one.velocity)}),
             "alteration": json.dumps(one.alteration.plain()),
             "remedy": one.remedy,
@@ -95,8 +97,8 @@ def test_a_scene_of_its_own_is_a_row_of_its_own(other: Tried, words: str) -> Non
 
 
 def test_a_rung_of_a_ladder_is_a_row_of_its_own() -> None:
-    listed = rows(table(Tried(), Tried(dt=1 / 480), Tried(dt=0.0033)), CATALOGUE)
-    assert [row.dt for row in listed] == ["1/240 s", "1/480 s", "0.0033 s"]
+    listed = rows(table(Tried(), Tried(dt=1 / 480), Tried(dt=0.0033), Tried(dt=1 / 60, substeps=4)), CATALOGUE)
+    assert [row.dt for row in listed] == ["1/240 s", "1/480 s", "0.0033 s", "1/60 s (4 sub-steps)"]
 
 
 def test_tests_of_a_build_server_have_names_of_their_own() -> None:

@@ -1,11 +1,30 @@
-"""A plate that spins freely about no principal axis, and a top in steady precession: numbers for vendors' scripts."""
+"""A plate that spins freely about no principal axis, a top in steady precession, a gimbal: numbers for vendors' scripts."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["G", "MOMENTS", "PLATE", "STEM", "TILT", "TOP", "UNIT", "centre", "momentum_off", "precession", "top_rate"]
+__all__ = [
+    "G",
+    "GIMBAL_TILT",
+    "MOMENTS",
+    "PLATE",
+    "RATES",
+    "RINGS",
+    "SPIN",
+    "STEM",
+    "TILT",
+    "TOP",
+    "UNIT",
+    "WHEEL",
+    "centre",
+    "gimbal_energy",
+    "momentum_off",
+    "precession",
+    "top_rate",
+]
 
 Floats = NDArray[np.float64]
 G = 9.81
@@ -48,3 +67,21 @@ def centre(spin: float, time: float) -> Floats:
     azimuth = precession(spin) * time
     level = math.sin(TILT)
     return STEM * np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.cos(TILT)])
+
+
+SPIN = 150.0
+"""Of the wheel of a gimbal [rad/s], about an axis that leans by GIMBAL_TILT [rad] from the upright."""
+GIMBAL_TILT = 0.3
+RINGS: tuple[tuple[float, float, float], tuple[float, float, float]] = ((5.76e-4, 2.88e-4, 2.88e-4), (1.5e-4, 3e-4, 1.5e-4))
+"""Moments [kg m2] of a ring that turns about x of the world, and of one that turns in it about its y."""
+WHEEL: tuple[float, float, float] = (0.5e-3, 0.5e-3, 1e-3)
+"""Moments of a disc that turns about z of the inner ring."""
+RATES = (1.0, 0.5, SPIN)
+"""Of the three hinges at the start [rad/s]."""
+
+
+def gimbal_energy(turns: Sequence[Floats], rates: Sequence[Floats]) -> float:
+    """The energy [J] of outer ring, inner ring and wheel by their rotation matrices and angular velocities in W."""
+    return sum(
+        float(np.array(moments) @ np.square(R.T @ w)) / 2 for moments, R, w in zip((*RINGS, WHEEL), turns, rates, strict=True)
+    )

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from harness.findings.agreement.values import Agreement
+from harness.findings.steps_taken import substeps_of
 from harness.scene import Scene
 from harness.scene.file import parse
 from harness.search.own_limits import ANSWERED, TOLERANCE, place_of
@@ -63,9 +64,9 @@ class Outlook:
     """What an engine's perturbed starts come to beyond the horizon, as means with intervals.
 
     Terms:
-        since [s]: the horizon. starts: how many. dt [s]. speed: root mean square of the bodies' speed [sizes per second].
-        height: of the common centre of mass above its start [sizes]. spread: root mean square distance of bodies from it
-        [sizes]. last_speed: as speed, over the last tenth of the run.
+        since [s]: the horizon. starts: how many. dt [s], and the sub-steps that it was taken in. speed: root mean square of the
+        bodies' speed [sizes per second]. height: of the common centre of mass above its start [sizes]. spread: root mean square
+        distance of bodies from it [sizes]. last_speed: as speed, over the last tenth of the run.
     """
 
     case: str
@@ -74,6 +75,7 @@ class Outlook:
     since: float
     starts: int
     dt: float
+    substeps: int
     speed: Mean
     height: Mean
     spread: Mean
@@ -124,6 +126,7 @@ def outlooks(store: Store, agreement: Agreement) -> list[Outlook]:
                 since=since,
                 starts=len(runs),
                 dt=float(members["dt"].iloc[0]),
+                substeps=substeps_of(str(members["resolved"].iloc[0])),
                 **{name: mean_of([each[name] for each in numbers]) for name in ("speed", "height", "spread", "last_speed")},
             )
         )

@@ -6,6 +6,7 @@ from harness.findings.agreement.found import agreements
 from harness.findings.agreement.values import Agreement
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
+from harness.findings.steps_taken import beside
 from harness.findings.where import STEP, in_words
 from harness.store.store import Store
 
@@ -44,5 +45,5 @@ def _sentence(store: Store, agreement: Agreement, titles: Mapping[str, str], our
 
 
 def _pace(price: Price) -> str:
-    step = "" if price.dt is None else f", {in_words({STEP: price.dt})}"
+    step = "" if price.dt is None else f", {in_words({STEP: price.dt})}{beside(price.substeps)}"
     return f"{1 / (price.cost or 1.0):.3g} ({price.track}{step})"

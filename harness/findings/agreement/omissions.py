@@ -14,6 +14,7 @@ import numpy as np
 from harness.case.alteration import UNDROPPED
 from harness.findings.agreement.beyond import horizon_of
 from harness.findings.agreement.values import Agreement
+from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.search.own_limits import ANSWERED
 from harness.store.store import Store
 from harness.trajectory import Floats
@@ -29,8 +30,9 @@ class Omission:
     """One engine with what was left out, against itself without.
 
     Terms:
-        kinds: what was left out. dt [s]: the step of both runs. until [s]: up to there they are compared. position [m], angle
-        [rad]: the largest of any body up to then; None where why says that there is none.
+        kinds: what was left out. dt [s]: the step of both runs, and the sub-steps that it was taken in. until [s]: up to there
+        they are compared. position [m], angle [rad]: the largest of any body up to then; None where why says that there is
+        none.
     """
 
     case: str
@@ -39,6 +41,7 @@ class Omission:
     track: str
     kinds: tuple[str, ...]
     dt: float
+    substeps: int
     until: float
     position: float | None
     angle: float | None
@@ -59,8 +62,8 @@ def omissions(store: Store, one: Agreement) -> list[Omission]:
         found.append(
             Omission(
                 case=one.case, where=one.where, engine=str(row.engine), track=str(row.track),
-                kinds=tuple(json.loads(str(row.alteration))["undropped"]), dt=float(row.dt), until=until,
-                position=position, angle=angle, why=why,
+                kinds=tuple(json.loads(str(row.alteration))["undropped"]), dt=float(row.dt),
+                substeps=substeps_of(str(row.resolved)), until=until, position=position, angle=angle, why=why,
             )
         )  # fmt: skip
     return found
@@ -93,13 +96,14 @@ def _farthest(one: Mapping[str, Floats], other: Mapping[str, Floats], until: flo
 
 
 def omission_words(found: Sequence[Omission], titles: Mapping[str, str]) -> list[str]:
-    """'MuJoCo, tuned: what leaving out armature does is up to 0.12 m and 0.3 rad within 2 s (step 0.00026 s).'"""
+    """'MuJoCo, tuned: what leaving out armature does is up to 0.12 m and 0.3 rad within 2 s (step 1/3840 s).'"""
     return [
         f"{titles.get(each.engine, each.engine)}, {each.track}: what leaving out {' and '.join(each.kinds)} does "
         + (
             f"is not known ({each.why})."
             if each.position is None
-            else f"is up to {each.position:.3g} m and {each.angle:.3g} rad within {each.until:.3g} s (step {each.dt:.3g} s)."
+            else f"is up to {each.position:.3g} m and {each.angle:.3g} rad within {each.until:.3g} s (step "
+            f"{step_in_words(each.dt, each.substeps)})."
         )
         for each in found
     ]

@@ -9,6 +9,7 @@ from typing import Any
 from harness.findings.changes.matching import Pair, where_of
 from harness.findings.changes.values import Change, Sense
 from harness.findings.prices import LEAST
+from harness.findings.steps_taken import substeps_of
 from harness.store.store import Store
 from harness.trial.ensemble import HELD
 
@@ -178,6 +179,7 @@ def _row(
         track=b.track,
         where=where_of(b, catalogue),
         dt=float(b.dt),
+        substeps=substeps_of(str(b.resolved)),
         metric="" if reading is None else reading.metric,
         unit="" if reading is None else reading.unit,
         trial_a=str(pair.a.trial),

@@ -7,6 +7,7 @@ from typing import Any
 
 from harness.findings.changes.matching import Pair, requested
 from harness.findings.changes.values import Change, Sense
+from harness.findings.steps_taken import substeps_of
 from harness.store.notices import StoredNotice
 from harness.store.store import Store
 
@@ -108,7 +109,8 @@ def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> It
         yield Change(
             kind="warning", sense=sense, case=case, engine=engine, track=track, metric=notice.kind, count=len(where),
             before=told if before else None, after=told if after else None,
-            trial_a=str(where[0].a.trial), trial_b=str(where[0].b.trial), dt=float(where[0].b.dt), detail=notice.text,
+            trial_a=str(where[0].a.trial), trial_b=str(where[0].b.trial), dt=float(where[0].b.dt),
+            substeps=substeps_of(str(where[0].b.resolved)), detail=notice.text,
         )  # fmt: skip
 
 

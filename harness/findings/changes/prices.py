@@ -27,6 +27,7 @@ import numpy as np
 
 from harness.findings.changes.matching import Pair, where_of
 from harness.findings.changes.values import Beside, Change
+from harness.findings.steps_taken import substeps_of
 from harness.statistics.bootstrap import interval_of_drawn
 from harness.statistics.student import percentile
 from harness.store.store import Store
@@ -275,6 +276,7 @@ def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue
         track=b.track,
         where=where_of(b, catalogue),
         dt=float(b.dt),
+        substeps=substeps_of(str(b.resolved)),
         metric=f"CPU time of a {b.unit}" if isinstance(b.unit, str) else "CPU time",
         unit="s",
         trial_a=str(price.pair.a.trial),

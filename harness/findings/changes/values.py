@@ -42,7 +42,7 @@ class Change:
 
     Terms:
         case, engine, track: '' where it is about all of them. where: parameters that differ from the case's own, in words.
-        dt [s]: 0 where it is about several steps. metric, unit: of before and after.
+        dt [s]: 0 where it is about several steps. substeps: that B took it in. metric, unit: of before and after.
         trial_a, trial_b: the trials it is read off, '' for none. before, after: in A, in B. ratio: after over before, with its
         95 % interval low..high, None where there is none. beside: what both prices were divided by. count: trials that it
         stands for. detail: what else has to be known of it (a reason, the text of a warning, names of files).
@@ -57,6 +57,7 @@ class Change:
     track: str = ""
     where: str = ""
     dt: float = 0.0
+    substeps: int = 1
     metric: str = ""
     unit: str = ""
     trial_a: str = ""

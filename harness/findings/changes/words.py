@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from harness.case.own_titles import OWN
 from harness.findings.changes.values import Change, Changes, Value
-from harness.findings.where import whole_part
+from harness.findings.steps_taken import step_in_words
 from harness.metric.titles import metric_title
 from harness.study.engine_versions import asked
 
@@ -50,7 +50,7 @@ def _many(count: int, what: str) -> str:
 def _subject(row: Change) -> str:
     setting = f"{row.engine} ({row.track})" if row.engine and row.track else row.engine or row.track
     scene = " ".join(filter(None, (row.case, f"({row.where})" if row.where else "")))
-    step = f", dt {whole_part(row.dt) or f'{row.dt:.3g} s'}" if row.dt else ""
+    step = f", dt {step_in_words(row.dt, row.substeps)}" if row.dt else ""
     return f"{scene} on {setting}{step}" if scene and setting else (scene or setting) + step
 
 

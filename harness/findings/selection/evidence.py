@@ -17,6 +17,7 @@ from harness.findings.limits_found import searches_if_described
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
 from harness.findings.selection.wish import Wish
+from harness.findings.steps_taken import substeps_of, substeps_taken
 from harness.findings.tables.agreement import rows as agreement_rows
 from harness.findings.tables.determinism import agreements as repetitions
 from harness.metric.titles import metric_title
@@ -33,7 +34,7 @@ DECADES = 2.0
 
 _ANSWERED = ("passed", "failed")
 _NOT_ASKED = ("unavailable", "interrupted")
-_JUDGED = ["trial", "case", "engine", "track", "dt", "status", "reason"]
+_JUDGED = ["trial", "case", "engine", "track", "dt", "resolved", "status", "reason"]
 """Columns of a trial that are read here."""
 _AGREED = {"agrees": 1.0}
 """Of the verdicts on a scene without a truth; any other is an answer that the others do not share, or none."""
@@ -42,8 +43,8 @@ _AGREED = {"agrees": 1.0}
 @dataclass(frozen=True, kw_only=True)
 class Datum:
     """One engine in one case by one criterion. value: 0 to 1. low, high: its interval; equal to it where it has none. trial:
-    the run that it leans on. says: the figure behind it, with its unit. track, dt [s]: the settings of that run. bounded: is
-    nothing known but that it lies between the two, of which the value is the middle?"""
+    the run that it leans on. says: the figure behind it, with its unit. track, dt [s], substeps: the settings of that run.
+    bounded: is nothing known but that it lies between the two, of which the value is the middle?"""
 
     value: float
     low: float
@@ -52,6 +53,7 @@ class Datum:
     says: str = ""
     track: str = ""
     dt: float | None = None
+    substeps: int = 1
     bounded: bool = False
 
 
@@ -126,6 +128,7 @@ def _accuracy(store: Store) -> dict[tuple[str, str, str], Datum]:
         own = store.catalogue.get("cases", {}).get(case, {}).get("dt") or median(row["dt"] for row in group)
         row = min(group, key=lambda row: abs(math.log(row["dt"] / own)))
         about: dict[str, Any] = {"trial": str(row["trial"]), "track": str(track), "dt": float(row["dt"])}
+        about["substeps"] = substeps_of(str(row["resolved"]))
         if row["status"] not in _ANSWERED:
             data[case, engine, track] = Datum(value=0.0, low=0.0, high=0.0, says=f"{row['status']}: {row['reason']}", **about)
             continue
@@ -159,6 +162,7 @@ def _robustness(store: Store) -> dict[tuple[str, str, str], Datum]:
 def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
     data: dict[tuple[str, str], Datum] = {}
+    taken = substeps_taken(store)
     for search in searches_if_described(store):
         if search.remedy or search.parts or search.verdict in ("unavailable", "stopped"):
             continue
@@ -166,6 +170,7 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
         low, high = (held.reach, max(held.further, held.reach)) if held else (0.0, 0.0)
         says = f"{search.axis} held to {search.held:.3g} {search.unit}" if search.held is not None else search.verdict
         about: dict[str, Any] = {"trial": search.trial_held or search.trial_broke, "track": search.track, "dt": search.dt}
+        about["substeps"] = taken.get(about["trial"], 1)
         datum = Datum(value=low, low=low, high=high, says=says, **about)
         known = data.get((search.case, search.engine))
         if known is None or datum.value > known.value:
@@ -312,6 +317,7 @@ def _of_prices(costs: Mapping[tuple[str, str], Price]) -> dict[tuple[str, str, s
             continue
         for engine, price in here.items():
             about: dict[str, Any] = {"trial": price.trial, "track": price.track, "dt": price.dt}
+            about["substeps"] = price.substeps or 1
             if price.cost is None:
                 best = f", best {price.best_error:.2g}" if price.best_error is not None else ""
                 data["price", case, engine] = Datum(value=0, low=0, high=0, says=f"{price.verdict}{best}", **about)

@@ -4,11 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from harness.findings.selection.choose import Answer
+from harness.findings.steps_taken import step_in_words
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows"]
 
-COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track", "dt", "trial")
-"""value: 1 is as good as is asked, 0 is of no use, with its interval low..high; says: the figure behind it. dt [s]."""
+COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track", "dt", "substeps", "trial")
+"""value: 1 is as good as is asked, 0 is of no use, with its interval low..high; says: the figure behind it. dt [s], taken in
+substeps."""
 BRIEF = ("criterion", "case", "engine", "of 1", "because", "settings", "step", "trial")
 
 
@@ -25,6 +27,7 @@ def rows(answer: Answer) -> list[dict[str, Any]]:
             "says": datum.says,
             "track": datum.track,
             "dt": datum.dt,
+            "substeps": None if datum.dt is None else datum.substeps,
             "trial": datum.trial,
         }
         for (criterion, case, engine), datum in sorted(answer.evidence.table.items())
@@ -33,5 +36,5 @@ def rows(answer: Answer) -> list[dict[str, Any]]:
 
 def brief(row: Mapping[str, Any]) -> Sequence[object]:
     """A flat row in short words under BRIEF."""
-    step = "" if row["dt"] is None else f"{1e3 * row['dt']:.3g} ms"
+    step = "" if row["dt"] is None else step_in_words(row["dt"], row["substeps"])
     return [row["criterion"], row["case"], row["engine"], f"{row['value']:.2f}", row["says"], row["track"], step, row["trial"]]

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from harness.findings.steps_taken import columns_with_substeps, with_substeps
 from harness.metric import NotMeasurable
 from harness.metrics.energy import energy_change
 from harness.scene.file import parse
@@ -58,7 +59,7 @@ class Drift:
     trial: str
 
 
-COLUMNS = tuple(field.name for field in fields(Drift))
+COLUMNS = columns_with_substeps([field.name for field in fields(Drift)])
 
 
 def drifts(store: Store) -> list[Drift]:
@@ -129,7 +130,7 @@ def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(drift) for drift in drifts(store)]
+    return with_substeps(store, (asdict(drift) for drift in drifts(store)))
 
 
 BRIEF = ("case", "engine", "steps", "quantity", "per second", "over the run", "swings by", "verdict")

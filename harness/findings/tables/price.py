@@ -8,6 +8,7 @@ from typing import Any
 from harness.findings.emulations import share_in_words
 from harness.findings.priced import priced
 from harness.findings.prices import Price
+from harness.findings.steps_taken import step_in_words
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
@@ -29,7 +30,9 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     case = f"{row['case']} {row['where']}".strip()
     if row["cost"] is None:
         best = (
-            f", best {row['best_error']:.2g} down to {1e3 * row['finest_dt']:.3g} ms" if row["best_error"] is not None else ""
+            f", best {row['best_error']:.2g} down to {step_in_words(row['finest_dt'], row['finest_substeps'])}"
+            if row["best_error"] is not None
+            else ""
         )
         if row["foreseen_dt"] is not None:
             best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
@@ -47,7 +50,7 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         "" if row["ratio"] is None else f"{row['ratio']:.3g}",
         "" if row["ratio"] is None else f"{row['ratio_low']:.3g} .. {row['ratio_high']:.3g}",
         row["track"],
-        f"{row['dt']:.4g}",
+        step_in_words(row["dt"], row["substeps"]),
         _tried(row),
         marks,
     ]

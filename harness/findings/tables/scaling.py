@@ -21,6 +21,7 @@ from harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep,
 from harness.findings.emulations import share_in_words
 from harness.findings.parameter_words import called, said
 from harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
+from harness.findings.steps_taken import with_substeps
 from harness.findings.where import differing, other_values
 from harness.statistics.order import FEWEST
 from harness.statistics.ratio import Ratio
@@ -47,9 +48,9 @@ CLOCKED = {
 COLUMNS = (
     "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
     "to_fastest_high", "reference", "reference_low", "reference_high", "reference_setting", "penetration_m", "residual_m_s",
-    "error", "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt", "trial",
-    "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency", "efficiency_low",
-    "efficiency_high", "emulated",
+    "error", "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt",
+    "substeps", "trial", "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency",
+    "efficiency_low", "efficiency_high", "emulated",
 )  # fmt: skip
 """Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, and so an exponent not known."""
 
@@ -249,7 +250,7 @@ class Scaling:
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return Scaling(store).rows()
+    return with_substeps(store, Scaling(store).rows())
 
 
 BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "reference x", "penetration", "moves", "marks", "status")

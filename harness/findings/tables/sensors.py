@@ -11,6 +11,7 @@ from typing import Any
 
 from harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
 from harness.findings.sensor_readings.noise import Noise
+from harness.findings.steps_taken import columns_with_substeps, with_substeps
 from harness.store.store import Store
 
 __all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
@@ -21,7 +22,7 @@ OF_NOISE = tuple(field.name for field in fields(Noise) if field.name not in ("co
 def _columns() -> tuple[str, ...]:
     """The fields of a finding, with those of its noise in its place."""
     own = (field.name for field in fields(Finding) if field.name not in SKETCHES)
-    return tuple(column for name in own for column in (OF_NOISE if name == "noise" else (name,)))
+    return columns_with_substeps([column for name in own for column in (OF_NOISE if name == "noise" else (name,))])
 
 
 COLUMNS = _columns()
@@ -29,9 +30,11 @@ COLUMNS = _columns()
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [
-        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in COLUMNS} for finding in findings(store)
+    names = [name for name in COLUMNS if name != "substeps"]
+    flat = [
+        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in names} for finding in findings(store)
     ]
+    return with_substeps(store, flat)
 
 
 BRIEF = ("case", "engine", "sensor", "error", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")

@@ -9,6 +9,7 @@ from typing import Any
 
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Point, unit_of
+from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.store.rows import records
 from harness.store.store import Store
 
@@ -20,7 +21,7 @@ FEWEST = 4
 """Steps that a setting was run at; what a sweep tried at one or two says little of the others."""
 _WHOLE = ("passed", "failed")
 _NOT_RUN = ("unsupported", "unavailable", "interrupted")
-_READ = ["engine", "track", "dt", "status", "trial"]
+_READ = ["engine", "track", "dt", "resolved", "status", "trial"]
 """Columns of a trial that are read here."""
 
 
@@ -30,8 +31,9 @@ class Step:
 
     Terms:
         stable [s]: the largest step with a whole trajectory, accurate [s]: with an error within 1 % of the scale; None where
-        not even the finest does. coarsest, finest [s]: what was run, at `runs` steps. realtime: simulated over CPU seconds at
-        the accurate step, clocked or by its rough cost, where it is steps that cost. error: the error there. trial: that run.
+        not even the finest does; each with the sub-steps that it was taken in. coarsest, finest [s]: what was run, at `runs`
+        steps. realtime: simulated over CPU seconds at the accurate step, clocked or by its rough cost, where it is steps that
+        cost. error: the error there. trial: that run.
     """
 
     case: str
@@ -39,9 +41,12 @@ class Step:
     engine: str
     track: str
     stable: float | None
+    stable_substeps: int | None
     accurate: float | None
+    accurate_substeps: int | None
     coarsest: float
     finest: float
+    finest_substeps: int
     runs: int
     error: float | None
     realtime: float | None
@@ -84,17 +89,21 @@ def _step(
     points = [known.get(row["trial"]) for row in ladder]
     close = [point is not None and point.error <= WITHIN for point in points]
     steps = [float(row["dt"]) for row in ladder]
-    accurate = _first(close)
+    parts = [substeps_of(str(row["resolved"])) for row in ladder]
+    accurate, stable = _first(close), _first(whole)
     there = points[accurate - 1] if accurate else None
     return Step(
         case=case,
         where=where,
         engine=engine,
         track=track,
-        stable=steps[_first(whole) - 1] if _first(whole) else None,
+        stable=steps[stable - 1] if stable else None,
+        stable_substeps=parts[stable - 1] if stable else None,
         accurate=steps[accurate - 1] if accurate else None,
+        accurate_substeps=parts[accurate - 1] if accurate else None,
         coarsest=steps[-1],
         finest=steps[0],
+        finest_substeps=parts[0],
         runs=len(steps),
         error=there.error if there else None,
         realtime=1 / there.cost if there and timed else None,
@@ -115,10 +124,11 @@ def rows(store: Store) -> list[dict[str, Any]]:
 BRIEF = ("case", "engine", "setting", "stable up to", "within 1 % up to", "error there", "times real time", "steps run")
 
 
-def _worded(step: float | None, row: Mapping[str, Any]) -> str:
+def _worded(kind: str, row: Mapping[str, Any]) -> str:
+    step = row[kind]
     if step is None:
-        return f"not at {1e3 * row['finest']:.3g} ms"
-    return f"{1e3 * step:.3g} ms" + (" (the coarsest)" if step == row["coarsest"] else "")
+        return f"not at {step_in_words(row['finest'], row['finest_substeps'])}"
+    return step_in_words(step, row[f"{kind}_substeps"]) + (", the coarsest" if step == row["coarsest"] else "")
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:
@@ -127,8 +137,8 @@ def brief(row: Mapping[str, Any]) -> list[object]:
         f"{row['case']} {row['where']}".strip(),
         row["engine"],
         row["track"],
-        _worded(row["stable"], row),
-        _worded(row["accurate"], row),
+        _worded("stable", row),
+        _worded("accurate", row),
         "" if row["error"] is None else f"{row['error']:.2g}",
         "" if row["realtime"] is None else f"{row['realtime']:.3g}",
         f"{row['runs']}",
@@ -143,7 +153,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         if row["realtime"] is not None and (name not in best or row["realtime"] > best[name]["realtime"]):
             best[name] = row
     return [
-        f"{name}: to stay within 1 % {row['engine']} ({row['track']}) may use dt = {1e3 * row['accurate']:.3g} ms, "
-        f"{row['realtime']:.3g} times real time."
+        f"{name}: to stay within 1 % {row['engine']} ({row['track']}) may use "
+        f"dt = {step_in_words(row['accurate'], row['accurate_substeps'])}, {row['realtime']:.3g} times real time."
         for name, row in best.items()
     ]

@@ -31,6 +31,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from harness.findings.prices import number
+from harness.findings.steps_taken import step_in_words, with_substeps
 from harness.store.store import Store
 from harness.study.stored_study import departures_of
 
@@ -217,8 +218,8 @@ def _changes(runs: Mapping[_Key, Run], base: _Key, variants: Mapping[tuple[str, 
 
 
 COLUMNS = (
-    "case", "engine", "track", "stiffness", "dt", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES, "cause", "why",
-    "trial",
+    "case", "engine", "track", "stiffness", "dt", "substeps", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES,
+    "cause", "why", "trial",
 )  # fmt: skip
 """Of the flat rows: a change's column says how many times smaller it made the vibration, CURED where it was without bound; None
 where there was no such run."""
@@ -231,7 +232,7 @@ def _number(value: float) -> float | None:
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS; a vibration without bound is None."""
-    return [
+    flat = [
         {
             "case": finding.case,
             "engine": finding.engine,
@@ -248,6 +249,7 @@ def rows(store: Store) -> list[dict[str, Any]]:
         }
         for finding in findings(store)
     ]
+    return with_substeps(store, flat)
 
 
 BRIEF = ("engine", "setting", "stiffness", "dt", "vibration", "at", *CHANGES, "cause", "why")
@@ -262,7 +264,7 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
         row["engine"],
         row["track"],
         f"{row['stiffness']:g}",
-        f"{row['dt']:.4g}",
+        step_in_words(row["dt"], row["substeps"]),
         "falls" if size is None else f"{size:.2g} rad/s",
         "" if rate is None else f"{rate:.3g} Hz",
         *shares,

@@ -42,8 +42,10 @@ to 2e-7 m on planes, boxes and cylinders, its normal leaning by up to .02 rad on
 """
 
 
-def choose_detector(scene: Scene, asked: str | None, notices: list[Notice]) -> str:
+def choose_detector(scene: Scene, asked: str | None, notices: list[Notice], heap: bool = False) -> str:
     """The detector of this scene: None is the vendor's default, 'auto' one that has every pair that can meet right.
+
+    In a heap that is DART's own, if it has: sweeps without a matrix then leave a sixth to an eighth of the overlap.
 
     Raises: Unsupported.
     """
@@ -57,7 +59,8 @@ def choose_detector(scene: Scene, asked: str | None, notices: list[Notice]) -> s
         return asked
     if asked is None and not _wrong("fcl", meetings):
         return "fcl"
-    right = next((name for name in ("ode", "bullet", "fcl") if not _wrong(name, meetings)), None)
+    first = ("dart",) if heap and asked == "auto" else ()
+    right = next((name for name in (*first, "ode", "bullet", "fcl") if not _wrong(name, meetings)), None)
     if right is None:
         raise Unsupported(
             ", ".join(sorted({*_wrong("ode", meetings), *_wrong("bullet", meetings)})),

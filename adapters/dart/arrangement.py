@@ -50,12 +50,20 @@ class Arrangement:
         return [body for body in touching_bodies(self.scene) if body.movable]
 
     @cached_property
+    def held(self) -> frozenset[str]:
+        """The bodies at joints."""
+        return frozenset(name for pair in self.scene.joined() for name in pair)
+
+    @cached_property
     def near(self) -> list[tuple[int, int]]:
-        """Pairs of places in `bodies` whose bounding balls meet."""
+        """Pairs of places in `bodies` whose bounding balls meet, of what can collide or is held by joints."""
         p_WB = np.array([body.p_WB for body in self.bodies]).reshape(-1, 3)
         reach = np.array([_reach(body) for body in self.bodies])
         gap = np.linalg.norm(p_WB[:, None] - p_WB[None], axis=2) - (1 + CLOSE) * (reach[:, None] + reach[None])
-        return [(int(a), int(b)) for a, b in np.argwhere(np.triu(gap <= 0, 1))]
+        return [(int(a), int(b)) for a, b in np.argwhere(np.triu(gap <= 0, 1)) if self._bears(self.bodies[a], self.bodies[b])]
+
+    def _bears(self, a: Body, b: Body) -> bool:
+        return a.name in self.held or b.name in self.held or self.scene.collides(a, b)
 
     @property
     def crowd(self) -> list[Body]:
@@ -65,8 +73,7 @@ class Arrangement:
     @property
     def jointed(self) -> bool:
         """Does a joint hold one of the bodies that are near others?"""
-        held = {name for pair in self.scene.joined() for name in pair}
-        return any(body.name in held for body in self.crowd)
+        return any(body.name in self.held for body in self.crowd)
 
     @property
     def stacked(self) -> bool:

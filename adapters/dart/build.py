@@ -69,8 +69,8 @@ def _empty(dart: Any, scene: Scene, settings: Settings, options: dict[str, Any])
         raise SettingsError(f"settings: a step of {h} s, dart keeps {world.getTimeStep()} s")
     world.setGravity(scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
     notices: list[Notice] = []
-    heap = settings.solver == "auto" and choose_solver(scene, settings.solver) == "matrix_free"
-    detector = choose_detector(scene, options["detector"], notices, heap)
+    swept = choose_solver(scene, settings.solver) == "matrix_free"
+    detector = choose_detector(scene, options["detector"], notices, swept)
     world.setCollisionDetector(getattr(dart.simulation.CollisionDetectorType, detector.upper()))
     sleeping = world.getDeactivationOptions()
     if options["deactivation"] is not None:

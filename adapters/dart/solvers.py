@@ -15,7 +15,8 @@ STRONG_FIELD, STRONG_TOLERANCE = 2.0, 1e-6
 """From so many times the Earth's gravity on the conic solver of 'auto' stops at this tolerance, else at the vendor's 1e-5.
 
 Cubes pressed on a wall by twice their weight creep by .12 mm/s at 1e-5 and are 21 mm off after a second at 1/240 s; at 1e-6
-8.2 mm, as by the exact Dantzig. Below 1.9 times the Earth's gravity both err alike, and the finer costs up to three times as much.
+8.2 mm, as by Dantzig. At 1.9 times the Earth's gravity and below both err alike, and tall boxes on inclines cost three times
+as much at the finer.
 """
 MANY_BODIES = 16
 """Above this number of bodies 'auto' leaves the conic solver, whose cost grows fastest."""

@@ -170,8 +170,9 @@ def _distance(p: Floats, q: Floats) -> float:
     from scipy.optimize import nnls
 
     # Sums of 1 are asked for a thousand times as strongly as distances, of which they cost a millionth.
-    middle, size = q.mean(axis=0), max(float(np.ptp(p, axis=0).max()), float(np.ptp(q, axis=0).max()), 1e-9)
-    strong = 1e3
+    middle, size, strong = q.mean(axis=0), float(np.ptp(np.concatenate((p, q)), axis=0).max()), 1e3
+    if size == 0.0:
+        return 0.0
     sums = np.array([[strong] * len(p) + [0.0] * len(q), [0.0] * len(p) + [strong] * len(q)])
     rows = np.vstack((np.hstack(((p - middle).T, -(q - middle).T)) / size, sums))
     return float(nnls(rows, np.array([0.0, 0.0, 0.0, strong, strong]))[1]) * size

@@ -6,17 +6,18 @@ from typing import Any
 
 from adapters.dart.arrangement import Arrangement
 from harness.adapter import Settings
-from harness.scene import EARTH_GRAVITY, Effect, Scene, Sphere
+from harness.scene import Effect, Scene, Sphere
 
 __all__ = ["SOLVERS", "SolverInUse", "choose_solver", "set_solver"]
 
 SOLVERS = ("dantzig", "pgs", "matrix_free", "nsgs", "fbf")
-STRONG_FIELD, STRONG_TOLERANCE = 2.0, 1e-6
-"""From so many times the Earth's gravity on the conic solver of 'auto' stops at this tolerance, else at the vendor's 1e-5.
+FAST, FINE_TOLERANCE = 0.08, 1e-6
+"""Where gravity gives a body more speed [m/s] in a step than the first the conic solver of 'auto' stops at the second, else at
+the vendor's 1e-5: it starts anew in each step, from contacts that bear nothing.
 
-Cubes pressed on a wall by twice their weight creep by .12 mm/s at 1e-5 and are 21 mm off after a second at 1/240 s; at 1e-6
-8.2 mm, as by Dantzig. At 1.9 times the Earth's gravity and below both err alike, and tall boxes on inclines cost three times
-as much at the finer.
+Cubes pressed on a wall by twice their weight creep by .12 mm/s at 1e-5 and are 21 mm off after a second at 1/240 s (.091 m/s a
+step), at 1e-6 8.2 mm, as by Dantzig; a box on an incline at 1/60 s (.16 m/s) creeps by .5 mm/s at 1e-5 and 1.3e-3 mm/s at 1e-6.
+At .077 m/s and less both err alike, and at 1/240 s tall boxes on inclines cost three times as much at the finer.
 """
 MANY_BODIES = 16
 """Above this number of bodies 'auto' leaves the conic solver, whose cost grows fastest."""
@@ -46,8 +47,8 @@ def set_solver(dart: Any, world: Any, scene: Scene, settings: Settings) -> Solve
     name = choose_solver(scene, settings.solver)
     iterations, tolerance, cone = settings.iterations, settings.tolerance, None
     if settings.solver == "auto":
-        if name == "nsgs" and tolerance is None and _strong_field(scene):
-            tolerance = STRONG_TOLERANCE
+        if name == "nsgs" and tolerance is None and math.hypot(*scene.gravity) * world.getTimeStep() > FAST:
+            tolerance = FINE_TOLERANCE
         if name == "matrix_free" and iterations is None:
             iterations = HEAP_SWEEPS
     if name in ("nsgs", "fbf"):
@@ -116,8 +117,3 @@ def choose_solver(scene: Scene, asked: str | None) -> str:
     if len(balls) >= HEAP_OF_BALLS or len(start.crowd) > MANY_BODIES:
         return "matrix_free"
     return "nsgs" if start.touching else "dantzig"
-
-
-def _strong_field(scene: Scene) -> bool:
-    """Does gravity push far harder than bodies weigh on the Earth?"""
-    return math.hypot(*scene.gravity) >= STRONG_FIELD * math.hypot(*EARTH_GRAVITY)

@@ -11,7 +11,7 @@ from adapters.dart.detectors import choose_detector, keep_apart
 from adapters.dart.joints import add_constraints
 from adapters.dart.options import INTEGRATOR, validated
 from adapters.dart.simulation import DartSimulation
-from adapters.dart.solvers import set_solver
+from adapters.dart.solvers import choose_solver, set_solver
 from adapters.dart.surfaces import coefficients
 from adapters.dart.tops import substeps_of
 from adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
@@ -75,7 +75,8 @@ def _empty(dart: Any, scene: Scene, settings: Settings, options: dict[str, Any])
         raise SettingsError(f"settings: a step of {h} s, dart keeps {world.getTimeStep()} s")
     world.setGravity(scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
     notices: list[Notice] = []
-    detector = choose_detector(scene, options["detector"], notices)
+    swept = choose_solver(scene, settings.solver) == "matrix_free"
+    detector = choose_detector(scene, options["detector"], notices, swept)
     world.setCollisionDetector(getattr(dart.simulation.CollisionDetectorType, detector.upper()))
     sleeping = world.getDeactivationOptions()
     if options["deactivation"] is not None:

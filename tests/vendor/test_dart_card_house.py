@@ -16,9 +16,11 @@ CRITICAL = (math.tan(ANGLE) - HALF[0] / HALF[2]) / 2
 """The least friction at the feet with which a house stands."""
 
 
-def height(friction: float, detector: str) -> float:
+def height(friction: float, detector: str, conic: bool = False) -> float:
     """The height of the lower of two cards after 2 s, over that at the start. DART takes the lesser friction of two bodies."""
     world = make_world(detector, DT)
+    if conic:
+        world.getConstraintSolver().setBoxedLcpSolver(dartpy.constraint.NsgsFrictionSolver())
     make_ground(world, dartpy.dynamics.BoxShape(np.array([4.0, 4.0, 0.1])), make_pose(UP, -0.05), friction=friction)
     across = HALF[2] * math.sin(ANGLE) + HALF[0] * math.cos(ANGLE)
     high = HALF[2] * math.cos(ANGLE) + HALF[0] * math.sin(ANGLE)
@@ -37,3 +39,10 @@ def test_a_house_stands_with_more_friction_than_it_needs_and_falls_with_less(mar
     # A card that lies down has its centre at its half thickness, 0.05 of its height when it stands.
     left = height((1 + margin) * CRITICAL, "ode")
     assert left > 0.9 if stands else left < 0.2
+
+
+@pytest.mark.parametrize("margin", [0.1, 0.05, 0.02])
+def test_near_the_critical_friction_it_falls_by_dantzig_and_stands_by_the_conic_solver(margin: float) -> None:
+    assert height((1 + margin) * CRITICAL, "ode") < 0.2
+    assert height((1 + margin) * CRITICAL, "ode", conic=True) > 0.9
+    assert height((1 - margin) * CRITICAL, "ode", conic=True) < 0.2

@@ -139,8 +139,8 @@ ADAPTER = MujocoAdapter(
                 "returns a rod by .008 rad where one of 1 does by .05; the emulated rebound lasts ten steps: with them bounces "
                 "err least in height over the ladder); 'Computation', numerical integration (RK4 for smooth scenes whose "
                 "springs and dampers it resolves, implicit for stiffer dampers, discrete for stiffer springs; measured here: "
-                "in contact the implicit one jitters where Euler rests); change log of 4.0.1 (sparse factor of 4.0.0: dense "
-                "Jacobian)"
+                "in contact the implicit one jitters where Euler rests); release notes of 4.0.1 (sparse factor of 4.0.0: dense "
+                "Jacobian where constraints couple the branches of hinged trees, alone)"
             ),
         ),
     },

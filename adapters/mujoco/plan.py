@@ -23,8 +23,8 @@ class Plan:
     Terms:
         effects: the scene's, worked out once. h [s]: the sub-step that is taken. joints: none where the scene does not call for
         them. links: the bodies in their trees, from the roots down; loops: the joints that close loops. index: of each body its
-        place in the scene. Of each body, in the order of the scene: moments [kg m2] about its principal axes, q_BM, q_WM and
-        R_WM of its principal frame M, p [m], its centre of mass in W.
+        place in the scene. held: the bodies that joints hold. Of each body, in the order of the scene: moments [kg m2] about
+        its principal axes, q_BM, q_WM and R_WM of its principal frame M, p [m], its centre of mass in W.
     """
 
     scene: Scene
@@ -36,6 +36,7 @@ class Plan:
     links: Sequence[Link]
     loops: Sequence[Joint]
     index: Mapping[str, int]
+    held: frozenset[str]
     moments: Sequence[Vector3]
     q_BM: Sequence[Quaternion]
     q_WM: Sequence[Floats]
@@ -60,6 +61,7 @@ class Plan:
             links=links,
             loops=loops,
             index={body.name: k for k, body in enumerate(scene.bodies)},
+            held=frozenset(name for joint in scene.joints for name in (joint.parent, joint.child)),
             moments=moments,
             q_BM=q_BM,
             q_WM=q_WM,
@@ -77,6 +79,14 @@ class Plan:
     def passable(self) -> bool:
         """Does the scene call for continuous collision, and goes without?"""
         return Effect.CONTINUOUS_COLLISION in self.effects and not self.speculative
+
+    def planted(self, body: Body) -> bool:
+        """Do its shapes stand in the world's own body? Those of what stands still do, unless a joint holds it.
+
+        MuJoCo searches the shapes of a body by their bounding volumes, and body after body. Source: MuJoCo, XML reference,
+        compiler/fusestatic.
+        """
+        return not (body.movable or self.prescribed(body) or body.name in self.held)
 
     def prescribed(self, body: Body) -> bool:
         """Is it a kinematic body that moves?"""

@@ -97,7 +97,7 @@ class MujocoSimulation:
         for k in range(count):
             mj.mj_contactForce(m, d, k, wrench)
             force[k] = wrench[:3] @ frame[k]
-        body = self._indices.scene_body[m.geom_bodyid[np.array(contact.geom).reshape(count, 2)]]
+        body = self._indices.owner[np.array(contact.geom).reshape(count, 2)]
         return Contacts.of(body[:, 0], body[:, 1], np.array(contact.pos), frame[:, 0], np.array(contact.dist), force)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:

@@ -11,9 +11,9 @@ class Draft:
     """An `MjSpec` with what the functions of the builder have put into it; each adds its own.
 
     Terms:
-        bodies: MuJoCo's body of each body, by its place in the scene. planted: the shapes that stand in the world's own body, with
-        the place of theirs, by name. meshes: how many there are. drives: actuator by joint. inertial: the sensors with MuJoCo's
-        accelerometer and gyroscope, by name. rebounds: has some pair restitution?
+        bodies: MuJoCo's body of each body, by its place in the scene. planted: the shapes that stand in the world's own body,
+        with the place of theirs, by name. meshes: how many there are. drives: actuator by joint. inertial: the sensors with
+        MuJoCo's accelerometer and gyroscope, by name. rebounds: has some pair restitution?
     """
 
     mj: Any

@@ -123,6 +123,7 @@ ADAPTER = MujocoAdapter(
                 "cone": "elliptic",
                 "impratio": 10.0,
                 "contact_steps": 20.0,
+                "fast_steps": 2.0,
                 "contact_damping_ratio": 1.2,
                 "contact_impedance": 0.999,
                 "limit_steps": 2.0,
@@ -156,7 +157,8 @@ ADAPTER = MujocoAdapter(
         # A search turns a knob to its next value first. Where steps are long, tuned's `slowest` decides what 20 steps and more
         # are: four of them are the first that tell, and so is a shorter `slowest`.
         "options.contact_steps": (40.0, 20.0, 4.0, 2.0, 0.5),
-        "options.contact_damping_ratio": (1.0, 1.2, 2.0),
+        "options.fast_steps": (2.0, 5.0, 20.0),
+        "options.contact_damping_ratio": (0.5, 1.0, 1.2, 2.0),
         "options.contact_impedance": (0.95, 0.999, 0.9999),
         "options.friction_steps": (2.0, 5.0, 10.0, 20.0, 40.0),
         "options.rebound_steps": (5, 10, 20, 40, 80),
@@ -169,13 +171,20 @@ ADAPTER = MujocoAdapter(
     },
     acts_on={
         **dict.fromkeys(("solver", "iterations", "tolerance", "options.jacobian"), Effect.CONTACT | Effect.JOINTS),
-        **dict.fromkeys(("options.cone", "options.contact_steps", "options.contact_damping_ratio"), Effect.CONTACT),
+        **dict.fromkeys(
+            ("options.cone", "options.contact_steps", "options.fast_steps", "options.contact_damping_ratio"), Effect.CONTACT
+        ),
         "options.contact_impedance": Effect.CONTACT,
         **dict.fromkeys(("options.impratio", "options.friction_steps"), Effect.FRICTION),
         "options.noslip_iterations": Effect.FRICTION | Effect.JOINTS,
         "options.rebound_steps": Effect.RESTITUTION,
         **dict.fromkeys(("options.limit_steps", "options.limit_damping_ratio"), Effect.JOINTS),
         **dict.fromkeys(("options.loop_steps", "options.loop_impedance"), Effect.JOINTS),
+    },
+    remedies={
+        "contact of two steps": ("options.contact_steps", 2.0),
+        "contact damping ratio .5": ("options.contact_damping_ratio", 0.5),
+        "contact damping ratio 2": ("options.contact_damping_ratio", 2.0),
     },
     known_failures={
         "default/continuous_collision_stops_a_fast_ball": "the vendor leaves speculative contacts off",

@@ -12,6 +12,7 @@ from adapters.mujoco.drives import add_drives
 from adapters.mujoco.flags import set_options
 from adapters.mujoco.inertial import add_inertial
 from adapters.mujoco.plan import Plan
+from adapters.mujoco.pressed_through import pressed_through
 from adapters.mujoco.resolved import resolved_settings
 from adapters.mujoco.settle import settle
 from adapters.mujoco.simulation import MujocoSimulation
@@ -62,7 +63,8 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
 
 def _laws(plan: Plan, draft: Draft) -> dict[frozenset[str], Law]:
     """The law of each pair of materials; friction with restitution takes the elliptic cone. Raises: Unsupported."""
-    laws = contact_laws(plan.scene, plan.effects, plan.options, plan.h, plan.settings.integrator)
+    draft.pressed = pressed_through(plan) if plan.options.fast_steps is not None and not plan.speculative else frozenset()
+    laws = contact_laws(plan, draft.pressed)
     draft.rebounds = any(law.solref[0] < 0 for law in laws.values())
     if any(law.solref_friction is not None for law in laws.values()):
         if plan.options.cone == "pyramidal":

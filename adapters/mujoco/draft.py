@@ -13,7 +13,8 @@ class Draft:
     Terms:
         bodies: MuJoCo's body of each body, by its place in the scene. planted: the shapes that stand in the world's own body,
         with the place of theirs, by name. meshes: how many there are. drives: actuator by joint. inertial: the sensors with
-        MuJoCo's accelerometer and gyroscope, by name. rebounds: has some pair restitution?
+        MuJoCo's accelerometer and gyroscope, by name. rebounds: has some pair restitution? pressed: the pairs of
+        materials that take `fast_steps`.
     """
 
     mj: Any
@@ -24,3 +25,4 @@ class Draft:
     drives: dict[str, int] = field(default_factory=dict)
     inertial: list[str] = field(default_factory=list)
     rebounds: bool = False
+    pressed: frozenset[frozenset[str]] = frozenset()

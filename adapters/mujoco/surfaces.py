@@ -1,15 +1,16 @@
 """The law of contact: what MuJoCo is told of each pair of materials, and which pairs priorities of geoms can tell."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from adapters.mujoco.options import Options
+from adapters.mujoco.plan import Plan
 from adapters.mujoco.rebound import elastic
 from adapters.mujoco.softness import friction_constant, impedance, time_constant
 from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import touching_kinds
-from harness.scene import Effect, Scene, Surface
+from harness.scene import Effect, Surface
 
 __all__ = ["Law", "contact_law", "contact_laws", "ranked", "tell_surface"]
 
@@ -58,11 +59,13 @@ def contact_law(surface: Surface, effects: Effect, options: Options, h: float, i
     return Law(condim, (slide, torsion, roll), (constant, options.contact_damping_ratio or 1.0), solimp, firm)
 
 
-def contact_laws(
-    scene: Scene, effects: Effect, options: Options, h: float, integrator: str | None
-) -> dict[frozenset[str], Law]:
-    """The contact of each pair of materials of which two bodies can touch, in steps of h [s]. Raises: Unsupported."""
-    if Effect.CONTACT not in effects:
+def contact_laws(plan: Plan, pressed: Container[frozenset[str]] = frozenset()) -> dict[frozenset[str], Law]:
+    """The contact of each pair of materials of which two bodies can touch. Raises: Unsupported.
+
+    Args: pressed: the pairs that take `fast_steps`.
+    """
+    scene, options = plan.scene, plan.options
+    if Effect.CONTACT not in plan.effects:
         return {}
     met = {frozenset((a[0], b[0])) for a, b in touching_kinds(scene)}
     known: dict[Surface, Law] = {}
@@ -71,7 +74,8 @@ def contact_laws(
         if surface.pair not in met:
             continue
         if surface not in known:
-            known[surface] = contact_law(surface, effects, options, h, integrator)
+            told = replace(options, contact_steps=options.fast_steps) if surface.pair in pressed else options
+            known[surface] = contact_law(surface, plan.effects, told, plan.h, plan.settings.integrator)
         laws[surface.pair] = known[surface]
     return laws
 

@@ -302,7 +302,8 @@ class Adapter(ABC):
         name: as on the command line. distribution: the package that is installed. title: as in the report.
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
-        test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
+        test holds it to be true. remedies: by name, what its documentation says to help where a motion breaks: a knob and the
+        value that it is turned to. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
         failures.
         trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
         case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
@@ -327,6 +328,7 @@ class Adapter(ABC):
     tracks: Mapping[str, Settings]
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     acts_on: Mapping[str, Effect] = field(default_factory=dict)
+    remedies: Mapping[str, tuple[str, Any]] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
     trade_offs: Mapping[str, str] = field(default_factory=dict)
     deviations: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""What MuJoCo's tuned track chooses by the scene: matrices and where shapes stand."""
+"""What MuJoCo's tuned track chooses by the scene: matrices, where shapes stand, and how firm contacts are."""
 
 import importlib
 from dataclasses import replace
@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
+from adapters.mujoco.pressed_through import give
 from adapters.mujoco.simulation import MujocoSimulation
 from harness.case import Case
 from harness.scene import Scene, Sphere
-from tests.conformance.mujoco_scenes import DEFAULT, TUNED, built, hinge_at, on_ground, shaped_body
+from tests.conformance.mujoco_scenes import DEFAULT, TUNED, built, hinge_at, on_ground, shaped_body, state_of
 
 
 def scene_of(case: str, **parameters: Any) -> Scene:
@@ -71,3 +73,58 @@ def test_contacts_and_rays_name_the_bodies_whose_shapes_stand_in_the_world(case:
     simulation.step(2)
     contacts = simulation.contacts()
     assert set(np.concatenate((contacts.body_A, contacts.body_B)).tolist()) <= set(range(len(scene.bodies)))
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.5, 1.0, 1.2, 2.0, 5.0])
+def test_what_a_contact_gives_is_the_deepest_point_of_its_equation(ratio: float) -> None:
+    constant = 0.02
+    law = [[0.0, 1.0], [-1 / (constant * ratio) ** 2, -2 / constant]]
+    step = expm(np.array(law) * constant / 2000)
+    state, deepest = np.array((0.0, 1.0)), 0.0
+    while state[1] > 0:
+        state = step @ state
+        deepest = max(deepest, state[0])
+    # The least of a parabola's samples is off by less than an eighth of its curvature over a sample.
+    assert give(constant, ratio) == pytest.approx(deepest, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("case", "parameters", "dt", "fast"),
+    [
+        # Pressed as deep as the middle at the closing speed v: v (.00778 s + dt) against half of both widths.
+        ("tunnel_sphere_wall", {"speed": 4.5}, 1 / 240, False),
+        ("tunnel_sphere_wall", {"speed": 4.7}, 1 / 240, True),
+        ("tunnel_sphere_wall", {"speed": 4.7, "thickness": 0.1}, 1 / 240, False),
+        ("tunnel_rod", {"spin": 2.5}, 1 / 240, False),
+        ("tunnel_rod", {"spin": 11.2}, 1 / 240, True),
+        ("tunnel_dynamic_pair", {"speed": 12.0}, 1 / 240, True),
+        ("tunnel_thin_mesh", {"speed": 12.0}, 1 / 240, True),
+        # What is thick, or only slides and turns on the spot, keeps the contacts that do not lift it.
+        ("friction_stop", {}, 1 / 240, False),
+        ("friction_turntable", {}, 1 / 240, False),
+        ("impact_momentum", {}, 1 / 240, False),
+    ],
+)
+def test_contacts_of_two_steps_are_for_what_would_be_pressed_through(
+    case: str, parameters: dict[str, Any], dt: float, fast: bool
+) -> None:
+    told = {"continuous": False, **parameters} if case.startswith("tunnel") else parameters
+    simulation = built(scene_of(case, **told), TUNED, dt)
+    assert simulation.resolved.options["fast_time_constant"] == (2 * dt if fast else None)
+    assert simulation.resolved.options["contact_time_constant"] == min(20 * dt, 0.02)
+
+
+def test_speculative_contacts_need_no_firmer_ones_and_a_common_drift_changes_nothing() -> None:
+    fast = scene_of("tunnel_sphere_wall")
+    assert built(fast, TUNED, 1 / 240).resolved.options["fast_time_constant"] is None
+    pair = scene_of("tunnel_dynamic_pair", continuous=False, speed=2.0)
+    drifting = replace(pair, bodies=tuple(replace(body, v_WB=(body.v_WB[0], 90.0, 0.0)) for body in pair.bodies))
+    assert built(drifting, TUNED, 1 / 240).resolved.options["fast_time_constant"] is None
+
+
+@pytest.mark.parametrize(("speed", "most"), [(4.7, 0), (7.0, 0), (12.0, 0)])
+def test_a_thin_wall_holds_to_12_m_per_s_without_speculative_contacts(speed: float, most: int) -> None:
+    scene = scene_of("tunnel_sphere_wall", continuous=False, speed=speed)
+    simulation = built(scene, TUNED, 1 / 240)
+    simulation.step(60)
+    assert int((state_of(simulation, scene).p_WB[1:, 0] > 0.005).sum()) <= most

@@ -125,7 +125,6 @@ ADAPTER = MujocoAdapter(
                 "contact_steps": 20.0,
                 "fast_steps": 2.0,
                 "contact_damping_ratio": 1.2,
-                "contact_impedance": 0.999,
                 "limit_steps": 2.0,
                 "limit_damping_ratio": 1.7,
                 "limit_impedance": 0.999,

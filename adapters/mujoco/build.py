@@ -8,6 +8,7 @@ from adapters.mujoco.bodies import add_body
 from adapters.mujoco.closures import close_loop, couple, keep_distance
 from adapters.mujoco.collisions import add_shapes
 from adapters.mujoco.draft import Draft
+from adapters.mujoco.drive_damping import damp_joints
 from adapters.mujoco.drives import add_drives
 from adapters.mujoco.flags import set_options
 from adapters.mujoco.inertial import add_inertial
@@ -53,17 +54,19 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
     except (ValueError, RuntimeError, mj.FatalError) as error:
         raise Unsupported("scene", f"MuJoCo's compiler refuses it: {str(error).strip()}") from error
     tolerance_scale = settle(plan, draft, model)
-    resolved = resolved_settings(plan, draft, model, tolerance_scale)
     world = World(mj, model, mj.MjData(model), scene, _indices(plan, draft, model))
-    simulation = MujocoSimulation(world, resolved, _notices(plan, mj, model))
     start(plan, draft, world)
+    draft.damped_joints = damp_joints(draft, world, plan.h)
+    resolved = resolved_settings(plan, draft, model, tolerance_scale)
+    simulation = MujocoSimulation(world, resolved, _notices(plan, mj, model))
     check_start(plan, world, simulation)
     return simulation
 
 
 def _laws(plan: Plan, draft: Draft) -> dict[frozenset[str], Law]:
     """The law of each pair of materials; friction with restitution takes the elliptic cone. Raises: Unsupported."""
-    draft.pressed = pressed_through(plan) if plan.options.fast_steps is not None and not plan.speculative else frozenset()
+    if plan.options.fast_steps is not None and Effect.CONTACT in plan.effects:
+        draft.pressed = pressed_through(plan)
     laws = contact_laws(plan, draft.pressed)
     draft.rebounds = any(law.solref[0] < 0 for law in laws.values())
     if any(law.solref_friction is not None for law in laws.values()):

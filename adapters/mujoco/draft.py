@@ -14,7 +14,7 @@ class Draft:
         bodies: MuJoCo's body of each body, by its place in the scene. planted: the shapes that stand in the world's own body,
         with the place of theirs, by name. meshes: how many there are. drives: actuator by joint. inertial: the sensors with
         MuJoCo's accelerometer and gyroscope, by name. rebounds: has some pair restitution? pressed: the pairs of
-        materials that take `fast_steps`.
+        materials that take `fast_steps`. damped_joints: is the damping of drives the joints'?
     """
 
     mj: Any
@@ -26,3 +26,4 @@ class Draft:
     inertial: list[str] = field(default_factory=list)
     rebounds: bool = False
     pressed: frozenset[frozenset[str]] = frozenset()
+    damped_joints: bool = False

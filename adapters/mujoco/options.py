@@ -22,8 +22,8 @@ class Options:
         cone: 'pyramidal' or 'elliptic'. impratio: friction over normal stiffness. jacobian: 'dense', 'sparse', 'auto'.
         noslip_iterations, ls_iterations: of the slip correction and the line search.
         contact_steps: time constant of contacts without restitution in steps. fast_steps: of those of them that would otherwise
-        be pressed through, where contacts are not speculative; None: as of the others.
-        contact_damping_ratio, contact_impedance: of the same.
+        be pressed through; None: as of the others.
+        contact_damping_ratio, contact_impedance: of the same; by scene, an impedance that is left open follows the loads.
         friction_steps: time constant of friction in steps, where it has rows of its own: on the elliptic cone, which friction
         with restitution always takes. None: as long as the impact with restitution, that of the contact without.
         limit_steps, limit_damping_ratio, limit_impedance: of the limits of joints and rods.

@@ -1,11 +1,12 @@
 """What a scene means to MuJoCo, worked out before anything of it is made."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from adapters.mujoco.frames import principal
+from adapters.mujoco.heavy_loads import impedance_for
 from adapters.mujoco.options import Options, checked
 from adapters.mujoco.trees import Link, forest
 from harness.adapter import Settings
@@ -46,7 +47,9 @@ class Plan:
     @classmethod
     def of(cls, scene: Scene, settings: Settings) -> "Plan":
         """The plan of a scene under some settings. Raises: SettingsError."""
-        options, effects = checked(settings), scene.effects
+        options, effects, h = checked(settings), scene.effects, settings.dt / (settings.substeps or 1)
+        if options.by_scene and options.contact_impedance is None and Effect.CONTACT in effects:
+            options = replace(options, contact_impedance=impedance_for(scene, options, h))
         joints = scene.joints if Effect.JOINTS in effects else ()
         links, loops = forest(scene, joints)
         moments, q_BM = zip(*(principal(body) for body in scene.bodies), strict=True)
@@ -56,7 +59,7 @@ class Plan:
             settings=settings,
             options=options,
             effects=effects,
-            h=settings.dt / (settings.substeps or 1),
+            h=h,
             joints=joints,
             links=links,
             loops=loops,

@@ -139,7 +139,7 @@ def test_a_thin_wall_holds_to_12_m_per_s_without_speculative_contacts(speed: flo
 @pytest.mark.parametrize(
     ("case", "steps", "told"),
     [
-        # On the inertia that the feet leave, damping times step over it is 2.3, 1.2, 1.9 and .96; without springs 2 is the most.
+        # On the inertia that the feet leave, damping times step over it is 2.3, 1.2, 1.9 and .96; without springs 2 is most.
         ("stand_humanoid", 240, "joint"),
         ("stand_humanoid", 480, "actuator"),
         ("stand_quadruped", 120, "joint"),

@@ -41,6 +41,7 @@ def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: flo
         "loop_time_constant": max(least, time_constant(choice.loop_steps, plan.h, choice.slowest)),
         "loop_impedance": choice.loop_impedance or "0.9..0.95",
         "drive_damping": None if not draft.drives else "joint" if draft.damped_joints else "actuator",
+        "arena_bytes": int(model.narena),
         "by_scene": choice.by_scene,
     }
     for word, (kind, prefix, bits) in flags.items():

@@ -67,7 +67,7 @@ def _laws(plan: Plan, draft: Draft) -> dict[frozenset[str], Law]:
     """The law of each pair of materials; friction with restitution takes the elliptic cone. Raises: Unsupported."""
     if plan.options.fast_steps is not None and Effect.CONTACT in plan.effects:
         draft.pressed = pressed_through(plan)
-    laws = contact_laws(plan, draft.pressed)
+    laws = contact_laws(plan.scene, plan.effects, plan.options, plan.h, plan.settings.integrator, draft.pressed)
     draft.rebounds = any(law.solref[0] < 0 for law in laws.values())
     if any(law.solref_friction is not None for law in laws.values()):
         if plan.options.cone == "pyramidal":

@@ -5,12 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from adapters.mujoco.options import Options
-from adapters.mujoco.plan import Plan
 from adapters.mujoco.rebound import elastic
 from adapters.mujoco.softness import friction_constant, impedance, time_constant
 from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import touching_kinds
-from harness.scene import Effect, Surface
+from harness.scene import Effect, Scene, Surface
 
 __all__ = ["Law", "contact_law", "contact_laws", "ranked", "tell_surface"]
 
@@ -59,13 +58,19 @@ def contact_law(surface: Surface, effects: Effect, options: Options, h: float, i
     return Law(condim, (slide, torsion, roll), (constant, options.contact_damping_ratio or 1.0), solimp, firm)
 
 
-def contact_laws(plan: Plan, pressed: Container[frozenset[str]] = frozenset()) -> dict[frozenset[str], Law]:
-    """The contact of each pair of materials of which two bodies can touch. Raises: Unsupported.
+def contact_laws(
+    scene: Scene,
+    effects: Effect,
+    options: Options,
+    h: float,
+    integrator: str | None,
+    pressed: Container[frozenset[str]] = frozenset(),
+) -> dict[frozenset[str], Law]:
+    """The contact of each pair of materials of which two bodies can touch, in steps of h [s]. Raises: Unsupported.
 
     Args: pressed: the pairs that take `fast_steps`.
     """
-    scene, options = plan.scene, plan.options
-    if Effect.CONTACT not in plan.effects:
+    if Effect.CONTACT not in effects:
         return {}
     met = {frozenset((a[0], b[0])) for a, b in touching_kinds(scene)}
     known: dict[Surface, Law] = {}
@@ -75,7 +80,7 @@ def contact_laws(plan: Plan, pressed: Container[frozenset[str]] = frozenset()) -
             continue
         if surface not in known:
             told = replace(options, contact_steps=options.fast_steps) if surface.pair in pressed else options
-            known[surface] = contact_law(surface, plan.effects, told, plan.h, plan.settings.integrator)
+            known[surface] = contact_law(surface, effects, told, h, integrator)
         laws[surface.pair] = known[surface]
     return laws
 

@@ -299,26 +299,24 @@ class Adapter(ABC):
     """One engine.
 
     Terms:
-        name: as on the command line. distribution: the package that is installed. title: as in the report.
-        features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
-        users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
-        test holds it to be true. remedies: by name, what its documentation says to help where a motion breaks: a knob and the
-        value that it is turned to. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
-        failures.
-        trade_offs: the cases in which 'tuned' errs more than 'default', each with the reason and its figures: '<case>' at the
-        case's own time step, '<case>/ladder' over its ladder; a test holds the list to be true both ways.
-        deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
-        adapter makes, with how; all others are the engine's own. advantages: of the engine that the others are compared with,
-        why it errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`,
-        promises for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that,
-        once, beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads';
-        none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with
-        them loaded. single_precision: the engine computes in single precision, so that its states have seven digits.
-        licence: of the package, an SPDX identifier; '' where it is not known. platforms: for which its package index has
-        wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.
-        loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
-        loader_defaults: by loader and ending of a file, the quantities that its documentation says it changes, each with the
-        place that says so.
+        name: as on the command line. distribution: the package that is installed. title: as in the report. features: what it
+        claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its users would try.
+        acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a test holds it to be
+        true. remedies: by name, a knob and the value that its documentation turns it to where a motion breaks. known_failures:
+        '<track>/<check>' of conformance to the reason, run as strict expected failures. trade_offs: the cases in which 'tuned'
+        errs more than 'default', each with the reason and its figures: '<case>' at the case's own time step, '<case>/ladder'
+        over its ladder; a test holds the list to be true both ways. deviations: what every answer of this engine carries,
+        whatever the track. emulated: the features that it claims and the adapter makes, with how; all others are the engine's
+        own. advantages: of the engine that the others are compared with, why it errs least where it does: '<track>/<case>'.
+        orders: what each integrator, by its name in `Simulation.resolved`, promises for smooth motion. compile_allowance [s]:
+        what an engine that compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers
+        of threads that one world can be stepped on, by its option 'threads'; none where it takes one. loads: modules that take
+        long to load and say nothing when they are; accuracy runs start with them loaded. single_precision: the engine computes
+        in single precision, so that its states have seven digits. licence: of the package, an SPDX identifier; '' where it is
+        not known. platforms: for which its package index has wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64,
+        macos-arm64, windows-x86_64. loaders: the ways in which its own package reads a robot file, '' for its defaults; none
+        where it reads none. loader_defaults: by loader and ending of a file, the quantities that its documentation says it
+        changes, each with the place that says so.
     """
 
     name: str

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from tests.vendor.mujoco_world import mujoco
 
-pytestmark = [
-    pytest.mark.mujoco,
-    pytest.mark.skipif(mujoco.__version__ != "4.0.0", reason="the fault is that of 4.0.0 alone"),
-]
+pytestmark = pytest.mark.mujoco
+if mujoco.__version__ != "4.0.0":
+    pytest.skip("the fault is that of 4.0.0 alone", allow_module_level=True)
 
 Pairs = Sequence[tuple[int, int]]
 SIX = [f'<joint type="{kind}" axis="{axis}"/>' for kind in ("slide", "hinge") for axis in ("0 0 1", "0 1 0", "1 0 0")]

@@ -179,8 +179,8 @@ ADAPTER = DartAdapter(
             "are, in steps of 1/960 s at most, with ODE's default of 0.2 for error reduction; ODE detector: the default of "
             "Gazebo's DART plugin (gz-physics, dartsim), Bullet's where ODE has a pair of shapes wrong, by heights after 3 s; "
             "exact friction cone, to 1e-6 where gravity gives more than 0.08 m/s a step: DART 6.20, NsgsFrictionSolver.hpp; "
-            "Dantzig, the vendor's default, for level stacks, machines and more than 16 bodies; heaps swept without a matrix, on "
-            "DART's own detector: MatrixFreeContactSolverOptions of BoxedLcpConstraintSolver.hpp; stable PD control of what "
+            "Dantzig, the vendor's default, for level stacks, machines and more than 16 bodies; heaps swept without a matrix, "
+            "on DART's own detector: MatrixFreeContactSolverOptions of BoxedLcpConstraintSolver.hpp; stable PD control of what "
             "contacts hold (Tan, Liu, Turk 2011), as in DART's own examples of controllers",
         ),
     },

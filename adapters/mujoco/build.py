@@ -8,13 +8,16 @@ from adapters.mujoco.bodies import add_body
 from adapters.mujoco.closures import close_loop, couple, keep_distance
 from adapters.mujoco.collisions import add_shapes
 from adapters.mujoco.draft import Draft
+from adapters.mujoco.drive_damping import damp_joints
 from adapters.mujoco.drives import add_drives
 from adapters.mujoco.flags import set_options
 from adapters.mujoco.inertial import add_inertial
 from adapters.mujoco.plan import Plan
+from adapters.mujoco.pressed_through import pressed_through
 from adapters.mujoco.resolved import resolved_settings
-from adapters.mujoco.settle import FAULTY_SPARSE, settle
+from adapters.mujoco.settle import settle
 from adapters.mujoco.simulation import MujocoSimulation
+from adapters.mujoco.sparse_factor import may_err, sparse
 from adapters.mujoco.start import check_start, start
 from adapters.mujoco.surfaces import Law, contact_laws
 from adapters.mujoco.trees import Link
@@ -51,17 +54,20 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
     except (ValueError, RuntimeError, mj.FatalError) as error:
         raise Unsupported("scene", f"MuJoCo's compiler refuses it: {str(error).strip()}") from error
     tolerance_scale = settle(plan, draft, model)
-    resolved = resolved_settings(plan, draft, model, tolerance_scale)
     world = World(mj, model, mj.MjData(model), scene, _indices(plan, draft, model))
-    simulation = MujocoSimulation(world, resolved, _notices(plan, mj, model))
     start(plan, draft, world)
+    draft.damped_joints = damp_joints(draft, world, plan.h)
+    resolved = resolved_settings(plan, draft, model, tolerance_scale)
+    simulation = MujocoSimulation(world, resolved, _notices(plan, mj, model))
     check_start(plan, world, simulation)
     return simulation
 
 
 def _laws(plan: Plan, draft: Draft) -> dict[frozenset[str], Law]:
     """The law of each pair of materials; friction with restitution takes the elliptic cone. Raises: Unsupported."""
-    laws = contact_laws(plan.scene, plan.effects, plan.options, plan.h, plan.settings.integrator)
+    if plan.options.fast_steps is not None and Effect.CONTACT in plan.effects:
+        draft.pressed = pressed_through(plan)
+    laws = contact_laws(plan.scene, plan.effects, plan.options, plan.h, plan.settings.integrator, draft.pressed)
     draft.rebounds = any(law.solref[0] < 0 for law in laws.values())
     if any(law.solref_friction is not None for law in laws.values()):
         if plan.options.cone == "pyramidal":
@@ -75,11 +81,14 @@ def _indices(plan: Plan, draft: Draft, model: Any) -> Indices:
     body = np.array([model.body(f"b{k}").id for k in range(len(plan.scene.bodies))], dtype=np.int64)
     scene_body = np.full(model.nbody, -1, dtype=np.int64)
     scene_body[body] = np.arange(len(body))
+    owner = scene_body[model.geom_bodyid]
+    for name, k in draft.planted.items():
+        owner[model.geom(name).id] = k
     q_BM = np.array(plan.q_BM)
     turned = bool((q_BM != (1.0, 0.0, 0.0, 0.0)).any())
     return Indices(
         body=body,
-        scene_body=scene_body,
+        owner=owner,
         q_MB=q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
         single=all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in plan.links),
         drives=dict(draft.drives),
@@ -106,8 +115,6 @@ def _notices(plan: Plan, mj: Any, model: Any) -> tuple[Notice, ...]:
     if plan.passable:
         text = "continuous collision: speculative contacts are off unless asked for"
         notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
-    sparse = flag(mj, "mjtJacobian", "mjJAC_DENSE") != model.opt.jacobian and model.nv >= 60
-    if sparse and mj.__version__ == FAULTY_SPARSE and plan.settings.solver in (None, "newton"):
-        text = "mujoco 4.0.0: the sparse factor of the Newton solver is wrong for some models, by its makers' account"
-        notices.append(Notice(text))
+    if sparse(mj, model) and may_err(plan, mj, model):
+        notices.append(Notice("mujoco 4.0.0: the sparse factor of the Newton solver is wrong where constraints couple hinges"))
     return tuple(notices)

@@ -29,8 +29,6 @@ def add_shapes(plan: Plan, draft: Draft, laws: Mapping[frozenset[str], Law]) -> 
                     geom.priority, law = by_priority[body.material]
                     tell_surface(geom, law)
                     geom.friction = law.friction
-            else:
-                geom.contype = geom.conaffinity = 0
         for number, placed in enumerate(body.visual or ()):
             geom = add_geom(plan, draft, link.body, placed, f"v{link.body}.{number}", drawn=True)
             geom.contype, geom.conaffinity, geom.group = 0, 0, VISUAL_GROUP
@@ -52,12 +50,13 @@ def _masks(scene: Scene, materials: Sequence[str]) -> dict[str, tuple[int, int]]
 def _exclude(plan: Plan, draft: Draft) -> None:
     """Keep bodies apart that joints hold, and those that move as they are told from those that stand still."""
     bodies = plan.scene.bodies
+    node = {b.name: "world" if plan.planted(b) else f"b{k}" for k, b in enumerate(bodies)}
     still = [b.name for b in bodies if not b.movable and b.collision]
     moving = [b.name for b in bodies if plan.prescribed(b) and b.collision]
-    pairs = {frozenset((a, b)) for a in still for b in moving if a != b}
-    pairs |= {pair for pair in plan.scene.joined() if WORLD not in pair}
+    pairs = {frozenset((node[a], node[b])) for a in still for b in moving if a != b}
+    pairs |= {frozenset(node[name] for name in pair) for pair in plan.scene.joined() if WORLD not in pair}
     for a, b in sorted(tuple(sorted(pair)) for pair in pairs):
-        draft.spec.add_exclude(bodyname1=f"b{plan.index[a]}", bodyname2=f"b{plan.index[b]}")
+        draft.spec.add_exclude(bodyname1=a, bodyname2=b)
 
 
 def _add_pairs(plan: Plan, draft: Draft, laws: Mapping[frozenset[str], Law], left: Sequence[str]) -> None:

@@ -1,5 +1,6 @@
 """Settings and effects as options and flags of the model."""
 
+from adapters.mujoco.arena import arena_for
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.plan import Plan
 from adapters.mujoco.vendor import flag
@@ -9,10 +10,11 @@ __all__ = ["set_options"]
 
 
 def set_options(plan: Plan, draft: Draft) -> None:
-    """Give the model its step, gravity, solver, integrator, cone and Jacobian, and switch effects on and off."""
+    """Give the model its step, gravity, memory, solver, integrator, cone and Jacobian, and switch effects on and off."""
     mj, option, settings, choice = draft.mj, draft.spec.option, plan.settings, plan.options
     draft.spec.compiler.degree = False
     option.timestep, option.gravity = plan.h, plan.scene.gravity
+    draft.spec.memory = arena_for(plan.scene)
     if settings.iterations is not None:
         option.iterations = settings.iterations
     if settings.tolerance is not None:

@@ -30,7 +30,7 @@ class Renderer:
         """Depth and bodies in one pass, where every geom has a number for its colour; colours in another."""
         if camera.renderer != "rasterised":
             raise Unsupported(f"ray-traced image of camera '{camera.name}'", "MuJoCo draws by OpenGL's z-buffer alone")
-        mj, d, scene_body = self._mj, self._world.state, self._world.indices.scene_body
+        mj, d = self._mj, self._world.state
         gl, _, view = self._surface(camera)
         gl.make_current()
         self._world.renew_poses()
@@ -45,7 +45,7 @@ class Renderer:
             depth = np.where(raw > 0, near * far / (near + raw * (far - near)), np.inf)
         owner = np.full(view.maxgeom + 1, -1, dtype=np.int64)
         for geom in view.geoms[: view.ngeom]:
-            owner[geom.segid + 1] = scene_body[self._m.geom_bodyid[geom.objid]]
+            owner[geom.segid + 1] = self._world.indices.owner[geom.objid]
         body = owner[numbers.astype(np.int64) @ (1, 256, 65536)]
         return Image(depth, np.where(raw > 0, body, -1), self._painted(camera, body) if colour else None)
 
@@ -75,7 +75,7 @@ class Renderer:
         direct = sun.irradiance / math.pi
         scale = max(direct + sun.sky, 1e-300)
         for geom in view.geoms[: view.ngeom]:
-            look = looks[self._world.indices.scene_body[self._m.geom_bodyid[geom.objid]]]
+            look = looks[self._world.indices.owner[geom.objid]]
             geom.rgba[:] = (*(look.scatters * share for share in look.colour), 1.0)
             geom.emission = geom.specular = geom.shininess = geom.reflectance = 0.0
         view.nlight, light = 1, view.lights[0]

@@ -21,8 +21,9 @@ class Options:
         by_scene: choose integrator and Jacobian by the scene where the settings leave them open.
         cone: 'pyramidal' or 'elliptic'. impratio: friction over normal stiffness. jacobian: 'dense', 'sparse', 'auto'.
         noslip_iterations, ls_iterations: of the slip correction and the line search.
-        contact_steps: time constant of contacts without restitution in steps.
-        contact_damping_ratio, contact_impedance: of the same.
+        contact_steps: time constant of contacts without restitution in steps. fast_steps: of those of them that would otherwise
+        be pressed through; None: as of the others.
+        contact_damping_ratio, contact_impedance: of the same; by scene, an impedance that is left open follows the loads.
         friction_steps: time constant of friction in steps, where it has rows of its own: on the elliptic cone, which friction
         with restitution always takes. None: as long as the impact with restitution, that of the contact without.
         limit_steps, limit_damping_ratio, limit_impedance: of the limits of joints and rods.
@@ -40,6 +41,7 @@ class Options:
     noslip_iterations: int | None = None
     ls_iterations: int | None = None
     contact_steps: float | None = None
+    fast_steps: float | None = None
     contact_damping_ratio: float | None = None
     contact_impedance: float | None = None
     limit_steps: float | None = None
@@ -79,6 +81,7 @@ BOUNDS: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "noslip_iterations": _integer(0, 10_000),
     "ls_iterations": _integer(1, 10_000),
     "contact_steps": _number(0.01, 1e6),
+    "fast_steps": _number(0.01, 1e6),
     "contact_damping_ratio": _number(1e-3, 1e3),
     "contact_impedance": _number(0.001, 0.9999),
     "limit_steps": _number(2, 1e6),

@@ -1,11 +1,12 @@
 """What a scene means to MuJoCo, worked out before anything of it is made."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from adapters.mujoco.frames import principal
+from adapters.mujoco.heavy_loads import impedance_for
 from adapters.mujoco.options import Options, checked
 from adapters.mujoco.trees import Link, forest
 from harness.adapter import Settings
@@ -23,8 +24,8 @@ class Plan:
     Terms:
         effects: the scene's, worked out once. h [s]: the sub-step that is taken. joints: none where the scene does not call for
         them. links: the bodies in their trees, from the roots down; loops: the joints that close loops. index: of each body its
-        place in the scene. Of each body, in the order of the scene: moments [kg m2] about its principal axes, q_BM, q_WM and
-        R_WM of its principal frame M, p [m], its centre of mass in W.
+        place in the scene. held: the bodies that joints hold. Of each body, in the order of the scene: moments [kg m2] about
+        its principal axes, q_BM, q_WM and R_WM of its principal frame M, p [m], its centre of mass in W.
     """
 
     scene: Scene
@@ -36,6 +37,7 @@ class Plan:
     links: Sequence[Link]
     loops: Sequence[Joint]
     index: Mapping[str, int]
+    held: frozenset[str]
     moments: Sequence[Vector3]
     q_BM: Sequence[Quaternion]
     q_WM: Sequence[Floats]
@@ -45,7 +47,9 @@ class Plan:
     @classmethod
     def of(cls, scene: Scene, settings: Settings) -> "Plan":
         """The plan of a scene under some settings. Raises: SettingsError."""
-        options, effects = checked(settings), scene.effects
+        options, effects, h = checked(settings), scene.effects, settings.dt / (settings.substeps or 1)
+        if options.by_scene and options.contact_impedance is None and Effect.CONTACT in effects:
+            options = replace(options, contact_impedance=impedance_for(scene, options, h))
         joints = scene.joints if Effect.JOINTS in effects else ()
         links, loops = forest(scene, joints)
         moments, q_BM = zip(*(principal(body) for body in scene.bodies), strict=True)
@@ -55,11 +59,12 @@ class Plan:
             settings=settings,
             options=options,
             effects=effects,
-            h=settings.dt / (settings.substeps or 1),
+            h=h,
             joints=joints,
             links=links,
             loops=loops,
             index={body.name: k for k, body in enumerate(scene.bodies)},
+            held=frozenset(name for joint in scene.joints for name in (joint.parent, joint.child)),
             moments=moments,
             q_BM=q_BM,
             q_WM=q_WM,
@@ -77,6 +82,14 @@ class Plan:
     def passable(self) -> bool:
         """Does the scene call for continuous collision, and goes without?"""
         return Effect.CONTINUOUS_COLLISION in self.effects and not self.speculative
+
+    def planted(self, body: Body) -> bool:
+        """Do its shapes stand in the world's own body? Those of what stands still do, unless a joint holds it.
+
+        MuJoCo searches the shapes of a body by their bounding volumes, and body after body. Source: MuJoCo, XML reference,
+        compiler/fusestatic.
+        """
+        return not (body.movable or self.prescribed(body) or body.name in self.held)
 
     def prescribed(self, body: Body) -> bool:
         """Is it a kinematic body that moves?"""

@@ -9,7 +9,7 @@ import numpy as np
 from adapters.mujoco.vendor import flag, refuse
 from harness.trajectory import Floats, Integers
 
-__all__ = ["fastest", "stiffest"]
+__all__ = ["fastest", "resisted", "stiffest"]
 
 EXACT_ROWS = 200
 """Springs and dampers up to which their fastest mode is found exactly rather than bounded."""
@@ -23,7 +23,7 @@ def fastest(model: Any, drives: Iterable[int], h: float) -> float:
     Args: drives: the actuators of those drives.
     """
     rate = 0.0
-    stiffness, damping, dof = _resisted(model, drives)
+    stiffness, damping, dof = resisted(model, drives)
     groups = (
         (stiffness[dof], damping[dof], model.dof_invweight0[dof]),
         (model.tendon_stiffness, model.tendon_damping, model.tendon_invweight0),
@@ -41,7 +41,7 @@ def stiffest(mj: Any, model: Any, drives: Iterable[int], h: float) -> tuple[floa
     Equation: a mode x of M q'' + C q' + K q = 0 has lambda^2 x'Mx + lambda x'Cx + x'Kx = 0, thus with c and k the largest
     eigenvalues of M^-1 C and M^-1 K, |lambda|^2 <= c |lambda| + k. Source: Tisseur, Meerbergen, SIAM Review 43 (2001).
     """
-    stiffness, damping, _ = _resisted(model, drives)
+    stiffness, damping, _ = resisted(model, drives)
     if not (stiffness.any() or damping.any() or model.tendon_stiffness.any() or model.tendon_damping.any()):
         return 0.0, 0.0
     d, random = mj.MjData(model), np.random.default_rng(0)
@@ -62,7 +62,7 @@ def stiffest(mj: Any, model: Any, drives: Iterable[int], h: float) -> tuple[floa
     return worst * h, undamped * h
 
 
-def _resisted(model: Any, drives: Iterable[int]) -> tuple[Floats, Floats, Integers]:
+def resisted(model: Any, drives: Iterable[int]) -> tuple[Floats, Floats, Integers]:
     """Stiffness and damping (nv,) of coordinates by springs, dampers and drives; where each joint's coordinates begin."""
     stiffness, damping, dof = np.zeros(model.nv), np.array(model.dof_damping), np.array(model.jnt_dofadr)
     stiffness[dof] += model.jnt_stiffness

@@ -21,7 +21,7 @@ def cast(world: World, origins: Floats, directions: Floats, max_range: float) ->
     geom, distance, normal = caster(world, origins, directions, max_range)()
     # The engine's cutoff leaves out whole shapes, not hits.
     hit = (geom >= 0) & (distance >= 0) & (distance <= max_range)
-    body = np.where(hit, world.indices.scene_body[m.geom_bodyid[np.where(hit, geom, 0)]] if m.ngeom else -1, -1)
+    body = np.where(hit, world.indices.owner[np.where(hit, geom, 0)] if m.ngeom else -1, -1)
     return Hits(np.where(hit, distance, np.inf), body.astype(np.int64), np.where(hit[:, None], normal, 0.0))
 
 

@@ -17,6 +17,7 @@ def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: flo
     free = mj.mjtIntegrator(option.integrator).name == "mjINT_DISCRETE" or choice.refsafe is False
     least = 0.0 if free else LEAST_STEPS * plan.h
     contact = time_constant(choice.contact_steps, plan.h, choice.slowest)
+    fast = time_constant(choice.fast_steps, plan.h, choice.slowest)
     flags = {
         "disabled": ("mjtDisableBit", "mjDSBL_", option.disableflags),
         "enabled": ("mjtEnableBit", "mjENBL_", option.enableflags),
@@ -30,6 +31,7 @@ def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: flo
         "rebound_steps": choice.rebound_steps,
         "friction_steps": choice.rebound_steps if draft.rebounds and own is None else own,
         "contact_time_constant": max(least, contact),
+        "fast_time_constant": max(least, fast) if draft.pressed else None,
         "friction_time_constant": max(least, friction_constant(choice, plan.h) or contact),
         "contact_damping_ratio": choice.contact_damping_ratio or 1.0,
         "contact_impedance": choice.contact_impedance or "0.9..0.95",
@@ -38,6 +40,8 @@ def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: flo
         "limit_impedance": choice.limit_impedance or "0.9..0.95",
         "loop_time_constant": max(least, time_constant(choice.loop_steps, plan.h, choice.slowest)),
         "loop_impedance": choice.loop_impedance or "0.9..0.95",
+        "drive_damping": None if not draft.drives else "joint" if draft.damped_joints else "actuator",
+        "arena_bytes": int(model.narena),
         "by_scene": choice.by_scene,
     }
     for word, (kind, prefix, bits) in flags.items():

@@ -8,10 +8,11 @@ from adapters.mujoco.damping import dampen
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.plan import Plan
 from adapters.mujoco.rates import fastest, stiffest
+from adapters.mujoco.sparse_factor import may_err
 from adapters.mujoco.vendor import flag
 from harness.scene import Effect
 
-__all__ = ["FAULTY_SPARSE", "settle"]
+__all__ = ["settle"]
 
 RESOLVED_RATE = 0.1
 """Largest rate times step of a spring or damper that Euler is given in a scene with contacts: about 60 steps a period."""
@@ -31,10 +32,9 @@ position, stable at any step, and more damped below the limit. Over a step of w 
 1 - z^2/2) errs by 2 sin((a - z)/2), the discrete one by |1/(1 + i z) - e^(-i z)|: .20 against .59 at 1.5, equal at 1.96. At 1.5
 rates may be off by a factor of 1.3, as for RK4.
 """
-FAULTY_SPARSE = "4.0.0"
-"""The version whose sparse factor of the Newton solver its makers call wrong (change log of 4.0.1)."""
 DENSE_LIMIT = 1200
-"""Coordinates up to which the dense factor is taken instead: its cost grows with their cube, its memory with their square."""
+"""Coordinates up to which a dense factor stands in for a faulty one: its cost grows with their cube, its memory with their
+square."""
 
 
 def settle(plan: Plan, draft: Draft, model: Any) -> float:
@@ -66,6 +66,6 @@ def settle(plan: Plan, draft: Draft, model: Any) -> float:
         else:
             name = "EULER"
         option.integrator = flag(mj, "mjtIntegrator", f"mjINT_{name}")
-    if plan.options.jacobian is None and mj.__version__ == FAULTY_SPARSE and model.nv <= DENSE_LIMIT:
+    if plan.options.jacobian is None and model.nv <= DENSE_LIMIT and may_err(plan, mj, model):
         option.jacobian = flag(mj, "mjtJacobian", "mjJAC_DENSE")
     return scale

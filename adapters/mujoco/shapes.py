@@ -33,13 +33,15 @@ COLLISION_GROUP, BOTH_GROUP, VISUAL_GROUP = 1, 0, 2
 
 
 def add_geom(plan: Plan, draft: Draft, k: int, placed: PlacedShape, name: str, drawn: bool = False) -> Any:
-    """One shape of the body at a place of the scene, its pose S turned from B to M. Raises: Unsupported.
+    """One shape of the body at a place of the scene, its pose S turned from B to M, or to W. Raises: Unsupported.
 
     Args: drawn: is it for pictures alone?
     """
     kinds, shape, body, node = draft.mj.mjtGeom, placed.shape, plan.scene.bodies[k], draft.bodies[k]
-    q_MB = conjugate(plan.q_BM[k])
-    pose: dict[str, Any] = {"pos": matrix(q_MB) @ placed.p_BS, "quat": multiply(q_MB, placed.q_BS), "name": name}
+    p, q = np.zeros(3), conjugate(plan.q_BM[k])
+    if plan.planted(body):
+        node, p, q, draft.planted[name] = draft.spec.worldbody, plan.p[k], body.q_WB, k
+    pose: dict[str, Any] = {"pos": p + matrix(q) @ placed.p_BS, "quat": multiply(q, placed.q_BS), "name": name}
     match shape:
         case Sphere(radius=r):
             return node.add_geom(type=kinds.mjGEOM_SPHERE, size=[r, 0, 0], **pose)

@@ -31,6 +31,7 @@ class MujocoSimulation:
         self._mj, self._m, self._d, self._indices = world.mj, world.model, world.state, world.indices
         self._substeps = resolved.substeps or 1
         self._advance = world.mj.mj_step
+        self._kind = flag(world.mj, "mjtState", "mjSTATE_INTEGRATION")
         self._numbers = self._d.warning.number
         self._clean = self._numbers.tobytes()
         self._movable = np.array([k for k, b in enumerate(world.scene.bodies) if b.movable], dtype=np.int64)
@@ -97,7 +98,7 @@ class MujocoSimulation:
         for k in range(count):
             mj.mj_contactForce(m, d, k, wrench)
             force[k] = wrench[:3] @ frame[k]
-        body = self._indices.scene_body[m.geom_bodyid[np.array(contact.geom).reshape(count, 2)]]
+        body = self._indices.owner[np.array(contact.geom).reshape(count, 2)]
         return Contacts.of(body[:, 0], body[:, 1], np.array(contact.pos), frame[:, 0], np.array(contact.dist), force)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
@@ -145,20 +146,27 @@ class MujocoSimulation:
 
     def save(self) -> object:
         """Everything that `mj_step` reads, warm start included (mjSTATE_INTEGRATION)."""
-        kind = flag(self._mj, "mjtState", "mjSTATE_INTEGRATION")
-        saved = np.empty(self._mj.mj_stateSize(self._m, kind))
-        self._mj.mj_getState(self._m, self._d, saved, kind)
-        return saved
+        return self.integration()
 
     def restore(self, saved: object) -> None:
         """Back to a saved state; `contacts` are then those of that state."""
         if not isinstance(saved, np.ndarray):
             raise TypeError(f"restore: got {type(saved).__name__}, expected what save returned")
-        self._mj.mj_setState(self._m, self._d, saved, flag(self._mj, "mjtState", "mjSTATE_INTEGRATION"))
+        self.continue_from(saved)
         self._numbers[:] = 0
         self._clean = self._numbers.tobytes()
         # Idempotent: the warm start stays as it was restored.
         self._mj.mj_forward(self._m, self._d)
+
+    def integration(self, out: Floats | None = None) -> Floats:
+        """The same, written into `out` where it is given."""
+        row: Floats = np.empty(self._mj.mj_stateSize(self._m, self._kind)) if out is None else out
+        self._mj.mj_getState(self._m, self._d, row, self._kind)
+        return row
+
+    def continue_from(self, row: Floats) -> None:
+        """Step on from there; what follows from the coordinates is left as it was."""
+        self._mj.mj_setState(self._m, self._d, row, self._kind)
 
     def close(self) -> None:
         """Free the window; the model is freed with the last reference to it."""

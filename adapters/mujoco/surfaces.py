@@ -1,7 +1,7 @@
 """The law of contact: what MuJoCo is told of each pair of materials, and which pairs priorities of geoms can tell."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from adapters.mujoco.options import Options
@@ -59,9 +59,17 @@ def contact_law(surface: Surface, effects: Effect, options: Options, h: float, i
 
 
 def contact_laws(
-    scene: Scene, effects: Effect, options: Options, h: float, integrator: str | None
+    scene: Scene,
+    effects: Effect,
+    options: Options,
+    h: float,
+    integrator: str | None,
+    pressed: Container[frozenset[str]] = frozenset(),
 ) -> dict[frozenset[str], Law]:
-    """The contact of each pair of materials of which two bodies can touch, in steps of h [s]. Raises: Unsupported."""
+    """The contact of each pair of materials of which two bodies can touch, in steps of h [s]. Raises: Unsupported.
+
+    Args: pressed: the pairs that take `fast_steps`.
+    """
     if Effect.CONTACT not in effects:
         return {}
     met = {frozenset((a[0], b[0])) for a, b in touching_kinds(scene)}
@@ -71,7 +79,8 @@ def contact_laws(
         if surface.pair not in met:
             continue
         if surface not in known:
-            known[surface] = contact_law(surface, effects, options, h, integrator)
+            told = replace(options, contact_steps=options.fast_steps) if surface.pair in pressed else options
+            known[surface] = contact_law(surface, effects, told, h, integrator)
         laws[surface.pair] = known[surface]
     return laws
 

@@ -28,14 +28,14 @@ class Indices:
     """Where the scene's bodies, drives and sensors stand in the compiled model.
 
     Terms:
-        body (n,): MuJoCo's body of each body of the scene. scene_body (nbody,): the way back, -1 for the world.
+        body (n,): MuJoCo's body of each body of the scene. owner (ngeom,): the body of the scene that a geom is a shape of.
         q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
         drives: actuator by joint. hung: the native joints and welds, by name. inertial: indices of accelerometer and gyroscope
         in the sensor data, by sensor.
     """
 
     body: Integers
-    scene_body: Integers
+    owner: Integers
     q_MB: Floats | None
     single: bool
     drives: Mapping[str, int]

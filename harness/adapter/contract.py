@@ -303,8 +303,9 @@ class Adapter(ABC):
         name: as on the command line. distribution: the package that is installed. title: as in the report.
         features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
         users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
-        test holds it to be true. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected
-        failures. trade_offs: where 'default' or one knob turned beats 'tuned', and why; the study `dominance` holds it true.
+        test holds it to be true. remedies: by name, a knob and the value that its documentation turns it to where a motion
+        breaks. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures. trade_offs:
+        where 'default' or one knob turned beats 'tuned', and why; the study `dominance` holds it true.
         deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
         adapter makes, with how; all others are the engine's own. laws: the functions, 'module:name' or 'module:class.name', by
         which it works such features out in every step: a price tells which share of it they took.
@@ -328,6 +329,7 @@ class Adapter(ABC):
     tracks: Mapping[str, Settings]
     knobs: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     acts_on: Mapping[str, Effect] = field(default_factory=dict)
+    remedies: Mapping[str, tuple[str, Any]] = field(default_factory=dict)
     known_failures: Mapping[str, str] = field(default_factory=dict)
     trade_offs: tuple[TradeOff, ...] = ()
     deviations: tuple[str, ...] = ()

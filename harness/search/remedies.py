@@ -3,7 +3,8 @@
 Sources: Ericson, Real-Time Collision Detection (2005), section 2.4.3 (tunnelling); Catto, Solver2D (2024) (sub-steps rather
 than iterations); Bender, Erleben, Trinkle, Interactive Simulation of Rigid Body Dynamics in Computer Graphics, Computer
 Graphics Forum 33 (2014) 246 (iterations, damping, time steps); Hairer, Lubich, Wanner, Geometric Numerical Integration (2006),
-chapter I (symplectic integrators); the PyBullet Quickstart Guide and MuJoCo's documentation, chapter Modeling (sizes, masses).
+chapter I (symplectic integrators); the PyBullet Quickstart Guide and MuJoCo's documentation, chapter Modeling (sizes, masses);
+the documentation of an engine for what its adapter names (`Adapter.remedies`).
 """
 
 from collections.abc import Collection, Iterator
@@ -14,6 +15,7 @@ from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import Alteration
 from harness.scene import Effect
+from harness.search.front import position, turned
 from harness.study.axes import axis_of
 from harness.study.trial import Trial
 
@@ -54,6 +56,9 @@ def remedied(sick: Trial, case: Case, adapter: Adapter, number: int, idle: Colle
             if value is not None and value != getattr(now, knob) and (knob, value) not in idle:
                 yield settled(f"{knob} {value}", **{knob: value})
     scene = sick.scene(case)
+    for remedy, (knob, value) in adapter.remedies.items():
+        if knob in adapter.knobs_in(scene) and position(now, knob) != value:
+            yield tried(remedy, settings=replace(turned(now, knob, value), source=f"remedy: {remedy}"))
     if Effect.CONTACT in scene.effects and Effect.CONTINUOUS_COLLISION not in scene.effects:
         yield tried(
             "continuous collision", alteration=Alteration(name="continuous collision", widen=Effect.CONTINUOUS_COLLISION)

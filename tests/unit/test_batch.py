@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.adapter import Adapter
 from harness.adapter.many_worlds import Turns, WorldOf, spread
 from harness.study import plugins
 from harness.trajectory import State
@@ -17,7 +18,8 @@ BODIES = len(SCENE.bodies)
 
 def batch(worlds: int) -> Turns:
     adapter = plugins.adapter("mujoco")
-    made = adapter.build_batch(SCENE, adapter.tracks["default"], worlds)
+    # As any engine can go: MuJoCo's own batch is tested beside its adapter.
+    made = Adapter.build_batch(adapter, SCENE, adapter.tracks["default"], worlds)
     assert isinstance(made, Turns)
     return made
 
@@ -72,7 +74,7 @@ def test_a_batch_that_cannot_be_finished_closes_what_it_began(monkeypatch: pytes
 
     monkeypatch.setattr(type(adapter), "build", build)
     with pytest.raises(MemoryError):
-        adapter.build_batch(SCENE, adapter.tracks["default"], 5)
+        Adapter.build_batch(adapter, SCENE, adapter.tracks["default"], 5)
     assert closed == [0, 1]
 
 

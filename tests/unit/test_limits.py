@@ -13,7 +13,7 @@ from harness.case import Axis, Case, Check
 from harness.case.starts import TOLERANCE, member
 from harness.metric import Metric, NotMeasurable
 from harness.metrics.divergence import DIVERGENCE
-from harness.scene import Body, PlacedShape, Scene, Sphere
+from harness.scene import Body, Effect, PlacedShape, Scene, Sphere
 from harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
 from harness.search.remedies import remedied
 from harness.store.record import Record
@@ -188,6 +188,18 @@ def test_a_remedy_that_helps_is_followed_and_one_that_does_not_is_told() -> None
     farther = [trial.parameters["speed"] for trial in trials if trial.remedy == "sub-steps x 4"]
     assert len(farther) > 1
     assert max(farther) > limit
+
+
+def test_what_an_adapter_names_of_its_documentation_is_tried_where_it_acts_and_does_not_stand_already() -> None:
+    """Among a scene's knobs, and at another value."""
+    knobs = {"options.grip": (1.0, 2.0), "options.hinge": (1.0, 2.0)}
+    named = {"firm": ("options.grip", 2.0), "as it is": ("options.grip", 1.0), "elsewhere": ("options.hinge", 2.0)}
+    track = {"tuned": Settings(options={"grip": 1.0})}
+    engine = BrittleEngine(limit=100.0, knobs=knobs, acts_on={"options.hinge": Effect.JOINTS}, remedies=named, tracks=track)
+    trials, _ = searched(case_of(), engine, Limit(within=1.1, members=4, remedies=("tuned",)))
+    tried = {trial.remedy: trial.settings for trial in trials if trial.remedied}
+    assert tried["firm"].options == {"grip": 2.0}
+    assert not tried.keys() & {"as it is", "elsewhere"}
 
 
 @dataclass(frozen=True, kw_only=True)

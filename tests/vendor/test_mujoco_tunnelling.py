@@ -1,5 +1,7 @@
 """Which balls get through a thin wall in MuJoCo, by its default contacts and by speculative ones, in its own words."""
 
+import math
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,11 +13,14 @@ pytestmark = pytest.mark.mujoco
 DT, R, PHASES = 1 / 240, 0.05, 16
 
 
-def centres(thickness: float, speed: float, ways: NDArray[np.float64], flag: str = "") -> NDArray[np.float64]:
+def centres(
+    thickness: float, speed: float, ways: NDArray[np.float64], flag: str = "", contact: str = ""
+) -> NDArray[np.float64]:
     """Where balls end [m], beyond the middle of a wall, in a quarter of a second that are shot at its face from `ways` [m]."""
-    count, law = len(ways), 'contype="1" conaffinity="2"'
+    count, law = len(ways), f'contype="1" conaffinity="2" {contact}'
     world = (
-        f'<geom type="box" size="{thickness / 2} {count / 2 + 1} .5" pos="0 {(count - 1) / 2} 0" contype="2" conaffinity="1"/>'
+        f'<geom type="box" size="{thickness / 2} {count / 2 + 1} .5" pos="0 {(count - 1) / 2} 0" contype="2" conaffinity="1" '
+        f"{contact}/>"
     )
     for k, way in enumerate(ways.tolist()):
         ball = f'<geom type="sphere" size="{R}" mass="1" {law}/>'
@@ -47,3 +52,41 @@ def test_balls_pass_a_wall_of_a_centimetre_at_50_m_per_s_unless_contacts_are_spe
     ends = centres(0.01, 50.0, 0.05 + np.random.default_rng(0).uniform(0.0, 50 / 60, 64), flag)
     # The centre beyond the wall's middle, or the front deeper than it: here the same balls.
     assert int((ends > 0.0).sum()) == int((ends + R > 0.0).sum()) == passed
+
+
+TWO_STEPS = f'solref="{2 * DT!r} 1"'
+"""The least time constant that the documentation advises: "Modeling", solver parameters."""
+
+
+@pytest.mark.parametrize(("contact", "through"), [("", 64), (TWO_STEPS, 0)])
+def test_contacts_of_two_steps_hold_a_wall_at_12_m_per_s_that_all_balls_pass_by_default(contact: str, through: int) -> None:
+    ways = 0.05 + np.random.default_rng(0).uniform(0.0, 12 / 60, 64)
+    assert int((centres(0.01, 12.0, ways, contact=contact) > 0.0).sum()) == through
+
+
+ROD, POST, HALF, LEVER, AHEAD = 0.01, 0.01, 0.5, 0.4, 0.15
+
+
+def rods_through(spin: float, contact: str) -> int:
+    """How many of 64 rods that spin [rad/s] between two posts, each from another phase, turn their middle beyond a post's."""
+    meeting = math.asin((ROD + POST) / LEVER)
+    angles = (AHEAD + np.random.default_rng(0).uniform(0.0, spin / 240, 64)).tolist()
+    middle = 0.1 * (len(angles) - 1) / 2
+    post = f'<geom type="capsule" size="{POST} {middle + 0.1}" contype="2" conaffinity="1" {contact}'
+    world = "".join(f'{post} pos="{side * LEVER} 0 {middle}"/>' for side in (-1, 1))
+    for k, angle in enumerate(angles):
+        rod = f'<geom type="capsule" size="{ROD} {HALF}" euler="0 90 0" mass=".5" contype="1" conaffinity="2" {contact}/>'
+        world += f'<body pos="0 0 {0.1 * k!r}" euler="0 0 {-math.degrees(angle + meeting)!r}"><freejoint/>{rod}</body>'
+    model, data = load(world, DT, gravity=0.0)
+    data.qvel[5::6] = spin
+    passed = np.zeros(len(angles), dtype=bool)
+    for _ in range(60):
+        mujoco.mj_step(model, data)
+        azimuth = 2 * np.arctan2(data.qpos[6::7], data.qpos[3::7])
+        passed |= np.sin(azimuth) > 0
+    return int(passed.sum())
+
+
+@pytest.mark.parametrize(("spin", "contact", "through"), [(5.6, "", 0), (11.2, "", 61), (11.2, TWO_STEPS, 0)])
+def test_contacts_of_two_steps_hold_rods_at_twice_the_rate(spin: float, contact: str, through: int) -> None:
+    assert rods_through(spin, contact) == through

@@ -166,7 +166,7 @@ ADAPTER = BulletAdapter(
         "default": Settings(source="pybullet 3.2.7 as installed"),
         "tuned": Settings(
             iterations=200,
-            tolerance=0.0,
+            tolerance=1e-9,
             options={
                 "coordinates": "scene",
                 "damping": "scene",

@@ -24,8 +24,8 @@ class Assembly:
         coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. hung: (number, link) of
         those that links of multibodies hang by. springs: those between
         points of two bodies. address: (number, link) -> place. grounds: numbers of planes, and of
-        boxes in their place, each with whether what has faces meets it, or what has none. waiting: (number, link) of bodies whose contacts wait until they
-        touch.
+        boxes in their place, each with whether what has faces meets it, or what has none. waiting: (number, link) of bodies
+        whose contacts wait until they touch.
         notices: what the engine computes beside the scene.
     """
 

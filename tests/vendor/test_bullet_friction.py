@@ -72,6 +72,39 @@ def test_friction_in_multibody_coordinates_stays_within_mu_n(world: World) -> No
     assert share == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.parametrize(("coordinates", "share"), [(MULTIBODY, 1.0), (MAXIMAL, math.sqrt(2))], ids=["multibody", "maximal"])
+def test_a_ball_that_slips_down_a_groove_is_braked_by_mu_n_in_multibody_coordinates_alone(
+    world: World, coordinates: int, share: float
+) -> None:
+    """A groove of two faces at 45 degrees, which leans by 0.3 rad: g (sin - sqrt(2) mu cos) along it."""
+    mu, lean, radius = 0.05, 0.3, 0.1
+    world.setPhysicsEngineParameter(numSolverIterations=200, solverResidualThreshold=0.0)
+    world.setGravity(G * math.sin(lean), 0.0, -G * math.cos(lean))
+    slab = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[5.0, 1.0, 0.2])
+    for side in (1, -1):
+        turn = pybullet.getQuaternionFromEuler([side * math.pi / 4, 0.0, 0.0])
+        below = (0.0, side * 0.2 * math.sqrt(0.5), -0.2 * math.sqrt(0.5))
+        face = world.createMultiBody(0.0, slab, basePosition=below, baseOrientation=turn, useMaximalCoordinates=coordinates)
+        world.changeDynamics(face, -1, lateralFriction=1.0)
+    ball = world.createMultiBody(
+        1.0,
+        world.createCollisionShape(pybullet.GEOM_SPHERE, radius=radius),
+        basePosition=(0.0, 0.0, radius * math.sqrt(2)),
+        useMaximalCoordinates=coordinates,
+    )
+    world.changeDynamics(ball, -1, lateralFriction=mu, mass=1.0, localInertiaDiagonal=[0.4 * radius**2] * 3)
+    world.release(ball, coordinates)
+    for _ in range(240):
+        world.stepSimulation()
+    points = world.getContactPoints()
+    rubbed = [float(np.linalg.norm(c[10] * np.array(c[11]) + c[12] * np.array(c[13]))) for c in points]
+    assert [rub / (mu * c[9]) for rub, c in zip(rubbed, points, strict=True)] == pytest.approx([share] * 2, rel=1e-3)
+    due = G * (math.sin(lean) - math.sqrt(2) * mu * math.cos(lean))
+    # The contact slop of 1e-5 m is passed in the first step.
+    right = world.getBaseVelocity(ball)[0][0] == pytest.approx(due, rel=1e-3)
+    assert right is (coordinates == MULTIBODY)
+
+
 def way(world: World, dt: float, shape: dict[str, Any], ground: dict[str, Any], maximal: int) -> float:
     """The way in 1 s down 1.1 times the critical slope of mu 0.5 over the due one."""
     world.setPhysicsEngineParameter(fixedTimeStep=dt, numSolverIterations=200, solverResidualThreshold=0.0)

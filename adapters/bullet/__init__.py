@@ -50,17 +50,21 @@ Deviations:
       of two boxes at once, and of a plane one more a step: there a box that is set down at 1/240 s sinks by 0.2 mm, for 0.01,
       and at 1/15 s falls over. Twenty boxes at rest cost 1.6 times as much on a box. Rays and images see the plane.
     * Sliding. Maximal coordinates bound friction along two directions apart: the forces of a point may be up to sqrt(2) mu N
-      and askew to its slip, and a ball slips down a groove at mu 0.05 by 4 % too slowly. On points that are found one a step
-      they brake too much: at mu 0.5 a cylinder on its end slides down a box of 1.1 times the critical angle 0.66 of its way, a hull
-      0.88 (dt 1/240). Multibody coordinates bound it by a cone, and brake what is found so a little too little, 1.10 and 1.07;
-      a box of unequal sides that is pushed across a diagonal goes 1.2 % too far, at any step. `tuned` takes them where friction
-      may slide something: where anything moves at the start, or is held on a face that slopes. It keeps maximal ones for
-      bodies that rebound, turn fast, are swept or damped, and for what stands level and still, which rests with a tenth of the
-      speed that is left in multibody ones, at two thirds of the cost.
+      and askew to its slip, and a ball slips down a groove at mu 0.05 by 4 % too slowly; two boxes slide right all the same,
+      since between their points that cancels. On points that are found one a step they brake too much: at mu 0.5 a cylinder on
+      its end slides down a box of 1.1 times the critical angle 0.66 of its way, a hull 0.88 (dt 1/240). Multibody coordinates
+      bound each point by a cone, and brake what is found so a little too little, 1.10 and 1.07. Of faces that slide askew to
+      Bullet's two directions at a normal they bear too little: a box on an incline of 1.15 times the critical angle, all turned
+      by 45 degrees about the vertical, goes 1.8 times as fast as due and 20 degrees off, at any step and number of iterations.
+      `tuned` takes them where friction may slide something, where anything moves at the start or is held on a face that slopes:
+      for what is round, and for what has faces where its way lies along those directions or both are alike to it. It keeps
+      maximal ones for what has faces elsewhere, for bodies that rebound, turn fast, are swept or damped, and for what stands
+      level and still, which rests with a tenth of the speed that is left in multibody ones, at two thirds of the cost.
     * With restitution and friction at once, bodies that rest creep under a push below the limit of friction: at 0.9 of it and
       e = 0.5 by 1-4 mm in 1.5 s at dt 1/240, by 0.6 mm and less at 1/1000 (without restitution by 0.2 and 0.05 mm).
     * The solver stops early once no constraint's speed changes by more than the root of `tolerance` in an iteration: 3e-4 m/s
-      at the vendor's 1e-7, where a humanoid trembles beyond its bound and a box on a slope creeps by 2e-5 m/s; `tuned` has 1e-9.
+      at the vendor's 1e-7, where a humanoid trembles beyond its bound and a box on a slope creeps by 2e-5 m/s; `tuned` has
+      1e-9.
     * A heavy body on a light one takes iterations by the ratio of their masses, on `tuned` 0.6 for each unit of it, from 200 to
       1200: a thousand on one costs 2.9 times as much as in 200, and errs by a tenth.
     * Rolling friction acts along two fixed directions, each with its own bound.
@@ -195,8 +199,8 @@ ADAPTER = BulletAdapter(
                 "a stack rests with a sixth of the jitter. Coordinates by the scene, from measurements in pybullet 3.2.7: "
                 "maximal ones have the implicit gyroscopic term, continuous collision and rebounds without contact ERP (e = 1 "
                 "gives 1.000 at dt 1/240, 1e-3 and 2e-5, multibody 1.01-1.07), and rest more quietly for two thirds of the "
-                "cost; multibody ones bound friction by a cone (a ball in a groove: 1.000 of mu N, maximal 1.414) and have "
-                "rolling and torsional friction. Residual threshold 1e-9, the square of a speed of 3e-5 m/s: the vendor's 1e-7 "
+                "cost; multibody ones bound friction by a cone (a ball in a groove: 1.000 of mu N, maximal 1.414), which is right "
+                "for faces along its two directions alone, and have rolling and torsional friction. Residual threshold 1e-9, the square of a speed of 3e-5 m/s: the vendor's 1e-7 "
                 "leaves 3e-4. Iterations by the mass ratio of free bodies: the sag of one cube on another depends on their "
                 "share alone. Contact slop 1e-6 m/s times dt where bodies rebound, since a rebound loses slop/dt: with the "
                 "vendor's 1e-5 m e = 1 gives 0.6 at 2e-5"
@@ -311,8 +315,10 @@ ADAPTER = BulletAdapter(
         "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",
         "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",
         "bodies with faces meet a box in place of a static plane, which ends a kilometre beyond all that moves at the start",
-        "friction in maximal coordinates, which tuned keeps for what rebounds, turns fast, is swept or damped, or stands level "
-        "and still, goes up to sqrt(2) mu N and askew to the slip",
+        "friction of a point in maximal coordinates, which tuned keeps for what rebounds, turns fast, is swept or damped, stands "
+        "level and still, or has faces that slide askew to Bullet's directions, goes up to sqrt(2) mu N and askew to the slip",
+        "in multibody coordinates, the default's, faces that slide askew to Bullet's two directions at a normal are braked by up to "
+        "7 % less than mu N, and go off their way",
         "what slides on contacts that are found one point a step (hulls, and cylinders on boxes) goes 1.02-1.10 of its way",
         "static and kinetic friction are one; friction, restitution and their like are products of two numbers",
     ),

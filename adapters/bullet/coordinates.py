@@ -2,7 +2,9 @@
 
 import math
 
+from adapters.bullet.ground import faced
 from adapters.bullet.plan import Plan
+from adapters.bullet.straight import goes_straight
 from harness.adapter import Unsupported
 from harness.scene import Body, Effect
 
@@ -32,11 +34,13 @@ def maximal(plan: Plan, place: int) -> bool:
 
 
 def _rubs(plan: Plan, place: int) -> bool:
-    """May this body slide, and are multibody coordinates, which bound friction by a cone, safe for it?"""
+    """May this body slide, and are multibody coordinates, which bound friction by a cone, safe and right for it?"""
     body, moments = plan.scene.bodies[place], plan.principal[place][0]
     law, even = plan.coefficients(body), max(moments) <= min(moments) * (1 + 1e-12)
     turned = math.hypot(*body.w_WB) * plan.h
-    return plan.sliding and law.friction > 0 and law.restitution == 0 and (even or turned <= FAST_TURN)
+    if not plan.sliding or law.friction == 0 or law.restitution > 0 or not (even or turned <= FAST_TURN):
+        return False
+    return not faced(body) or goes_straight(plan.scene, body)
 
 
 def damping_of(plan: Plan, body: Body) -> dict[str, float] | None:

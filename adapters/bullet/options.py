@@ -31,8 +31,8 @@ REBOUND_LOSS = 1e-6
 LEAST_ITERATIONS, MOST_ITERATIONS = 200, 1200
 """Of the solver on `iterations` = "scene"."""
 PER_RATIO = 0.6
-"""Iterations for each unit of mass ratio. An iteration takes the light body's share of both masses from the error: a stack of two
-errs by iterations over ratio alone, by 1.7e-3 of its height at 0.6 and 1/240 s, and may tremble at 0.5."""
+"""Iterations for each unit of mass ratio. An iteration takes the light body's share of both masses from the error: a stack of
+two errs by iterations over ratio alone, by 1.7e-3 of its height at 0.6 and 1/240 s, and may tremble at 0.5."""
 OPTIONS: Mapping[str, tuple[type, ...]] = {
     "coordinates": (str,),
     "iterations": (str,),

@@ -201,9 +201,9 @@ ADAPTER = BulletAdapter(
                 "gives 1.000 at dt 1/240, 1e-3 and 2e-5, multibody 1.01-1.07), and rest more quietly for two thirds of the "
                 "cost; multibody ones bound friction by a cone (a ball in a groove: 1.000 of mu N, maximal 1.414), which is "
                 "right for faces along its two directions alone, and have rolling and torsional friction. Residual threshold "
-                "1e-9, the square of a speed of 3e-5 m/s: the vendor's 1e-7 leaves 3e-4. Iterations by the mass ratio of free bodies: the sag of one cube on another depends on their "
-                "share alone. Contact slop 1e-6 m/s times dt where bodies rebound, since a rebound loses slop/dt: with the "
-                "vendor's 1e-5 m e = 1 gives 0.6 at 2e-5"
+                "1e-9, the square of a speed of 3e-5 m/s: the vendor's 1e-7 leaves 3e-4. Iterations by the mass ratio of free "
+                "bodies: the sag of one cube on another depends on their share alone. Contact slop 1e-6 m/s times dt where "
+                "bodies rebound, since a rebound loses slop/dt: with the vendor's 1e-5 m e = 1 gives 0.6 at 2e-5"
             ),
         ),
     },
@@ -316,10 +316,10 @@ ADAPTER = BulletAdapter(
         "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",
         "bodies with faces meet a box in place of a static plane, which ends a kilometre beyond all that moves at the start",
         "friction of a point in maximal coordinates, which tuned keeps for what rebounds, turns fast, is swept or damped, "
-        "stands level and still, or has faces that slide askew to Bullet's directions, goes up to sqrt(2) mu N and askew to the "
-        "slip",
-        "in multibody coordinates, the default's, faces that slide askew to Bullet's two directions at a normal, by 45 degrees, "
-        "are braked by 7 % less than mu N and go off their way",
+        "stands level and still, or has faces that slide askew to Bullet's directions, goes up to sqrt(2) mu N and askew to "
+        "the slip",
+        "in multibody coordinates, the default's, faces that slide askew to Bullet's two directions at a normal, by 45 "
+        "degrees, are braked by 7 % less than mu N and go off their way",
         "what slides on contacts that are found one point a step (hulls, and cylinders on boxes) goes 1.02-1.10 of its way",
         "static and kinetic friction are one; friction, restitution and their like are products of two numbers",
     ),

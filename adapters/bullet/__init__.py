@@ -263,8 +263,8 @@ ADAPTER = BulletAdapter(
         "sensor_imu_lag": _LEAD,
         "sensor_imu_lag/ladder": _LEAD,
         "stack_heavy_on_two": (
-            "how two bodies share a load is left open by statics, and settled by the phase of the landing: tuned .015 to .052 "
-            "over the ladder in no order, default .007 to .16; the geometric mean of the ratio is .95"
+            "how two bodies share a load is left open by statics, and settled by the phase of the landing: tuned .003 to .030 "
+            "over the ladder in no order, default .004 to .20; the geometric mean of the ratio is .90"
         ),
         "system_level_of_detail": _THICK,
         "system_level_of_detail/ladder": _THICK,

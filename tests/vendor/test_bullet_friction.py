@@ -75,7 +75,7 @@ def test_friction_in_multibody_coordinates_stays_within_mu_n(world: World) -> No
 def turned(world: World, angle: float, coordinates: int) -> tuple[float, float, float]:
     """A box on an incline of 1.15 times the angle of friction, all turned by `angle` [rad] about the vertical, after 1 s.
 
-    Returns: its speed over the due one, the angle [rad] of its way to the fall line, its mean friction over mu N, of all points.
+    Returns: its speed over the due one, the angle [rad] of its way to the fall line, its mean friction over mu N.
     """
     world.setGravity(0.0, 0.0, -G)
     slope = math.atan(1.15 * MU)

@@ -23,8 +23,9 @@ class Assembly:
         drives. prescribed: the kinematic bodies.
         coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. hung: (number, link) of
         those that links of multibodies hang by. springs: those between
-        points of two bodies. address: (number, link) -> place. waiting: (number, link) of bodies whose contacts wait until they
-        touch.
+        points of two bodies. address: (number, link) -> place. grounds: numbers of planes, and of
+        boxes in their place, each with whether what has faces meets it, or what has none. waiting: (number, link) of bodies
+        whose contacts wait until they touch.
         notices: what the engine computes beside the scene.
     """
 
@@ -39,5 +40,6 @@ class Assembly:
     hung: dict[str, tuple[int, int]] = field(default_factory=dict)
     springs: DistanceSprings | None = None
     address: dict[tuple[int, int], int] = field(default_factory=dict)
+    grounds: list[tuple[int, bool]] = field(default_factory=list)
     waiting: set[tuple[int, int]] = field(default_factory=set)
     notices: list[Notice] = field(default_factory=list)

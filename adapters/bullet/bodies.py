@@ -6,6 +6,7 @@ from adapters.bullet.assembly import Assembly
 from adapters.bullet.belts import Belt
 from adapters.bullet.coordinates import damping_of
 from adapters.bullet.frames import xyzw
+from adapters.bullet.ground import static_parts
 from adapters.bullet.plan import Plan
 from adapters.bullet.shapes import collision_shape, inner_radius, padded
 from adapters.bullet.vendor import LIFTED
@@ -21,20 +22,20 @@ def put_static(plan: Plan, made: Assembly, place: int, maximal: bool) -> None:
     Args: maximal: is some free body in maximal coordinates? One multibody makes the contact one of multibodies, so what stands
     still follows what moves.
     """
-    shape = collision_shape(made.port, plan.placed(place, (0.0, 0.0, 0.0)))
-    if shape < 0:
-        return
-    number = made.port.call(
-        "createMultiBody",
-        baseMass=0.0,
-        baseCollisionShapeIndex=shape,
-        baseVisualShapeIndex=made.unseen,
-        basePosition=plan.scene.bodies[place].p_WB,
-        baseOrientation=xyzw(plan.q_WI(place)),
-        useMaximalCoordinates=int(maximal),
-    )
-    made.address[number, -1] = place
-    tell_body(plan, made, number, -1, place, maximal)
+    for shapes, faces in static_parts(plan, place):
+        number = made.port.call(
+            "createMultiBody",
+            baseMass=0.0,
+            baseCollisionShapeIndex=collision_shape(made.port, shapes),
+            baseVisualShapeIndex=made.unseen,
+            basePosition=plan.scene.bodies[place].p_WB,
+            baseOrientation=xyzw(plan.q_WI(place)),
+            useMaximalCoordinates=int(maximal),
+        )
+        made.address[number, -1] = place
+        if faces is not None:
+            made.grounds.append((number, faces))
+        tell_body(plan, made, number, -1, place, maximal)
 
 
 def put_free(plan: Plan, made: Assembly, place: int, maximal: bool) -> None:

@@ -10,6 +10,7 @@ from adapters.bullet.assembly import Assembly
 from adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
 from adapters.bullet.closures import close_loop, couple
 from adapters.bullet.coordinates import maximal
+from adapters.bullet.ground import faced
 from adapters.bullet.multibodies import put_multibody
 from adapters.bullet.options import resolved_settings, set_parameters
 from adapters.bullet.plan import Plan
@@ -34,12 +35,12 @@ def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[s
     set_parameters(port, settings, plan.options, plan.touching)
     constrained = constrained_joints(scene, plan.joints, options["joints"])
     made.notices += rotor_notices(scene, plan.joints, constrained, plan.h)
-    _put_bodies(plan, made, constrained)
+    acting = _put_bodies(plan, made, constrained)
     port.call("setGravity", *plan.gravity)
     _filter(plan, made)
     _surplus(plan, made)
     made.springs = plan.springs
-    simulation = BulletSimulation(scene, resolved_settings(port, settings, plan.options), made)
+    simulation = BulletSimulation(scene, resolved_settings(port, settings, {**plan.options, **acting}), made)
     _verify(plan, made, simulation)
     return simulation
 
@@ -55,8 +56,12 @@ def _check(plan: Plan) -> None:
             )
 
 
-def _put_bodies(plan: Plan, made: Assembly, constrained: Container[str]) -> None:
-    """Bodies in maximal coordinates first, then what stands still, bodies in multibody coordinates, trees and constraints."""
+def _put_bodies(plan: Plan, made: Assembly, constrained: Container[str]) -> dict[str, Any]:
+    """Bodies in maximal coordinates first, then what stands still, bodies in multibody coordinates, trees and constraints.
+
+    Returns: the options that are known by now: the coordinates that bodies are in, and whether a cone bounds their friction,
+    which it does where one body of each pair is in multibody coordinates.
+    """
     bodies = plan.scene.bodies
     trees = spanning_trees(plan.scene, plan.joints, constrained)
     held = {name for joint in plan.joints if joint.name in constrained for name in (joint.parent, joint.child)}
@@ -83,13 +88,24 @@ def _put_bodies(plan: Plan, made: Assembly, constrained: Container[str]) -> None
     for joint in plan.joints:
         if isinstance(joint, Revolute | Prismatic) and joint.coupling is not None:
             couple(made, joint.name, joint.coupling)
+    reduced = bool(made.linked) or len(loose) < len(made.bases)
+    apart = any(bodies[place].motion == "dynamic" and plan.coefficients(bodies[place]).friction > 0 for place in loose)
+    return {
+        "coordinates": "both" if loose and reduced else "maximal" if loose else "multibody",
+        "cone_friction": plan.options["cone_friction"] and not apart and plan.settings.solver in (None, "si"),
+    }
 
 
 def _filter(plan: Plan, made: Assembly) -> None:
-    """Keep joined bodies, materials that are apart, and prescribed bodies and what stands still, from colliding."""
+    """Keep joined bodies, materials that are apart, and prescribed bodies and what stands still, from colliding.
+
+    And of a plane and the box in its place each from what the other is there for.
+    """
     if not plan.solid:
         return
-    by_name = {plan.scene.bodies[place].name: key for key, place in made.address.items()}
+    by_name: dict[str, list[tuple[int, int]]] = {}
+    for key, place in made.address.items():
+        by_name.setdefault(plan.scene.bodies[place].name, []).append(key)
     apart = {tuple(sorted(pair)) for pair in plan.scene.joined() if WORLD not in pair}
     still = [b.name for b in plan.scene.bodies if b.motion != "dynamic"]
     prescribed = [b.name for b in plan.scene.bodies if b.motion == "kinematic"]
@@ -103,9 +119,11 @@ def _filter(plan: Plan, made: Assembly) -> None:
         pairs = combinations(mine, 2) if material == other else product(mine, others)
         apart |= {(a.name, b.name) if a.name < b.name else (b.name, a.name) for a, b in pairs if a.movable or b.movable}
     for a, b in sorted(apart):
-        if a in by_name and b in by_name:
-            (first, i), (second, j) = by_name[a], by_name[b]
+        for (first, i), (second, j) in product(by_name.get(a, ()), by_name.get(b, ())):
             made.port.call("setCollisionFilterPair", first, second, i, j, 0)
+    for (ground, faces), ((number, link), place) in product(made.grounds, made.address.items()):
+        if plan.scene.bodies[place].movable and faced(plan.scene.bodies[place]) is not faces:
+            made.port.call("setCollisionFilterPair", ground, number, -1, link, 0)
 
 
 def _surplus(plan: Plan, made: Assembly) -> None:

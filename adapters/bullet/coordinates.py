@@ -2,8 +2,9 @@
 
 import math
 
+from adapters.bullet.ground import faced
 from adapters.bullet.plan import Plan
-from adapters.bullet.surfaces import gathers
+from adapters.bullet.straight import goes_straight
 from harness.adapter import Unsupported
 from harness.scene import Body, Effect
 
@@ -29,18 +30,17 @@ def maximal(plan: Plan, place: int) -> bool:
     if needed or body.motion == "kinematic":
         return True
     preferred = plan.options["coordinates"]
-    return not braked and preferred != "multibody" and not (preferred == "scene" and _slides(plan, place))
+    return not braked and preferred != "multibody" and not (preferred == "scene" and _rubs(plan, place))
 
 
-def _slides(plan: Plan, place: int) -> bool:
-    """Would maximal coordinates brake this body too much, and are multibody ones safe for it?"""
+def _rubs(plan: Plan, place: int) -> bool:
+    """May this body slide, and are multibody coordinates, which bound friction by a cone, safe and right for it?"""
     body, moments = plan.scene.bodies[place], plan.principal[place][0]
-    even = max(moments) <= min(moments) * (1 + 1e-12)
-    turned = math.hypot(*body.w_WB) * plan.settings.dt / (plan.settings.substeps or 1)
-    if plan.coefficients(body).restitution > 0 or not (even or turned <= FAST_TURN):
+    law, even = plan.coefficients(body), max(moments) <= min(moments) * (1 + 1e-12)
+    turned = math.hypot(*body.w_WB) * plan.h
+    if not plan.sliding or law.friction == 0 or law.restitution > 0 or not (even or turned <= FAST_TURN):
         return False
-    met = plan.rubbing.get((body.material, body.movable), frozenset())
-    return any(gathers(type(placed.shape), other, plan.resting) for placed in body.collision for other in met)
+    return not faced(body) or goes_straight(plan.scene, body)
 
 
 def damping_of(plan: Plan, body: Body) -> dict[str, float] | None:

@@ -6,12 +6,14 @@ from typing import Any
 
 from adapters.bullet.frames import plus
 from adapters.bullet.options import substep, with_slop
-from adapters.bullet.surfaces import Coefficients, braked, coefficients, rubbing, stands
+from adapters.bullet.shapes import Placed
+from adapters.bullet.sliding import may_slide
+from adapters.bullet.surfaces import Coefficients, braked, coefficients
 from harness.adapter import Settings
 from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from harness.adapter.rotations import conjugate, principal_frame
 from harness.adapter.touching_kinds import Kind
-from harness.scene import Body, Effect, Joint, Quaternion, Scene, Shape, Vector3, multiply, rotate
+from harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply, rotate
 
 __all__ = ["Plan"]
 
@@ -27,9 +29,8 @@ class Plan:
         options: all of them, the vendor's where the settings leave them open. effects: the scene's, worked out once. touching:
         do contacts wait until bodies touch? joints: none where the scene does not call for them, without the distance springs,
         which are forces (`springs`). law: what each kind of body carries. braked: the kinds that rolling or torsional friction
-        acts on. rubbing: the shapes that each kind meets with friction but without rebound. resting: does nothing move at the
-        start, and no plane slope? principal: of each body its moments [kg m2] and q_BI. greatest: the greatest mass [kg] of
-        what moves. gravity: in W, 0 where the scene does not call for it [m/s2].
+        acts on. sliding: may something slide? principal: of each body its moments [kg m2] and q_BI. greatest: the greatest mass
+        [kg] of what moves. gravity: in W, 0 where the scene does not call for it [m/s2].
     """
 
     scene: Scene
@@ -41,8 +42,7 @@ class Plan:
     springs: DistanceSprings | None
     law: Mapping[Kind, Coefficients]
     braked: frozenset[Kind]
-    rubbing: Mapping[Kind, frozenset[type]]
-    resting: bool
+    sliding: bool
     principal: Sequence[tuple[Vector3, Quaternion]]
     greatest: float
     gravity: Vector3
@@ -66,8 +66,7 @@ class Plan:
             springs=DistanceSprings.of(scene, joints, substep(settings)),
             law=coefficients(scene),
             braked=braked(scene),
-            rubbing=rubbing(scene),
-            resting=stands(scene),
+            sliding=may_slide(scene),
             principal=[principal_frame(body) for body in scene.bodies],
             greatest=max((b.mass for b in scene.bodies if b.movable), default=1.0),
             gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
@@ -101,7 +100,7 @@ class Plan:
         """The principal frame of the body at a place, in W."""
         return multiply(self.scene.bodies[place].q_WB, self.principal[place][1])
 
-    def placed(self, place: int, p_LI: Vector3) -> list[tuple[Shape, Vector3, Quaternion]]:
+    def placed(self, place: int, p_LI: Vector3) -> list[Placed]:
         """The body's shapes at their poses in the link frame L, which is turned like I and has I's origin at p_LI."""
         if not self.solid:
             return []

@@ -28,8 +28,19 @@ from harness.scene import (
     rotate,
 )
 
-__all__ = ["check_shapes", "collision_shape", "inner_radius", "padded", "single_shape", "unseen_shape", "visual_shape"]
+__all__ = [
+    "Placed",
+    "check_shapes",
+    "collision_shape",
+    "inner_radius",
+    "padded",
+    "single_shape",
+    "unseen_shape",
+    "visual_shape",
+]
 
+Placed = tuple[Shape, Vector3, Quaternion]
+"""A shape with its pose in the frame of a body or a link."""
 NO_ELLIPSOID = (
     "an ellipsoid",
     "pybullet makes none; the hull of points on one is another shape, which ellipsoids = 'polyhedra' beside a robot asks for",
@@ -222,7 +233,7 @@ def check_shapes(body: Body) -> None:
             raise Unsupported(f"mesh of body '{body.name}'", "pybullet cuts a mesh at 131072 vertices or 524288 indices")
 
 
-def collision_shape(port: Port, placed: Sequence[tuple[Shape, Vector3, Quaternion]]) -> int:
+def collision_shape(port: Port, placed: Sequence[Placed]) -> int:
     """One collision shape out of shapes at their poses in the link frame L; -1 for none."""
     if not placed:
         return -1

@@ -8,14 +8,12 @@ import numpy as np
 
 from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import Kind, touching_kinds
-from harness.scene import Box, Capsule, Effect, Plane, Scene, Sphere, Surface, multiply, rotate
+from harness.scene import Effect, Scene, Surface
 
-__all__ = ["Coefficients", "braked", "coefficients", "gathers", "rubbing", "stands"]
+__all__ = ["Coefficients", "braked", "coefficients"]
 
 GREATEST_FRICTION = 10.0
 """btManifoldResult clamps every combined coefficient to this."""
-SLOPE = 1e-6
-"""The least cosine between gravity and a plane's normal, and between gravity and the plane, that counts as a slope."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,43 +118,3 @@ def braked(scene: Scene) -> frozenset[Kind]:
     return frozenset(
         kind for pair, law in _pairs(scene).items() if any(getattr(law, name) > 0 for name in acting) for kind in pair
     )
-
-
-def stands(scene: Scene) -> bool:
-    """Does nothing move at the start, and is gravity along or across the normal of every plane?"""
-    if any(any(body.v_WB) or any(body.w_WB) or body.prescribed is not None for body in scene.bodies):
-        return False
-    pull = np.asarray(scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
-    for body in scene.bodies:
-        for placed in body.collision:
-            if isinstance(placed.shape, Plane):
-                along = abs(float(pull @ rotate(multiply(body.q_WB, placed.q_BS), placed.shape.normal)))
-                if SLOPE < along / max(float(np.linalg.norm(pull)), 1e-300) < math.sqrt(1 - SLOPE**2):
-                    return False
-    return True
-
-
-def rubbing(scene: Scene) -> dict[Kind, frozenset[type]]:
-    """The shapes that each kind of body can meet with friction but without rebound."""
-    if Effect.FRICTION not in scene.effects or Effect.CONTACT not in scene.effects:
-        return {}
-    shapes: dict[Kind, set[type]] = {}
-    for body in scene.bodies:
-        shapes.setdefault((body.material, body.movable), set()).update(type(placed.shape) for placed in body.collision)
-    met: dict[Kind, set[type]] = {}
-    for (a, b), law in _pairs(scene).items():
-        if law.kinetic_friction > 0:
-            met.setdefault(a, set()).update(shapes[b])
-            met.setdefault(b, set()).update(shapes[a])
-    return {kind: frozenset(types) for kind, types in met.items()}
-
-
-def gathers(a: type, b: type, stands: bool) -> bool:
-    """Does Bullet find the contact of these two shapes one point a step, though it takes several?
-
-    All but balls, whose contact is a point, capsules, which find both their ends, and two boxes. A box on a plane that stands
-    still keeps the points that it has gathered.
-    """
-    if {a, b} & {Sphere, Capsule} or a is b is Box:
-        return False
-    return not (stands and {a, b} == {Box, Plane})

@@ -15,8 +15,8 @@ from harness.adapter import Adapter
 from harness.case import Case
 from harness.case.alteration import Alteration
 from harness.scene import Effect
-from harness.search.front import position, turned
 from harness.study.axes import axis_of
+from harness.study.one_knob import position, turned
 from harness.study.trial import Trial
 
 __all__ = ["remedied"]

@@ -1,4 +1,5 @@
-"""What the adapter of Bullet chooses by the scene: constraints for fast tops, sub-steps, held feet, whose forces it reports."""
+"""What the adapter of Bullet chooses by the scene: constraints for fast tops, sub-steps, iterations, held feet, whose forces it
+reports."""
 
 import math
 from dataclasses import replace
@@ -92,6 +93,29 @@ def test_steps_longer_than_the_vendors_are_cut_and_no_others() -> None:
     assert substeps(with_options(DEFAULT, longest_step=0.5e-3).with_dt(1e-3)) == 2
     with pytest.raises(SettingsError, match="longest_step"):
         substeps(with_options(TUNED, longest_step=0.0))
+
+
+@pytest.mark.parametrize(("ratio", "due"), [(1, 200), (333, 200), (500, 300), (1000, 600), (2000, 1200), (1e6, 1200)])
+def test_iterations_go_by_the_ratio_of_the_masses_unless_they_are_told(ratio: float, due: int) -> None:
+    scene = CASES["stack_mass_ratio"].scene(ratio=ratio)
+
+    def iterations(told: Scene, settings: Settings) -> int | None:
+        simulation = ADAPTER.build(told, settings)
+        try:
+            return simulation.resolved.iterations
+        finally:
+            simulation.close()
+
+    assert iterations(scene, TUNED) == due
+    assert iterations(scene, replace(TUNED, iterations=77)) == 77
+    assert iterations(scene, DEFAULT) == 50
+    # Without weight nothing lies on anything.
+    assert iterations(replace(scene, gravity=(0.0, 0.0, 0.0)), TUNED) == 200
+
+
+@pytest.mark.parametrize("ratio", [500, 800, 1250, pytest.param(2000, marks=pytest.mark.slow)])
+def test_a_light_box_bears_one_of_any_such_ratio(ratio: float) -> None:
+    assert not answer("stack_mass_ratio", TUNED, ratio=ratio).broken
 
 
 def test_tuned_holds_a_tower_of_sixteen_at_a_15th() -> None:

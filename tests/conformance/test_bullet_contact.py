@@ -51,7 +51,7 @@ from tests.conformance.bullet_scenes import (
 def test_contact_forces_of_a_resting_box_carry_its_weight_from_A_to_B(settings: Settings) -> None:
     box = solid(Box(half_extents=(0.2, 0.15, 0.1)), p_WB=(0.0, 0.0, 0.1))
     for bodies, sign in (((GROUND, box), 1.0), ((box, GROUND), -1.0)):
-        with built(Scene(bodies=bodies, surfaces=(law(0.5),)), settings) as simulation:
+        with built(Scene(bodies=bodies, surfaces=(law(0.5),)), replace(settings, tolerance=0.0)) as simulation:
             simulation.step(240)
             contacts = simulation.contacts()
         assert len(contacts) == 4
@@ -103,7 +103,7 @@ def test_sliding_in_maximal_coordinates_stops_at_the_same_distance_in_all_direct
         v = (2 * math.cos(azimuth), 2 * math.sin(azimuth), 0.0)
         box = solid(Box(half_extents=(0.2, 0.15, 0.1)), p_WB=(0.0, 0.0, 0.1), v_WB=v)
         scene = Scene(bodies=(GROUND, box), surfaces=(law(0.4),))
-        with built(scene, TUNED.with_dt(1e-3)) as simulation:
+        with built(scene, MAXIMAL.with_dt(1e-3)) as simulation:
             simulation.step(1000)
             way = math.hypot(*state_of(simulation, scene).p_WB[1, :2])
         # d = v^2/(2 mu g) less v dt/2 (0.2 %); a box instead of a cone would be 29 % off at 45 degrees.

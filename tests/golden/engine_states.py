@@ -1,7 +1,8 @@
 """Where the reference engine takes six worlds: their states, which hold to rounding everywhere, and hashes, to the last bit.
 
 The text of a kernel says which products are rounded with the sums that they stand in, so processors that have the instruction
-give the same bits; a hash holds for these, one C library, one Numba and one LLVM. What it makes of a state to have no such
+give the same bits; a hash holds for these, one C library, one Numba, one LLVM and the kernels of NumPy's linear algebra, by
+which a world is built: these go with the processor. What it makes of a state to have no such
 instruction has been measured, by compiling without any of the processor's own; another machine may differ a hundred times as
 much. After an intended change of the engine, renew states and the hashes of this machine by
 
@@ -41,11 +42,14 @@ ROUGH = {("default", "default"): engine.Surface(static_friction=0.6, kinetic_fri
 
 
 def machine() -> str:
-    """The family of processors, whether it fuses products and sums, and the versions of the C library, Numba and LLVM."""
+    """The family of processors, whether it fuses products and sums, NumPy's BLAS kernels, and the versions of the C library,
+    Numba and LLVM."""
     import numba
+    from threadpoolctl import threadpool_info
 
+    kernels = {info.get("architecture", "") for info in threadpool_info() if "numpy" in info["filepath"]}
     versions = f"{' '.join(platform.libc_ver())}, numba {numba.__version__}, LLVM {'.'.join(map(str, llvm.llvm_version_info))}"
-    return f"{platform.machine()} {'with' if fuses() else 'without'} fused multiply-add, {versions}"
+    return f"{platform.machine()} {'with' if fuses() else 'without'} fused multiply-add, BLAS {' '.join(sorted(kernels))}, {versions}"
 
 
 def fuses() -> bool:

@@ -237,9 +237,10 @@ def test_a_double_pendulum_without_damping_errs_by_half_a_step(world: World) -> 
 
 
 def lay(world: World, half: Sequence[float], pushes: Floats, frictions: Sequence[float], damped: bool) -> list[int]:
-    """Boxes of 1 kg side by side on a plane, each with a push [m/s] and a coefficient of friction."""
+    """Boxes of 1 kg side by side on a box like that of plane.urdf, each with a push [m/s] and a coefficient of friction."""
     world.setGravity(0, 0, -G)
-    ground: int = world.createMultiBody(0.0, world.createCollisionShape(pybullet.GEOM_PLANE))
+    slab = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[100.0, 100.0, 5.0], collisionFramePosition=[0, 0, -5])
+    ground: int = world.createMultiBody(0.0, slab)
     world.changeDynamics(ground, -1, lateralFriction=1.0)
     shape = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
     boxes = []
@@ -278,12 +279,12 @@ AROUND = np.array([[2 * math.cos(a), 2 * math.sin(a)] for a in np.linspace(0, ma
 
 def test_sliding_boxes_stop_early(world: World) -> None:
     found = slide(world, (0.2, 0.2, 0.05), ALONG, (0.2, 0.4, 0.7), damped=True, until=1.5)
-    assert found == pytest.approx((0.06704, 0.05162), rel=SAME)
+    assert found == pytest.approx((0.06708, 0.04923), rel=SAME)
 
 
 def test_boxes_stop_early_in_every_direction(world: World) -> None:
     found = slide(world, (0.1, 0.1, 0.025), AROUND, [0.5] * 13, damped=True, until=0.75)
-    assert found[0] == pytest.approx(0.03603, rel=SAME)
+    assert found[0] == pytest.approx(0.03678, rel=SAME)
 
 
 def test_sliding_boxes_stop_on_time_without_damping(world: World) -> None:
@@ -317,7 +318,7 @@ def missed(world: World, damped: bool) -> float:
 
 
 def test_what_a_sliding_box_loses_is_more_than_its_contacts_take(world: World) -> None:
-    assert missed(world, damped=True) == pytest.approx(0.006653, rel=SAME)
+    assert missed(world, damped=True) == pytest.approx(0.03189, rel=SAME)
 
 
 def test_contacts_take_all_that_a_sliding_box_loses_without_damping(world: World) -> None:

@@ -72,6 +72,90 @@ def test_friction_in_multibody_coordinates_stays_within_mu_n(world: World) -> No
     assert share == pytest.approx(1.0, abs=1e-9)
 
 
+def turned(world: World, angle: float, coordinates: int) -> tuple[float, float, float]:
+    """A box on an incline of 1.15 times the angle of friction, all turned by `angle` [rad] about the vertical, after 1 s.
+
+    Returns: its speed over the due one, the angle [rad] of its way to the fall line, its mean friction over mu N.
+    """
+    world.setGravity(0.0, 0.0, -G)
+    slope = math.atan(1.15 * MU)
+    turn = pybullet.multiplyTransforms(
+        [0.0] * 3,
+        pybullet.getQuaternionFromEuler([0.0, 0.0, angle]),
+        [0.0] * 3,
+        pybullet.getQuaternionFromEuler([0.0, slope, 0.0]),
+    )[1]
+    down, across, normal = np.array(world.getMatrixFromQuaternion(turn)).reshape(3, 3).T
+    placed = {"baseOrientation": turn, "useMaximalCoordinates": coordinates}
+    slab = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[10.0, 3.0, 0.2])
+    ground = world.createMultiBody(0.0, slab, basePosition=(-0.2 * normal).tolist(), **placed)
+    world.changeDynamics(ground, -1, lateralFriction=1.0)
+    shape = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.1, 0.1, DOWN])
+    box = world.createMultiBody(1.0, shape, basePosition=(DOWN * normal).tolist(), **placed)
+    world.changeDynamics(box, -1, lateralFriction=MU, linearDamping=0.0, angularDamping=0.0)
+    shares = []
+    for step in range(240):
+        world.stepSimulation()
+        points = world.getContactPoints()
+        rub = sum((c[10] * np.array(c[11]) + c[12] * np.array(c[13]) for c in points), np.zeros(3))
+        if step >= 20:
+            shares.append(float(np.linalg.norm(rub)) / (MU * sum(c[9] for c in points)))
+    v = np.array(world.getBaseVelocity(box)[0])
+    due = G * (math.sin(slope) - MU * math.cos(slope))
+    return float(np.linalg.norm(v)) / due, math.atan2(float(v @ across), float(v @ down)), float(np.mean(shares))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, math.pi / 4, 1.2])
+def test_in_maximal_coordinates_a_box_slides_right_whatever_way_the_slope_faces(world: World, angle: float) -> None:
+    # What the points have beyond mu N between them cancels: their sum is mu N against the slip.
+    assert turned(world, angle, MAXIMAL) == pytest.approx((1.0, 0.0, 1.0), abs=2e-3)
+
+
+def test_in_multibody_coordinates_it_does_where_the_slope_faces_along_an_axis(world: World) -> None:
+    assert turned(world, 0.0, MULTIBODY) == pytest.approx((1.0, 0.0, 1.0), abs=2e-3)
+
+
+@pytest.mark.parametrize(("angle", "faster"), [(0.4, 1.25), (math.pi / 4, 1.7), (1.2, 1.1)])
+def test_elsewhere_it_is_braked_by_less_than_mu_n_and_off_its_way(world: World, angle: float, faster: float) -> None:
+    speed, off, share = turned(world, angle, MULTIBODY)
+    assert speed > faster
+    assert abs(off) > math.radians(3.0)
+    assert 0.9 < share < 0.985
+
+
+@pytest.mark.parametrize(("coordinates", "share"), [(MULTIBODY, 1.0), (MAXIMAL, math.sqrt(2))], ids=["multibody", "maximal"])
+def test_a_ball_that_slips_down_a_groove_is_braked_by_mu_n_in_multibody_coordinates_alone(
+    world: World, coordinates: int, share: float
+) -> None:
+    """A groove of two faces at 45 degrees, which leans by 0.3 rad: g (sin - sqrt(2) mu cos) along it."""
+    mu, lean, radius = 0.05, 0.3, 0.1
+    world.setPhysicsEngineParameter(numSolverIterations=200, solverResidualThreshold=0.0)
+    world.setGravity(G * math.sin(lean), 0.0, -G * math.cos(lean))
+    slab = world.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[5.0, 1.0, 0.2])
+    for side in (1, -1):
+        turn = pybullet.getQuaternionFromEuler([side * math.pi / 4, 0.0, 0.0])
+        below = (0.0, side * 0.2 * math.sqrt(0.5), -0.2 * math.sqrt(0.5))
+        face = world.createMultiBody(0.0, slab, basePosition=below, baseOrientation=turn, useMaximalCoordinates=coordinates)
+        world.changeDynamics(face, -1, lateralFriction=1.0)
+    ball = world.createMultiBody(
+        1.0,
+        world.createCollisionShape(pybullet.GEOM_SPHERE, radius=radius),
+        basePosition=(0.0, 0.0, radius * math.sqrt(2)),
+        useMaximalCoordinates=coordinates,
+    )
+    world.changeDynamics(ball, -1, lateralFriction=mu, mass=1.0, localInertiaDiagonal=[0.4 * radius**2] * 3)
+    world.release(ball, coordinates)
+    for _ in range(240):
+        world.stepSimulation()
+    points = world.getContactPoints()
+    rubbed = [float(np.linalg.norm(c[10] * np.array(c[11]) + c[12] * np.array(c[13]))) for c in points]
+    assert [rub / (mu * c[9]) for rub, c in zip(rubbed, points, strict=True)] == pytest.approx([share] * 2, rel=1e-3)
+    due = G * (math.sin(lean) - math.sqrt(2) * mu * math.cos(lean))
+    # The contact slop of 1e-5 m is passed in the first step.
+    right = world.getBaseVelocity(ball)[0][0] == pytest.approx(due, rel=1e-3)
+    assert right is (coordinates == MULTIBODY)
+
+
 def way(world: World, dt: float, shape: dict[str, Any], ground: dict[str, Any], maximal: int) -> float:
     """The way in 1 s down 1.1 times the critical slope of mu 0.5 over the due one."""
     world.setPhysicsEngineParameter(fixedTimeStep=dt, numSolverIterations=200, solverResidualThreshold=0.0)

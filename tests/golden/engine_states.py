@@ -47,9 +47,9 @@ def machine() -> str:
     import numba
     from threadpoolctl import threadpool_info
 
-    kernels = {info.get("architecture", "") for info in threadpool_info() if "numpy" in info["filepath"]}
+    blas = " ".join(sorted({info.get("architecture", "") for info in threadpool_info() if "numpy" in info["filepath"]}))
     versions = f"{' '.join(platform.libc_ver())}, numba {numba.__version__}, LLVM {'.'.join(map(str, llvm.llvm_version_info))}"
-    return f"{platform.machine()} {'with' if fuses() else 'without'} fused multiply-add, BLAS {' '.join(sorted(kernels))}, {versions}"
+    return f"{platform.machine()} {'with' if fuses() else 'without'} fused multiply-add, BLAS {blas}, {versions}"
 
 
 def fuses() -> bool:

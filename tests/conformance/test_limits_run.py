@@ -73,15 +73,14 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monke
 
 def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> None:
     rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", printed)}
-    # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too. MuJoCo's
-    # contacts let slow spheres through by their softness: few of them tell no help of shorter steps.
-    helping = {"mujoco": ("wall four times as thick",), "bullet": ("sub-steps x 4", "wall four times as thick")}
-    for engine, remedies in helping.items():
-        for remedy in remedies:
+    # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too.
+    for engine in ("mujoco", "bullet"):
+        for remedy in ("sub-steps x 4", "wall four times as thick"):
             assert rows[engine, remedy]["verdict"] == "helps"
             assert rows[engine, remedy]["farther"] > 0
         assert rows[engine, "sub-steps x 4"]["cost_ratio"] > 1
-        assert rows[engine, "damping"]["share_after"] < 1
+        # On its way to the wall, .05 m and a sixtieth of a second, it takes at most a fiftieth of the speed from 13 m/s.
+        assert rows[engine, "damping"]["farther"] < rows[engine, "sub-steps x 4"]["farther"] / 10
 
 
 def test_who_leads_is_told_at_equal_sub_steps_and_for_equal_time(limits: Path, printed: Command) -> None:

@@ -20,9 +20,12 @@ step), at 1e-6 8.2 mm, as by Dantzig; a box on an incline at 1/60 s (.16 m/s) cr
 At .077 m/s and less both err alike, and at 1/240 s tall boxes on inclines cost three times as much at the finer.
 """
 MANY_BODIES = 16
-"""Above this number of bodies 'auto' leaves the conic solver, whose cost grows fastest."""
+"""Above this number of bodies 'auto' leaves the conic solver, whose cost grows fastest: an arch of 9 blocks takes 4.5 ms a step
+by it and 1.0 by Dantzig, one of 15 takes 11 ms and 3. Sweeps without a matrix pay for boxes from there on: 1.2 ms become 0.5
+for 20 that are pushed about, 12 become 1.8 for 64."""
 HEAP_OF_BALLS = 5
-"""From so many balls that are near each other on 'auto' sweeps without a matrix."""
+"""From so many balls that are near each other on 'auto' sweeps without a matrix: 4 cost alike by all solvers, 6 take 0.10 ms a
+step for Dantzig's 0.19 and the conic solver's 1.5, 20 take 0.3 ms for 4 and 12."""
 HEAP_SWEEPS = 200
 """Greatest number of sweeps without a matrix; a step that has not come to rest by then is Dantzig's, of 2 and 4 s for 150 and
 200 balls, which the vendor's 30 leave to it."""
@@ -100,9 +103,10 @@ def choose_solver(scene: Scene, asked: str | None) -> str:
     """'auto': the exact cone where friction can bear a load, swept without a matrix in heaps, else Dantzig.
 
     Dantzig bounds friction by the normal force that there would be without friction: a block that slides down a loose wedge
-    is rubbed by .187 N where mu N is .2 N, and an arch whose friction of .5 is far beyond what it needs falls. The conic
-    solver has both right, but starts anew in each step and reaches its cap where boxes are stacked, on which it costs five
-    to twenty times as much and errs by more, from unlike masses of 5 : 1 on; stacks stand without friction.
+    is rubbed by .187 N where mu N is .2 N, an arch falls at a friction of .5 that stands at .4 by the conic solver, and so does
+    a house of cards with a tenth more than it needs. The conic solver starts anew in each step and stops at its cap where
+    boxes are stacked, on which it costs five to twenty times as much and errs by .9 % in what bears a load of 10 : 1; stacks
+    stand without friction.
     """
     if asked != "auto":
         return asked or "dantzig"

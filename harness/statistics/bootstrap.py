@@ -39,7 +39,7 @@ def widening(count: int) -> float:
 
 
 def interval_of_median(values: NDArray[np.float64], groups: Sequence[int] | None = None) -> tuple[float, float]:
-    """The 95 % interval of the median of values, shape (n,), n >= 1: the same for the same values.
+    """The 95 % interval of the median of positive values, shape (n,), n >= 1: the same for the same values, and positive.
 
     Args: groups: of each value, whose members have more in common than their median says: groups are drawn first, then values
     within each. One group without it.
@@ -49,7 +49,7 @@ def interval_of_median(values: NDArray[np.float64], groups: Sequence[int] | None
     places = drawn_in_groups(tuple(Counter(np.asarray(numbers)[order].tolist()).values()), DRAWS)
     low, high = interval_of_drawn(medians(np.append(values[order], np.nan)[places]))
     middle, wider = float(np.median(values)), widening(len(values))
-    return middle - wider * (middle - low), middle + wider * (high - middle)
+    return middle * (low / middle) ** wider, middle * (high / middle) ** wider
 
 
 @lru_cache(maxsize=64)

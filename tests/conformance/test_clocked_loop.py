@@ -94,7 +94,7 @@ def test_nothing_of_ours_grows_with_the_steps(engine: str) -> None:
 
 def test_rays_and_worlds_are_clocked_without_the_harness_but_for_the_plain_way_from_world_to_world() -> None:
     rays, pile = plugins.case("system_rays"), plugins.case("stack_pile")
-    for engine, between in (("mujoco", {"Turns.step"}), ("reference", set[str]())):
+    for engine, between in (("mujoco", set[str]()), ("bullet", {"Turns.step"}), ("reference", set[str]())):
         casting = made(rays, installed(engine), thin=256)
         casting.clock(2)
         calls = clocked_calls(casting, 5)

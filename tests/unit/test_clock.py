@@ -73,8 +73,9 @@ def test_the_interval_of_a_price_is_that_of_the_median_of_its_samples() -> None:
     Student's t of 16 degrees of freedom is 2.120, the normal's percentile 1.960.
     """
     timing = summarise(TRIAL, [dataclasses.replace(SAMPLE, cpu=float(k)) for k in range(1, 18)])
-    half = 4.0 * 2.1199 / 1.95996
-    assert (timing.cpu_per_sim_s, timing.cpu_low, timing.cpu_high) == pytest.approx((9.0, 9.0 - half, 9.0 + half), rel=1e-4)
+    wider = 2.1199 / 1.95996
+    found = timing.cpu_per_sim_s, timing.cpu_low, timing.cpu_high
+    assert found == pytest.approx((9.0, 9.0 * (5 / 9) ** wider, 9.0 * (13 / 9) ** wider), rel=1e-4)
 
 
 def test_a_wide_interval_a_restless_canary_and_too_few_samples_are_each_marked_unstable() -> None:
@@ -93,7 +94,8 @@ def test_a_price_that_differs_between_two_processes_is_marked_unstable() -> None
 
     wider = 2.2622 / 1.95996  # Student's t of nine degrees of freedom over the normal's percentile
     assert dearer(2.0).unstable_timing is True
-    assert (dearer(2.0).cpu_low, dearer(2.0).cpu_high) == pytest.approx((0.75 - 0.25 * wider, 0.75 + 0.25 * wider), rel=1e-4)
+    ends = 0.75 * (2 / 3) ** wider, 0.75 * (4 / 3) ** wider
+    assert (dearer(2.0).cpu_low, dearer(2.0).cpu_high) == pytest.approx(ends, rel=1e-4)
     # Half of 1.3 - 1 is 13 % of their middle, half of 1.1 - 1 is 5 %, and 15 % more each; a tenth is the line.
     assert dearer(1.3).unstable_timing is True
     assert dearer(1.1).unstable_timing is False

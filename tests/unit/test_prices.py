@@ -154,8 +154,9 @@ def test_the_interval_of_a_ratio_is_that_of_the_median_of_its_blocks() -> None:
     That is .008 at the fourth, .036 at the fifth and .104 at the sixth: a fortieth lies at the fifth, a twentieth at the sixth.
     """
     found = ratio(np.arange(1.0, 18.0), np.ones(17))
-    half = 4.0 * 2.1199 / 1.95996  # Student's t of 16 degrees of freedom over the normal's percentile
-    assert (found.value, found.low, found.high) == pytest.approx((9.0, 9.0 - half, 9.0 + half), rel=1e-4)
+    wider = 2.1199 / 1.95996  # Student's t of 16 degrees of freedom over the normal's percentile
+    ends = 9.0 * (5 / 9) ** wider, 9.0 * (13 / 9) ** wider
+    assert (found.value, found.low, found.high) == pytest.approx((9.0, *ends), rel=1e-4)
 
 
 def test_medians_leave_out_what_is_missing() -> None:

@@ -4,8 +4,9 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any, cast
 
-from harness.adapter import Adapter, Settings, Simulation
+from harness.adapter import Adapter, Diverged, Settings, Simulation
 from harness.conformance.faults.broken_scenes import every_body, gravity
 from harness.findings.agreement import Agreement, judged
 from harness.scene import (
@@ -36,6 +37,7 @@ __all__ = [
     "arm",
     "ball",
     "double_pendulum",
+    "explosive",
     "heavier_to_turn",
     "pendulum",
     "pile",
@@ -130,6 +132,51 @@ def heavier_to_turn(factor: float = 1.2) -> Callable[[Adapter], Adapter]:
         return replace(body, inertia=inertia) if body.movable else body
 
     return every_body(change)
+
+
+class _Exploding:
+    """A simulation whose first step leaves the numbers."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def step(self, count: int = 1) -> None:
+        raise Diverged(f"not finite after {count} steps")
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._simulation, name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Explosive(Adapter):
+    """An engine that leaves the numbers at long time steps."""
+
+    inner: Adapter
+    stable: float
+
+    def version(self) -> str:
+        return self.inner.version()
+
+    def build(self, scene: Scene, settings: Settings) -> Simulation:
+        simulation = self.inner.build(scene, settings)
+        return cast(Simulation, _Exploding(simulation)) if settings.dt > self.stable else simulation
+
+
+def explosive(stable: float) -> Callable[[Adapter], Adapter]:
+    """A fault: nothing is finite at time steps beyond this one [s]."""
+
+    def fault(inner: Adapter) -> Adapter:
+        return _Explosive(
+            name=inner.name,
+            title=inner.title,
+            distribution=inner.distribution,
+            features=inner.features,
+            tracks=inner.tracks,
+            inner=inner,
+            stable=stable,
+        )
+
+    return fault
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -300,26 +300,24 @@ class Adapter(ABC):
     """One engine.
 
     Terms:
-        name: as on the command line. distribution: the package that is installed. title: as in the report.
-        features: what it claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its
-        users would try. acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a
-        test holds it to be true. remedies: by name, a knob and the value that its documentation turns it to where a motion
-        breaks. known_failures: '<track>/<check>' of conformance to the reason, run as strict expected failures. trade_offs:
-        where 'default' or one knob turned beats 'tuned', and why; the study `dominance` holds it true.
-        deviations: what every answer of this engine carries, whatever the track. emulated: the features that it claims and the
-        adapter makes, with how; all others are the engine's own. laws: the functions, 'module:name' or 'module:class.name', by
-        which it works such features out in every step: a price tells which share of it they took.
-        advantages: of the engine that the others are compared with, why it errs least where it does: '<track>/<case>'. orders:
-        what each integrator, by its name in `Simulation.resolved`, promises for smooth motion. compile_allowance [s]: what an
-        engine that compiles itself on first use may take for that, once, beyond a trial's deadline. threads: numbers of threads
-        that one world can be stepped on, by its option 'threads'; none where it takes one. loads: modules that take long to
-        load and say nothing when they are; accuracy runs start with them loaded. single_precision: the engine computes in
-        single precision, so that its states have seven digits. licence: of the package, an SPDX identifier; '' where it is not
-        known. platforms: for which its package index has wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-
-        arm64, windows-x86_64.
-        loaders: the ways in which its own package reads a robot file, '' for its defaults; none where it reads none.
-        loader_defaults: by loader and ending of a file, the quantities that its documentation says it changes, each with the
-        place that says so.
+        name: as on the command line. distribution: the package that is installed. title: as in the report. features: what it
+        claims. tracks: 'default' and 'tuned'. knobs: setting name (or 'options.<name>') to the values its users would try.
+        acts_on: for knobs that mean nothing in other scenes, the effects of which a scene calls for one; a test holds it to be
+        true. remedies: by name, a knob and the value that its documentation turns it to where a motion breaks. known_failures:
+        '<track>/<check>' of conformance to the reason, run as strict expected failures. trade_offs: where 'default' or one knob
+        turned beats 'tuned', and why; the study `dominance` holds it true. deviations: what every answer of this engine
+        carries, whatever the track. emulated: the features that it claims and the adapter makes, with how; all others are the
+        engine's own. laws: the functions, 'module:name' or 'module:class.name', by which it works such features out in every
+        step: a price tells which share of it they took. advantages: of the engine that the others are compared with, why it
+        errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`, promises
+        for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that, once,
+        beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads'; none
+        where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with them
+        loaded. single_precision: the engine computes in single precision, so that its states have seven digits. licence: of the
+        package, an SPDX identifier; '' where it is not known. platforms: for which its package index has wheels, as
+        '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64. loaders: the ways in which its own
+        package reads a robot file, '' for its defaults; none where it reads none. loader_defaults: by loader and ending of a
+        file, the quantities that its documentation says it changes, each with the place that says so.
     """
 
     name: str
@@ -360,10 +358,7 @@ class Adapter(ABC):
         return tuple(knob for knob in self.knobs if knob not in self.acts_on or self.acts_on[knob] & scene.effects)
 
     def compile(self, scene: Scene, settings: Settings) -> None:  # noqa: B027  most engines come compiled
-        """Compile what this scene needs, where the engine does such a thing; a trial's deadline begins after it.
-
-        Raises: as `build`.
-        """
+        """Compile what this scene needs, where the engine does such a thing; a deadline begins after it. Raises: as `build`."""
 
     def load_robot(self, path: Path, request: "Request") -> "Loaded":
         """What the engine's own package makes of a robot file (URDF or MJCF), read back by its own means.

@@ -55,7 +55,8 @@ def _differences(value: Any, other: Any, where: str) -> list[str]:
         return [d for name in names for d in _differences(value.get(name), other.get(name), f"{where}.{name}".strip("."))]
     if isinstance(value, list) and isinstance(other, list) and len(value) == len(other):
         return [d for k, (a, b) in enumerate(zip(value, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
-    return [] if value == other else [where]
+    # A switch that an older study has no word for is off.
+    return [] if value == other or all(one is None or one is False for one in (value, other)) else [where]
 
 
 def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> str:

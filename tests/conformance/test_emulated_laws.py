@@ -60,7 +60,7 @@ CONFINED: tuple[tuple[Feature, tuple[str, ...], Callable[[], Scene]], ...] = (
 """Scenes that one of those words names, with the word."""
 IN_BUILDING = {("mujoco", Feature.RESTITUTION), ("mujoco", Feature.KINEMATIC)}
 """What is made once, so that a step shows nothing of it."""
-OWN = {("dart", "setCommands"), ("dart", "setErrorReductionParameter")}
+OWN = {("dart", "setCommands of a pace"), ("dart", "setErrorReductionParameter")}
 """The vendor's own actuator, which forgets its velocity after each step and is told it again; and a setting that all of its
 worlds share, so that each has to set it while it steps."""
 
@@ -74,7 +74,8 @@ def handed_over(engine: Adapter, simulation: Simulation) -> set[str]:
         if event == "c_call" and "adapters" in frame.f_code.co_filename:
             owner = getattr(function, "__self__", None)
             if engine.distribution in str(getattr(function, "__module__", None) or type(owner).__module__):
-                called.add(function.__name__)
+                of = "" if frame.f_code.co_filename.endswith("drives.py") else " of a pace"
+                called.add(function.__name__ + (of if function.__name__ == "setCommands" else ""))
 
     before = sys.getprofile()
     sys.setprofile(watch)

@@ -136,9 +136,10 @@ def test_repetitions_are_compared_bit_by_bit(
     for engine in engines:
         assert rows[engine, "again"]["verdict"] == "bit-identical"
         assert rows[engine, "alone"]["verdict"] == "bit-identical"
-        # One bit, 7e-18 m at the 0.04 m of a body, is multiplied a thousand times: the comparison could have failed.
+        # One bit is 7e-18 m at the 0.04 m of a body. What differs is multiplied a thousand times, by blows or another order of
+        # contacts: the comparison could have failed.
         assert rows[engine, "nudged"]["verdict"] == "parts"
-        assert rows[engine, "nudged"]["farthest"] > 7e-15
+        assert max(rows[engine, way]["farthest"] for way in ("nudged", "reordered")) > 7e-15
     for engine, verdict in zip(engines, restored, strict=False):
         assert rows[engine, "restored"]["verdict"] == verdict
     assert (folder / "report" / "determinism.html").is_file()

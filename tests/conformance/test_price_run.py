@@ -3,14 +3,12 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from harness.findings.prices import Prices
 from harness.search.front import SCREENING, SMALLEST, TELLING
 from harness.statistics.pareto import on_front
 from harness.store.store import Store
-from harness.study import plugins
 from tests.conftest import Command
 
 STUDY = """

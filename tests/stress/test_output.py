@@ -153,7 +153,7 @@ def summaries(tmp_path: Path) -> Callable[[str], tuple[str, ElementTree.Element]
 
     def write(text: str) -> tuple[str, ElementTree.Element]:
         texts = dict.fromkeys(("study", "experiment", "case", "engine", "track", "remedy", "reason"), text)
-        others = {"dt": 0.01, "status": "crashed", "parameters": "{}", "alteration": "{}", "seed": 0}
+        others = {"dt": 0.01, "status": "crashed", "parameters": "{}", "resolved": "{}", "alteration": "{}", "seed": 0}
         trials = pd.DataFrame([texts | others], dtype=object)
         store = SimpleNamespace(folder=tmp_path, trials=trials, catalogue={"cases": {}, "engines": {}})
         write_summary(cast(Store, store))

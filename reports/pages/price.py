@@ -53,7 +53,10 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         title="Price",
         wins=wins(prices, ours(store)),
         standings=standings(pair_leads(prices, priced(store).points)),
-        hinges=[(share, *without(share)) for share in hinges([share for share in shares if share.limit == FACTOR])],
+        hinges=[
+            (share, *without(share))
+            for share in hinges([share for share in shares if share.limit == FACTOR and share.engine not in ours(store)])
+        ],
         profiles=profiles,
         lines=price_list(store),
         tried=tried(store),

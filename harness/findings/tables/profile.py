@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from harness.findings.leads import REFERENCE
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
 from harness.store.store import Store
@@ -129,7 +130,7 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
     lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
-    for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR]):
+    for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR and row["engine"] != REFERENCE]):
         case, other = without(share)
         limit = "at the lowest price" if share.within == 1 else f"within {share.within:g} times the lowest price"
         lines.append(

@@ -15,7 +15,7 @@ with 3.4 times its energy after 2 s at 1/240 s and at 1e-3 s on links, on the wh
 Deviations:
     * Joints have no motor but what the scene says, on both tracks. pybullet puts one that asks for no velocity on every joint:
       on a hinge or slide it bears up to 1 N m s or N s a step (240 N m at 1/240 s, 1000 at 1 ms), on a ball joint no bound
-      was met (2 t at 1 m), so that a pendulum of 1 kg hangs level for ever. `default` is what a newcomer gets but for that.
+      was met (2 t at 1 m), so that a pendulum of 1 kg hangs level for a minute. `default` is what a newcomer gets but for that.
     * Springs and drives act as torques that the adapter holds over each (sub)step (`TORQUE_CONTROL`), because Bullet's own
       position motor is a velocity constraint without a stiffness in N m/rad. Where the torques of the step's start could
       reverse a velocity within it they are those of its end, linearly implicit, with the accelerations by all else that the
@@ -187,7 +187,7 @@ ADAPTER = BulletAdapter(
     tracks={
         "default": Settings(
             source="pybullet 3.2.7 as installed, but for the motors that it puts on every joint, which are off: on a hinge "
-            "they bear up to 1 N m s a step, 240 N m at 1/240 s, and hold a pendulum of 1 kg level for ever"
+            "they bear up to 1 N m s a step, 240 N m at 1/240 s, and hold a pendulum of 1 kg level for a minute"
         ),
         "tuned": Settings(
             tolerance=1e-9,
@@ -322,7 +322,7 @@ ADAPTER = BulletAdapter(
     ),
     deviations=(
         "the motors that pybullet puts on every joint are off on both tracks; they bear up to 1 N m s a step on a hinge, 240 "
-        "N m at 1/240 s, and hold a pendulum of 1 kg level for ever",
+        "N m at 1/240 s, and hold a pendulum of 1 kg level for a minute",
         "springs and drives are torques of the adapter, held over each (sub)step; linearly implicit wherever those of its "
         "start could reverse a velocity within it, with the feet held that bore a force in the step before, and bounded for "
         "the case that these give way",

@@ -59,7 +59,7 @@ class Place:
 
 
 def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -> None:
-    """Send how each trial is sampled, then a sample for each order (trial's number, block, steps, run) that comes.
+    """Send how each trial is sampled, then a sample for each order (trial's number, block, sampling) that comes.
 
     An exception is sent as text in place of either; a trial that raised one is not asked again.
     """

@@ -304,9 +304,17 @@ def test_the_next_value_of_every_knob_of_contact_tells_at_the_usual_step() -> No
         assert not np.array_equal(end(replace(TUNED, options={**TUNED.options, knob: following})), own), knob
 
 
+def test_what_resolved_says_is_what_acts() -> None:
+    """At the usual step the bound `slowest` says how slow friction is: other `friction_steps` change neither word nor motion."""
+    cube = on_ground(shaped_body("cube", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.11), v=(0.5, 0.0, 0.0)), mu=0.5)
+    told = [built(cube, replace(TUNED, options={**TUNED.options, "friction_steps": n}), 1 / 240).resolved for n in (20.0, 40.0)]
+    assert told[0] == told[1]
+    assert built(cube, TUNED, 1 / 240).resolved.options["rebound_friction_steps"] is None
+
+
 def test_friction_of_a_rebound_is_as_slow_as_the_impact_or_as_it_is_told() -> None:
     scene = on_ground(shaped_body("ball", Sphere(radius=0.1), (0.0, 0.0, 0.3)), mu=0.3, e=0.8)
     for told, constant in (({}, 10e-3), ({"rebound_steps": 40}, 40e-3), ({"rebound_steps": 40, "friction_steps": 60.0}, 60e-3)):
         simulation = built(scene, replace(TUNED, options={**TUNED.options, **told}))
         assert list(simulation._m.pair_solreffriction[0]) == pytest.approx([constant, 1.0])
-        assert simulation.resolved.options["friction_steps"] == pytest.approx(constant / 1e-3)
+        assert simulation.resolved.options["rebound_friction_steps"] == pytest.approx(constant / 1e-3)

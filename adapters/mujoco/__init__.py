@@ -161,7 +161,7 @@ ADAPTER = MujocoAdapter(
                 "they rebound; impedance .999, .9999 under many times a body's weight; a stop, along which nothing slides,"
                 " is held at two steps, and of ratio 1.7 returns a rod by .008 rad where one of 1 does by .05; the "
                 "emulated rebound lasts ten steps: with them bounces err least in height over the ladder); 'Computation', "
-                "numerical integration (RK4 for smooth scenes whose springs and dampers it resolves, implicit for stiffer "
+                "numerical integration (RK4 for smooth motion whose springs and dampers it resolves, implicit for stiffer "
                 "dampers, discrete for stiffer springs; measured here: in contact the implicit one jitters where Euler "
                 "rests); release notes of 4.0.1 (sparse factor of 4.0.0: dense Jacobian where constraints couple the "
                 "branches of hinged trees, alone)"

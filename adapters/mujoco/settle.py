@@ -57,7 +57,9 @@ def settle(plan: Plan, draft: Draft, model: Any) -> float:
     if not plan.options.by_scene:
         return scale
     if plan.settings.integrator is None:
-        if Effect.CONTACT not in plan.effects:
+        if not any(body.movable for body in plan.scene.bodies):
+            name = "EULER"  # four stages of what no force moves are one
+        elif Effect.CONTACT not in plan.effects:
             rate, frequency = stiffest(mj, model, draft.drives.values(), plan.h)
             name = "RK4" if rate <= RK4_RATE else "IMPLICITFAST" if frequency <= SPRING_RATE else "DISCRETE"
         elif fastest(model, draft.drives.values(), plan.h) > RESOLVED_RATE:

@@ -140,8 +140,8 @@ def _groups(trials: Sequence[Trial]) -> list[list[Trial]]:
 
 
 def _changes(track: Trial, record: Record | None, case: Case, adapter: Adapter) -> Iterator[Trial]:
-    if record is None or record.status in ("unavailable", "interrupted"):
-        return
+    if record is None or record.status in ("unavailable", "interrupted", "timeout"):
+        return  # of a track that is not done in time each change would take its whole deadline as well
     allowed = _allowed(track, record)
     settled = changes_of(track, record, case, adapter)
     for turn in settled:

@@ -42,6 +42,13 @@ def test_by_scene_the_integrator_follows_contacts_and_stiffness() -> None:
         built(on_ground(box, e=0.5), replace(TUNED, integrator="discrete"))
 
 
+def test_where_nothing_is_moved_by_a_force_one_stage_does() -> None:
+    fixed = shaped_body("wall", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.0))
+    for motion, integrator in (("static", "euler"), ("kinematic", "euler"), ("dynamic", "rk4")):
+        scene = Scene(bodies=(replace(fixed, motion=motion),))
+        assert built(scene, TUNED).resolved.integrator == integrator
+
+
 ARM_LENGTHS, ARM_MASSES, ARM_TARGETS = np.array([0.4, 0.35, 0.25]), np.array([3.0, 2.0, 1.0]), np.array([0.5, -0.8, 0.6])
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.cross import cross
+from engine.maths.arrays import cross, dot, norm, unit
 
 __all__ = ["FLAT", "Polyhedron", "box_polyhedron", "hull_polyhedron", "inner_edges", "triangle_polyhedron"]
 
@@ -63,7 +63,7 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
         if not left[first]:
             continue
         n, offset = planes[first, :3], planes[first, 3]
-        on = np.abs(corners @ n + offset) <= FLAT * size
+        on = np.abs(dot(corners, n) + offset) <= FLAT * size
         mine = left & on[at].all(axis=1)
         mine[first] = True
         left[mine] = False
@@ -76,22 +76,27 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
         middle = corners[ring].mean(axis=0)
         u = corners[ring[0]] - middle
         v = np.cross(n, u)
-        angle = np.arctan2((corners[ring] - middle) @ v, (corners[ring] - middle) @ u)
+        angle = _as_angle(dot(corners[ring] - middle, u), dot(corners[ring] - middle, v))
         loops.append(tuple(int(k) for k in ring[np.argsort(angle)]))
-        normals.append(n / np.linalg.norm(n))
+        normals.append(unit(n))
     return Polyhedron(corners, np.array(normals), tuple(loops))
 
 
 def _areas(points: NDArray[np.float64], facets: NDArray[Any]) -> NDArray[np.float64]:
     """Twice the areas of triangles [m2]."""
     a, b, c = (points[facets[:, k]] for k in range(3))
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    return norm(np.cross(b - a, c - a))
+
+
+def _as_angle(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What grows as the angle of the direction (x, y) does, from -2 to 2."""
+    share = y / (np.abs(x) + np.abs(y))
+    return np.asarray(np.where(x >= 0.0, share, np.copysign(2.0, y) - share))
 
 
 def triangle_polyhedron(corners: NDArray[np.float64]) -> Polyhedron:
     """A triangle (3, 3) as a solid without thickness; the first face is the outer one."""
-    n = cross(corners[1] - corners[0], corners[2] - corners[0])
-    n = n / np.linalg.norm(n)
+    n = unit(cross(corners[1] - corners[0], corners[2] - corners[0]))
     return Polyhedron(corners, np.array([n, -n]), ((0, 1, 2), (0, 2, 1)))
 
 
@@ -108,14 +113,13 @@ def inner_edges(vertices: NDArray[np.float64], faces: NDArray[Any]) -> NDArray[n
     bits = np.zeros(len(faces), np.int64)
     for f, t in enumerate(ring):
         a, b, c = vertices[faces[f]]
-        n = cross(b - a, c - a)
-        n = n / np.linalg.norm(n)
+        n = unit(cross(b - a, c - a))
         for k in range(3):
             other = beyond.get((int(t[(k + 1) % 3]), int(t[k])))
             if (
                 other is not None
-                and (((vertices[faces[other]] - a) @ n).max() >= 0.0)
-                and (((vertices[faces[other]] - a) @ n).min() >= -1e-6 * size)
+                and (dot(vertices[faces[other]] - a, n).max() >= 0.0)
+                and (dot(vertices[faces[other]] - a, n).min() >= -1e-6 * size)
             ):
                 bits[f] |= 1 << k
     return bits

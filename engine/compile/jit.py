@@ -41,7 +41,6 @@ __all__ = [
     "jit_is_off",
     "kernel",
     "parallel_entry",
-    "rounding_kernel",
     "seldom",
     "stream",
     "template",
@@ -51,9 +50,6 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 FLAGS: frozenset[str] = frozenset({"nsz"})
 """Unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
-
-FUSING: frozenset[str] = FLAGS | {"contract"}
-"""As `FLAGS`, with a product and a sum rounded once where the compiler finds them; kernels say themselves where."""
 
 
 @cache
@@ -65,7 +61,7 @@ def cache_directory(path: Path) -> Path:
     import numba
 
     name = str(path).removeprefix(str(Path(__file__).parents[1]))
-    key = " ".join((name, closure_digest(path), *sorted(FUSING), numba.__version__))
+    key = " ".join((name, closure_digest(path), *sorted(FLAGS), numba.__version__))
     digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
@@ -80,12 +76,6 @@ def kernel(function: Function) -> Function:
     return for_all_values(_compiled(function, **kernel_options()))
 
 
-def rounding_kernel(function: Function) -> Function:
-    """As `kernel`, with every operation rounded by itself, whoever calls it: for arithmetic that lives on its own rounding."""
-    plain: set[str] = set()
-    return for_all_values(_compiled(function, fastmath=plain, **kernel_options()))
-
-
 def seldom(function: Function) -> Function:
     """As `kernel`, off the way that most steps take: compiled small and called, so that what calls it stays small too."""
     return for_all_values(_compiled(function, **seldom_options()))
@@ -97,7 +87,7 @@ def stream(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, fastmath=set(FUSING), **stream_options())
+    return _compiled(function, **stream_options())
 
 
 def inlined(function: Function) -> Function:
@@ -148,8 +138,8 @@ def _kept(function: Function, **options: Any) -> Function:
     """The entry with its way from and to the disk."""
     directory = cache_directory(Path(function.__code__.co_filename))
     use_cache(str(directory))
-    fused = _compiled(function, cache=True, fastmath=set(FUSING), **options)
-    guarded = compiled_under(fused, partial(_one_at_a_time, directory))
+    kept = _compiled(function, cache=True, **options)
+    guarded = compiled_under(kept, partial(_one_at_a_time, directory))
     return loaded_lightly(guarded, directory)
 
 

@@ -1,9 +1,7 @@
 """How kernels are written in LLVM: as Numba does, but for what a compiler of hundreds of small functions gains by."""
 
-import operator
 from typing import Any
 
-import llvmlite.ir
 import numba
 from numba.core import ir, ir_utils, lowering
 
@@ -17,10 +15,6 @@ Lower: Any = lowering.Lower
 Statements: Any = ir
 guard: Any = ir_utils.guard
 get_definition: Any = ir_utils.get_definition
-FunctionType: Any = llvmlite.ir.FunctionType
-
-SUMS = {operator.add: 1.0, operator.iadd: 1.0, operator.sub: -1.0, operator.isub: -1.0}
-"""Operations that may take in a product, by the sign of what comes second."""
 
 
 class LowerKernel(Lower):
@@ -50,35 +44,11 @@ class LowerKernel(Lower):
             self.context.cast(self.builder, self.loadvar(name), one, asked)
             for name, one, asked in zip(names, kinds, signature.args, strict=True)
         ]
-        fused = self.fused(operation, signature, values) if self.context.fastmath else None
-        if fused is not None:
-            return self.context.cast(self.builder, fused, signature.return_type, kind)
         known = self.context.typing_context
         code = self.context.get_function(
             known.resolve_value_type(operation), Remembering(known).resolve_function_type(operation, signature.args, {})
         )
         return self.context.cast(self.builder, code(self.builder, values), signature.return_type, kind)
-
-    def fused(self, operation: Any, signature: Any, values: list[Any]) -> Any:
-        """A product within a sum or difference, rounded once with it; None where there is none.
-
-        It is decided here, by the text of a kernel, and left to nobody who sees more of a program: a kernel rounds alike in
-        every step that takes it in. Of two products the first is the one that is not rounded.
-        """
-        if operation not in SUMS or signature.return_type is not types.float64:
-            return None
-        products = [k for k in range(2) if getattr(values[k], "opname", None) == "fmul"]
-        if not products:
-            return None
-        (first, second), other = values[products[0]].operands, values[1 - products[0]]
-        if SUMS[operation] < 0.0:
-            if products[0] == 0:
-                other = self.builder.fneg(other)
-            else:
-                first = self.builder.fneg(first)
-        number = first.type
-        code = self.module.declare_intrinsic("llvm.fmuladd", [number], FunctionType(number, [number] * 3))
-        return self.builder.call(code, [first, second, other])
 
     def lower_expr(self, kind: Any, expression: Any) -> Any:
         """As Numba does, but for the start of a loop."""

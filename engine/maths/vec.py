@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -187,7 +188,8 @@ def quat_spin(q: Quat, w: Vec, h: float) -> Quat:
         )
     else:
         angle = math.sqrt(square)
-        sine, cosine = math.sin(angle) / angle, math.cos(angle)
+        cosine, sine = cos_sin(angle)
+        sine = sine / angle
     s = 0.5 * h * sine
     return quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q)
 

@@ -34,6 +34,7 @@ from engine.articulated.tables import (
 )
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
+from engine.maths.floats import fma
 from engine.maths.vec import (
     Floats,
     Mat,
@@ -80,10 +81,10 @@ def hinge_turn(tables: Tables, i: int, x: float) -> Quat:
     c, s = cos_sin(half)
     start, about = load4(tables.link, i, TURN), load4(tables.link, i, TURNED_AXIS)
     return (
-        c * start[0] + s * about[0],
-        c * start[1] + s * about[1],
-        c * start[2] + s * about[2],
-        c * start[3] + s * about[3],
+        fma(c, start[0], s * about[0]),
+        fma(c, start[1], s * about[1]),
+        fma(c, start[2], s * about[2]),
+        fma(c, start[3], s * about[3]),
     )
 
 

@@ -1,7 +1,7 @@
 """Compile a numerical function with Numba, in a cache that can never serve code of an older source.
 
 Numba keys its cache by the file of the outermost function alone, so that an edited callee or another flag would go unnoticed.
-Here the directory itself carries a hash of the flags, Numba's version and the sources that the function is made of: its file
+Here the directory itself carries a hash of Numba's version and the sources that the function is made of: its file
 and all that this imports. What an edit cannot reach is not compiled again, nor is what lies elsewhere or was written anew.
 
 With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
@@ -34,7 +34,6 @@ from engine.compile.compilers import (
 from engine.compile.sources import closure_digest
 
 __all__ = [
-    "FLAGS",
     "cache_directory",
     "entry",
     "inlined",
@@ -48,20 +47,17 @@ __all__ = [
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-FLAGS: frozenset[str] = frozenset({"nsz"})
-"""Unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
-
 
 @cache
 def cache_directory(path: Path) -> Path:
-    """The directory for the compiled functions of a source file, for exactly its sources, these flags and this Numba.
+    """The directory for the compiled functions of a source file, for exactly its sources and this Numba.
 
     Returns: `$PLUMBLINE_KERNEL_CACHE` or the user's cache directory, with the hash appended.
     """
     import numba
 
     name = str(path).removeprefix(str(Path(__file__).parents[1]))
-    key = " ".join((name, closure_digest(path), *sorted(FLAGS), numba.__version__))
+    key = " ".join((name, closure_digest(path), numba.__version__))
     digest = hashlib.sha256(key.encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
@@ -127,11 +123,11 @@ def parallel_entry(function: Function) -> Function:
 
 
 def _compiled(function: Function, **options: bool | str | type | dict[str, bool] | set[str]) -> Function:
-    """The function under Numba, by default with the flags of this package; its stubs do not know all options, hence Any."""
+    """The function under Numba, whose stubs do not know all options, hence Any."""
     import numba
 
     njit: Any = numba.njit
-    return cast(Function, njit(**{"fastmath": set(FLAGS), "error_model": "numpy", "nogil": True, **options})(function))
+    return cast(Function, njit(**{"error_model": "numpy", "nogil": True, **options})(function))
 
 
 def _kept(function: Function, **options: Any) -> Function:

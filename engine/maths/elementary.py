@@ -21,6 +21,7 @@ PI_HALF = (1.5707963267948966, 6.123233995736766e-17)
 PI = (3.141592653589793, 1.2246467991473532e-16)
 PI_HALF_PARTS = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)
 """pi / 2 in parts of which the first two have 33 bits: whole multiples below 2^20 of them are exact."""
+EIGHTH = 0.7853981633974483
 FAR = 8e5
 """Angles from here on are reduced by as many digits of 2 / pi as they need."""
 ROUNDING = 6755399441055744.0
@@ -60,15 +61,19 @@ def cos_sin(x: float) -> tuple[float, float]:
         return 1.0, x
     if not size < math.inf:
         return math.nan, math.nan
-    quarters, high, low = _reduced(size) if size < FAR else _reduced_far(size)
+    quarters, high, low = 0, size, 0.0
+    if size >= EIGHTH:
+        quarters, high, low = _reduced(size) if size < FAR else _reduced_far(size)
     z = high * high
-    s = -1 / 5040 + z * (1 / 362880 + z * (-1 / 39916800 + z * (1 / 6227020800 + z * (-1 / 1307674368000))))
-    odd = high * z * (-1 / 6 + z * (1 / 120 + z * s))
-    sine = high + (odd + low * (1.0 - 0.5 * z))
-    c = 1 / 40320 + z * (-1 / 3628800 + z * (1 / 479001600 + z * (-1 / 87178291200 + z * (1 / 20922789888000))))
-    even = z * z * (1 / 24 + z * (-1 / 720 + z * c)) - high * low
-    rest = 1.0 - 0.5 * z
-    cosine = rest + (((1.0 - rest) - 0.5 * z) + even)
+    zz = z * z
+    s = fma(
+        zz, fma(zz, fma(z, -1 / 1307674368000, 1 / 6227020800), fma(z, -1 / 39916800, 1 / 362880)), fma(z, -1 / 5040, 1 / 120)
+    )
+    sine = high + fma(high * z, fma(z, s, -1 / 6), low * fma(-0.5, z, 1.0))
+    c = fma(zz, fma(z, 1 / 20922789888000, -1 / 87178291200), fma(z, 1 / 479001600, -1 / 3628800))
+    even = fma(-high, low, zz * fma(z, fma(z, fma(z, c, 1 / 40320), -1 / 720), 1 / 24))
+    rest = fma(-0.5, z, 1.0)
+    cosine = rest + (fma(-0.5, z, 1.0 - rest) + even)
     if quarters & 1:
         cosine, sine = -sine, cosine
     if quarters & 2:
@@ -128,10 +133,12 @@ def _reduced_far(x: float) -> tuple[int, float, float]:
 @kernel
 def exp(x: float) -> float:
     """e^x. Errors: below 1 unit in the last place."""
+    if x == 0.0:
+        return 1.0
     if not -746.0 < x < 710.0:
         return x if x != x else (math.inf if x > 0.0 else 0.0)
     n, rest = _less_ones(x)
-    half = n // 2
+    half = n >> 1
     return ((1.0 + rest) * from_word((half + BIAS) << FRACTION_BITS)) * from_word((n - half + BIAS) << FRACTION_BITS)
 
 
@@ -154,9 +161,11 @@ def _less_ones(x: float) -> tuple[int, float]:
     high, low = x - n * LOG_2[0], n * LOG_2[1]
     r = high - low
     left = (high - r) - low
-    p = 1 / 362880 + r * (1 / 3628800 + r * (1 / 39916800 + r * (1 / 479001600 + r * (1 / 6227020800))))
-    p = 1 / 24 + r * (1 / 120 + r * (1 / 720 + r * (1 / 5040 + r * (1 / 40320 + r * p))))
-    return int(n), r + (left + r * r * (0.5 + r * (1 / 6 + r * p)))
+    rr = r * r
+    top = fma(rr, fma(rr, 1 / 6227020800, fma(r, 1 / 479001600, 1 / 39916800)), fma(r, 1 / 3628800, 1 / 362880))
+    p = fma(rr, fma(rr, top, fma(r, 1 / 40320, 1 / 5040)), fma(r, 1 / 720, 1 / 120))
+    p = fma(rr, p, fma(r, 1 / 24, 1 / 6))
+    return int(n), r + fma(rr, fma(r, p, 0.5), left)
 
 
 @kernel
@@ -228,8 +237,10 @@ def _arc(y: float, x: float) -> tuple[float, float]:
     tangent = k / 16
     u = fma(-tangent, x, y) / (x + tangent * y) if k > 0 else share
     z = u * u
-    p = 1 / 9 + z * (-1 / 11 + z * (1 / 13 + z * (-1 / 15 + z * (1 / 17))))
-    p = u * z * (-1 / 3 + z * (1 / 5 + z * (-1 / 7 + z * p)))
+    zz = z * z
+    p = fma(zz, fma(zz, 1 / 17, fma(z, -1 / 15, 1 / 13)), fma(z, -1 / 11, 1 / 9))
+    p = fma(zz, p, fma(z, -1 / 7, 1 / 5))
+    p = u * z * fma(z, p, -1 / 3)
     if k == 0:
         return u, p
     return ANGLES[k, 0], ANGLES[k, 1] + (u + p)

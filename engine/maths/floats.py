@@ -1,31 +1,26 @@
 """Sums and products that are rounded once, and floats as the words that they are.
 
 Nothing else in this package rounds a product together with a sum: a compiler that did so by itself would do it on some
-processors only. `fma` is rounded once everywhere, by an instruction or by the C library, and by whole numbers in plain Python.
+processors only. `fma` is rounded once everywhere, by an instruction or by the C library.
 """
 
-import math
 import struct
 from collections.abc import Callable
-from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 from engine.compile.jit import jit_is_off
 
 __all__ = ["fma", "from_word", "word"]
 
 
-def _fma(a: float, b: float, c: float) -> float:
-    product = a * b
-    if not (math.isfinite(a) and math.isfinite(b) and math.isfinite(c)):
-        return product + c if not (math.isfinite(a) and math.isfinite(b)) else c
-    exact = Fraction(a) * Fraction(b) + Fraction(c)
-    if exact == 0:
-        return product + c
-    try:
-        return float(exact)
-    except OverflowError:
-        return math.copysign(math.inf, exact)
+def _fma() -> Callable[[float, float, float], float]:
+    """The C library's, which rounds once with or without an instruction."""
+    import ctypes
+    import ctypes.util
+
+    fma = ctypes.CDLL(ctypes.util.find_library("m")).fma
+    fma.argtypes, fma.restype = [ctypes.c_double] * 3, ctypes.c_double
+    return cast(Callable[[float, float, float], float], fma)
 
 
 def _word(x: float) -> int:
@@ -80,4 +75,4 @@ def _written() -> tuple[Any, Any, Any]:
 fma: Callable[[float, float, float], float]
 word: Callable[[float], int]
 from_word: Callable[[int], float]
-fma, word, from_word = (_fma, _word, _from_word) if jit_is_off() else _written()
+fma, word, from_word = (_fma(), _word, _from_word) if jit_is_off() else _written()

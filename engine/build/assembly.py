@@ -129,7 +129,7 @@ def assemble_world(
     ]
     sizes = {
         Per.WORLD: 1, Per.BODY: n + 1, Per.SHAPE: ns, Per.JOINT: nj, Per.ROW: rows, Per.ROW_OR_TRIAL: 2 * rows + 2,
-        Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2, Per.CLIP_POINT: 32,
+        Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) * len(materials), Per.CLIP_POINT: 32,
         Per.PRINCIPAL_BODY: n + 1 if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n + 1 if spheres else 0,
         Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
         **_sweep_sizes(n, near, options, spheres),

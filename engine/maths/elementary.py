@@ -66,9 +66,8 @@ def cos_sin(x: float) -> tuple[float, float]:
         quarters, high, low = _reduced(size) if size < FAR else _reduced_far(size)
     z = high * high
     zz = z * z
-    s = fma(
-        zz, fma(zz, fma(z, -1 / 1307674368000, 1 / 6227020800), fma(z, -1 / 39916800, 1 / 362880)), fma(z, -1 / 5040, 1 / 120)
-    )
+    s = fma(zz, fma(zz, 1 / 355687428096000, fma(z, -1 / 1307674368000, 1 / 6227020800)), fma(z, -1 / 39916800, 1 / 362880))
+    s = fma(zz, s, fma(z, -1 / 5040, 1 / 120))
     sine = high + fma(high * z, fma(z, s, -1 / 6), low * fma(-0.5, z, 1.0))
     c = fma(zz, fma(z, 1 / 20922789888000, -1 / 87178291200), fma(z, 1 / 479001600, -1 / 3628800))
     even = fma(-high, low, zz * fma(z, fma(z, fma(z, c, 1 / 40320), -1 / 720), 1 / 24))

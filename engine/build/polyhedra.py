@@ -42,7 +42,10 @@ def box_polyhedron(half_extents: Sequence[float]) -> Polyhedron:
 
 
 def hull_polyhedron(vertices: Any) -> Polyhedron:
-    """The convex hull of points (n, 3), coplanar facets merged to one face. Raises: ValueError for points without a volume."""
+    """The convex hull of points (n, 3), coplanar facets merged to one face. Raises: ValueError for points without a volume.
+
+    Quickhull only says which points are the corners of a facet; their order, planes and areas are worked out here.
+    """
     from scipy.spatial import ConvexHull, QhullError
 
     points = np.asarray(vertices, float)
@@ -51,7 +54,7 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     except (QhullError, ValueError) as error:
         raise ValueError("convex hull: the vertices span no volume") from error
     size = float(np.ptp(points, axis=0).max())
-    facets, planes = hull.simplices, hull.equations
+    facets, areas, planes = _canonical(points, hull.simplices, hull.equations, size)
     kept = np.unique(facets)
     corners = points[kept]
     at = np.searchsorted(kept, facets)
@@ -59,7 +62,7 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     normals: list[NDArray[np.float64]] = []
     loops: list[tuple[int, ...]] = []
     rings_of: dict[int, list[frozenset[int]]] = {}
-    for first in np.argsort(-_areas(points, facets), kind="stable").tolist():
+    for first in np.argsort(-areas, kind="stable").tolist():
         if not left[first]:
             continue
         n, offset = planes[first, :3], planes[first, 3]
@@ -82,10 +85,24 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     return Polyhedron(corners, np.array(normals), tuple(loops))
 
 
-def _areas(points: NDArray[np.float64], facets: NDArray[Any]) -> NDArray[np.float64]:
-    """Twice the areas of triangles [m2]."""
-    a, b, c = (points[facets[:, k]] for k in range(3))
-    return norm(np.cross(b - a, c - a))
+def _canonical(
+    points: NDArray[np.float64], facets: NDArray[Any], planes: NDArray[np.float64], size: float
+) -> tuple[NDArray[Any], NDArray[np.float64], NDArray[np.float64]]:
+    """Facets (f, 3) by their corners, twice their areas [m2], and their planes (f, 4): the outer normal and the offset.
+
+    Args: planes: as Quickhull has them, which remain where a facet is too thin to have a normal.
+    """
+    rows = np.sort(facets, axis=1)
+    order = np.lexsort(rows.T[::-1])
+    rows, planes = rows[order], planes[order].copy()
+    a, b, c = (points[rows[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    areas = norm(across)
+    plain = areas > FLAT * size * size
+    n = unit(across[plain])
+    n = np.where(dot(n, a[plain] - points.mean(axis=0))[:, np.newaxis] < 0.0, -n, n)
+    planes[plain] = np.column_stack([n, -dot(n, a[plain])])
+    return rows, areas, planes
 
 
 def _as_angle(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -66,7 +66,8 @@ def inverse(m: Floats) -> Floats:
     xx, xy, xz = b * c - f * f, e * f - d * c, d * f - e * b
     yy, yz, zz = a * c - e * e, d * e - a * f, a * b - d * d
     whole = a * xx + d * xy + e * xz
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) / whole
+    found: Floats = dot(m, v[..., np.newaxis, :])
+    return found
 
 
 def eigenvalues(m: Floats) -> Floats:

@@ -3,6 +3,9 @@
 import math
 import os
 import platform
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -10,9 +13,34 @@ import numpy as np
 import platformdirs
 import pytest
 
-from engine.compile.jit import jit_is_off
+from engine.compile.jit import cache_directory, jit_is_off
+from tests.architecture.test_arithmetic import LIBRARY
 from tests.golden.engine_states import WORLDS, difference, digest, known, last_state, machine, states_elsewhere
 
+ROOT = Path(__file__).parents[2]
+MATHS = sorted(
+    {
+        *(
+            "acos",
+            "acosh",
+            "asin",
+            "asinh",
+            "atan",
+            "atan2",
+            "atanh",
+            "cbrt",
+            "cos",
+            "cosh",
+            "erf",
+            "exp",
+            "exp2",
+            "expm1",
+            "fmod",
+        ),
+        *("hypot", "log", "log10", "log1p", "log2", "pow", "sin", "sincos", "sinh", "tan", "tanh", "tgamma"),
+    }
+)
+"""Functions of the C library whose last bit is its own."""
 PROCESSORS = {
     "x86-64": "", "haswell": "+avx2,+fma", "skylake-avx512": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw",
     "znver4": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw,+avx512vnni",
@@ -111,3 +139,59 @@ def _numpy_features() -> str:
     unknown = [one for one in NUMPY_FEATURES.split() if one not in features]
     assert not unknown, f"NumPy {np.__version__} does not know {unknown}: name its features anew"
     return " ".join(one for one in NUMPY_FEATURES.split() if features[one])
+
+
+LIBRARY_FREE = """
+import math
+import numpy
+import scipy.spatial
+from tests.architecture.test_arithmetic import LIBRARY
+from tests.golden.engine_states import WORLDS
+
+def refuse(name):
+    def call(*_, **__):
+        raise AssertionError(name + " is asked while a world is built or advanced")
+    return call
+
+for module, names in ((numpy.linalg, dir(numpy.linalg)), (numpy, {numpy}), (math, {math})):
+    for name in names:
+        if callable(getattr(module, name, None)) and not name.startswith("_") and not isinstance(getattr(module, name), type):
+            setattr(module, name, refuse(module.__name__ + "." + name))
+for name, build in WORLDS.items():
+    if name != "batch":
+        build(1).step(1)
+"""
+"""Builds all worlds, and takes a step, where what a library would round raises. Python runs the text itself, uncompiled."""
+
+
+def test_no_library_is_asked_while_worlds_are_built_and_advanced() -> None:
+    text = LIBRARY_FREE.replace("{numpy}", repr(sorted(LIBRARY - {"linalg", "fft"}))).replace("{math}", repr(MATHS))
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    said = subprocess.run(
+        [sys.executable, "-c", text], env=environment, cwd=ROOT, capture_output=True, text=True, check=False
+    )  # fmt: skip
+    assert said.returncode == 0, said.stderr
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(jit_is_off(), reason="asks compiled code")
+def test_compiled_steps_call_nothing_of_the_c_library_that_rounds() -> None:
+    """By the names that their machine code leaves to be found: `fma` is one where a processor has no instruction for it."""
+    for name in WORLDS:
+        last_state(name, 1)
+    files = {file for source in sorted((ROOT / "engine").rglob("*.py")) for file in cache_directory(source).glob("*.nbc")}
+    assert len(files) > len(WORLDS)
+    asked = {file.name: [one for one in MATHS if f"\0{one}\0".encode() in file.read_bytes()] for file in files}
+    assert {name: found for name, found in asked.items() if found} == {}
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(jit_is_off(), reason="asks compiled code")
+def test_a_name_that_the_c_library_knows_is_seen_in_machine_code(tmp_path: Path) -> None:
+    """What the test above looks for is there, where a function is asked for."""
+    text = "import math, numba\n\n@numba.njit(cache=True)\ndef f(x):\n    return math.sin(x)\n\nf(1.0)\n"
+    (tmp_path / "asks.py").write_text(text)
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, str(tmp_path / "asks.py")], env=environment, check=True)
+    (file,) = tmp_path.rglob("*.nbc")
+    assert b"\0sin\0" in file.read_bytes()

@@ -66,8 +66,7 @@ def inverse(m: Floats) -> Floats:
     xx, xy, xz = b * c - f * f, e * f - d * c, d * f - e * b
     yy, yz, zz = a * c - e * e, d * e - a * f, a * b - d * d
     whole = a * xx + d * xy + e * xz
-    found: Floats = dot(m, v[..., np.newaxis, :])
-    return found
+    return np.asarray(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) / whole)
 
 
 def eigenvalues(m: Floats) -> Floats:

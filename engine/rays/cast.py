@@ -71,7 +71,7 @@ def choose_tiles(threads: int) -> Callable[..., bool]:
         return cast_tiles
     import numba
 
-    from engine.compile.compilers import most_threads
+    from engine.compile.jit import most_threads
     from engine.rays.tiles_parallel import cast_tiles_parallel
 
     numba.set_num_threads(min(threads, most_threads()))

@@ -98,7 +98,13 @@ extend.make_attribute_wrapper(Table, "shape", "shape")
 
 @extend.overload_attribute(Table, "size")
 def _size(table: Any) -> Any:
-    return (lambda table: table.shape[0]) if table.ndim == 1 else (lambda table: table.shape[0] * table.shape[1])
+    def of_row(table: Any) -> Any:
+        return table.shape[0]
+
+    def of_rows(table: Any) -> Any:
+        return table.shape[0] * table.shape[1]
+
+    return of_row if table.ndim == 1 else of_rows
 
 
 def _parts(builder: Any, kind: Table, value: Any) -> tuple[Any, list[Any]]:

@@ -43,8 +43,11 @@ def linker() -> Any:
     """What links kernels into an entry as one program; None where nothing is compiled, or it is off, or Numba is unknown."""
     import numba
 
-    known = numba.__version__.rpartition(".")[0] in LINKED
-    return import_module("engine.compile.linker") if known and not jit_is_off() and os.environ.get(SWITCH) != "off" else None
+    if numba.__version__.rpartition(".")[0] not in LINKED or jit_is_off() or os.environ.get(SWITCH) == "off":
+        return None
+    from engine.compile import linker as found
+
+    return found
 
 
 def jit_is_off() -> bool:

@@ -3,7 +3,7 @@
 import math
 
 from engine.compile.jit import entry, kernel
-from engine.maths.elementary import hypot
+from engine.maths.elementary import exp, hypot, log
 from engine.maths.vec import Floats, Ints
 
 __all__ = ["COLUMNS", "MISS", "RATE", "SIZE", "look_at"]
@@ -32,7 +32,7 @@ def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, fl
     """
     k = len(x)
     n, width, power = 3 * k, widths[0], widths[1]
-    soft, dim = width * width, width**power
+    soft, dim = width * width, exp(power * log(width))
     largest = 0.0
     for i in range(k):
         y0, y1, y2 = q[i, 0] + soft * x[i, 0], q[i, 1] + soft * x[i, 1], q[i, 2] + soft * x[i, 2]

@@ -1,4 +1,4 @@
-"""Kernels linked into an entry as one program: long, for it has all that is used of Numba and that Numba does not document.
+"""Kernels linked into an entry as one program (over 400 lines: all that is used of Numba undocumented, in one place).
 
 Without it (`jit.linker`) Numba compiles every function by itself, with the same bits, in three to seven times the time of a
 first step. A kernel stays what Numba made of its text until an entry is linked, which takes in every kernel that it reaches,

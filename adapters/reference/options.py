@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from harness.adapter import Settings, SettingsError
+from harness.adapter.promised_bits import BITS, OF_ONE_MACHINE
 from harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
@@ -137,6 +138,7 @@ def resolved_settings(settings: Settings, used: "engine.Options", world: "engine
     if soft and not used.sleeping:
         del filled["sleep_speed"], filled["sleep_time"]
     filled["coordinates"] = "joint" if world.in_joint_coordinates else None
+    filled[BITS] = OF_ONE_MACHINE if exact else None
     if used.continuous == "off":
         del filled["continuous"]
     return replace(

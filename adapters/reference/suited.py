@@ -4,9 +4,7 @@ from dataclasses import replace
 from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from adapters.reference.foresight import half_width, heap_gives_way, mass_ratio, quickest_turn, way_through
+from adapters.reference.foresight import half_width, heap_gives_way, length, mass_ratio, quickest_turn, way_through
 from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, UNSUBSTEPPED, WHOLE_STEPS, engine_options
 from adapters.reference.world import make_world
 from harness.adapter import Settings, Unsupported
@@ -26,7 +24,7 @@ ROUNDED = 1e-15
 residuals are relative to the light body's; for two boxes of 100 : 1 to 1e6 : 1 the least are 2e-16 to 6e-16 of the ratio."""
 MERGED = 8
 """Sub-steps that are taken as one where trees of joints, in joint coordinates, may touch something."""
-TURNING = 2**0.5
+TURNING = sqrt(2.0)
 """Turn in a step [rad] up to which Runge-Kutta is trusted: half of 2 sqrt(2), where its region of stability ends."""
 FAR = 1.0
 """Turn in a step [rad] from which implicit midpoint is taken: at 1.04 a heavy top's precession errs by 2.0e-5 of its rate, and
@@ -91,13 +89,13 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
         return springs, None
     if _exact_knows(scene):  # of few bodies, each pair of which may be looked at
         ratio = mass_ratio(scene)
-        if ratio > substeps**2 or heap_gives_way(scene, settings.dt / substeps):
+        if ratio > substeps * substeps or heap_gives_way(scene, settings.dt / substeps):
             tolerance = settings.tolerance or max(1e-11, ROUNDED * ratio)
             return replace(settings, solver=EXACT, substeps=1, iterations=None, tolerance=tolerance, options=kept), None
     world = make_world(scene, engine_options(scene, springs))
     start = world.save()
     if _overlaps(scene, world):
-        margin = min(1e-3, float(np.linalg.norm(scene.gravity)) * settings.dt**2)
+        margin = min(1e-3, length(scene.gravity) * settings.dt * settings.dt)
         unset = UNSET[SEQUENTIAL]
         return replace(settings, solver=SEQUENTIAL, **unset, options={"margin": margin, **kept}), None
     if world.impacts is not None:

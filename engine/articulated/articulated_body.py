@@ -36,6 +36,7 @@ from engine.articulated.tables import (
     Tables,
 )
 from engine.compile.jit import kernel
+from engine.maths.floats import fma
 from engine.maths.vec import (
     Floats,
     Mat,
@@ -63,21 +64,20 @@ STILL: Vec = (0.0, 0.0, 0.0)
 @kernel
 def sym_less(s: Sym, v: Vec, f: float) -> Sym:
     """S - f v v^T."""
-    x, y, z = f * v[0], f * v[1], f * v[2]
+    x, y, z = -f * v[0], -f * v[1], -f * v[2]
     return (
-        s[0] - x * v[0], s[1] - y * v[1], s[2] - z * v[2], s[3] - x * v[1], s[4] - x * v[2], s[5] - y * v[2]
+        fma(x, v[0], s[0]), fma(y, v[1], s[1]), fma(z, v[2], s[2]), fma(x, v[1], s[3]), fma(x, v[2], s[4]), fma(y, v[2], s[5])
     )  # fmt: skip
 
 
 @kernel
 def mat_less(m: Mat, v: Vec, w: Vec, f: float) -> Mat:
     """M - f v w^T."""
-    x, y, z = f * v[0], f * v[1], f * v[2]
     return (
-        m[0] - x * w[0], m[1] - x * w[1], m[2] - x * w[2],
-        m[3] - y * w[0], m[4] - y * w[1], m[5] - y * w[2],
-        m[6] - z * w[0], m[7] - z * w[1], m[8] - z * w[2],
-    )  # fmt: skip
+        *axpy(-f * v[0], w, (m[0], m[1], m[2])),
+        *axpy(-f * v[1], w, (m[3], m[4], m[5])),
+        *axpy(-f * v[2], w, (m[6], m[7], m[8])),
+    )
 
 
 @kernel

@@ -7,6 +7,7 @@ from engine.articulated import tables as to
 from engine.articulated.forest import Forest, Link
 from engine.build.assembly import grow
 from engine.build.solids import quat_mat, quat_mul
+from engine.maths.arrays import dot, mat_vec
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 
@@ -112,17 +113,17 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
         seen = to.float_view(floats, ints, to.MOTION)[k, to.BASE_VELOCITY : to.BASE_VELOCITY + 6]
         seen[:3], seen[3:] = inner[at.W :], inner[at.V : at.W]
     R = quat_mat(inner[at.Q : at.Q + 4])
-    axis = R @ constants[to.AXIS : to.AXIS + 3]
+    axis = mat_vec(R, constants[to.AXIS : to.AXIS + 3])
     w = outer[at.W :] - inner[at.W :]
     if kind == at.BALL:
         row[:4] = constants[to.TURN : to.TURN + 4]
-        columns[first : first + 3, to.RATE] = R.T @ w
+        columns[first : first + 3, to.RATE] = mat_vec(R.T, w)
     elif kind == at.REVOLUTE:
-        row[0], columns[first, to.RATE] = constants[to.START_X], axis @ w
+        row[0], columns[first, to.RATE] = constants[to.START_X], dot(axis, w)
     elif kind == at.PRISMATIC:
-        anchor = inner[:3] + R @ constants[to.ANCHOR_A : to.ANCHOR_A + 3]
+        anchor = inner[:3] + mat_vec(R, constants[to.ANCHOR_A : to.ANCHOR_A + 3])
         speed = velocity_at(outer, anchor) - velocity_at(inner, anchor)
-        row[0], columns[first, to.RATE] = constants[to.START_X], axis @ speed
+        row[0], columns[first, to.RATE] = constants[to.START_X], dot(axis, speed)
 
 
 def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
@@ -138,13 +139,13 @@ def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, fl
     state, row = float_table(floats, ints, at.STATE), float_table(floats, ints, at.JOINT)[joint]
     kind = int_table(ints, at.JOINT_KIND)[joint]
     inner, outer = state[kind[at.PARENT]], state[kind[at.CHILD]]
-    axis = quat_mat(inner[at.Q : at.Q + 4]) @ row[at.AXIS_A : at.AXIS_A + 3]
+    axis = mat_vec(quat_mat(inner[at.Q : at.Q + 4]), row[at.AXIS_A : at.AXIS_A + 3])
     if kind[at.JOINT_TYPE] == at.REVOLUTE:
         speed = outer[at.W :] - inner[at.W :]
     else:
-        anchor = outer[:3] + quat_mat(outer[at.Q : at.Q + 4]) @ row[at.ANCHOR_B : at.ANCHOR_B + 3]
+        anchor = outer[:3] + mat_vec(quat_mat(outer[at.Q : at.Q + 4]), row[at.ANCHOR_B : at.ANCHOR_B + 3])
         speed = velocity_at(outer, anchor) - velocity_at(inner, anchor)
-    return float(to.float_view(floats, ints, to.COORDINATE)[link, 0]), float(axis @ speed)
+    return float(to.float_view(floats, ints, to.COORDINATE)[link, 0]), float(dot(axis, speed))
 
 
 def velocity_at(body: FloatArray, point: FloatArray) -> FloatArray:

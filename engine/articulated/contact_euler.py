@@ -197,7 +197,7 @@ def stands(tables: Tables, h: float) -> bool:
         most += abs(motion[i, VELOCITY]) + abs(motion[i, VELOCITY + 1]) + abs(motion[i, VELOCITY + 2])
     for k in range(column.shape[0]):
         most += abs(column[k, RATE])
-    return (h * most) ** 2 <= UNSEEN
+    return h * most * (h * most) <= UNSEEN
 
 
 @kernel

@@ -37,6 +37,7 @@ from engine.articulated.tables import (
 from engine.compile.jit import kernel
 from engine.integrate.dormand_prince import MOST_TRIALS, STAGES, A, E
 from engine.integrate.runge_kutta import quat_rate
+from engine.maths.elementary import fifth_root
 from engine.maths.vec import Floats, load4, quat_unit, store4
 from engine.memory.arena import BALL, PRISMATIC, REACTION, REVOLUTE, STEP_TOLERANCE
 from engine.memory.tables import Bodies, Joints
@@ -233,7 +234,7 @@ def dormand_prince(
         h = left if cut else min(stride, 0.5 * left)
         error = try_step(tables, bodies, joints, setting, h, gyroscopic, trial)
         overflow = not math.isfinite(error)
-        factor = 0.2 if overflow else (min(5.0, 0.9 * (tolerance / error) ** 0.2) if error > 0.0 else 5.0)
+        factor = 0.2 if overflow else (min(5.0, 0.9 * fifth_root(tolerance / error)) if error > 0.0 else 5.0)
         if error <= tolerance and not overflow:
             # A step cut short by the end says nothing against the longer one that was meant.
             stride = max(stride, h * factor) if cut else h * (min(factor, 1.0) if rejected else factor)

@@ -8,6 +8,7 @@ import numpy as np
 
 from engine.describe.bodies import Body
 from engine.describe.joints import Ball, Distance, Joint
+from engine.maths.arrays import dot, eigenvalues
 
 __all__ = ["THINNEST", "Forest", "Link", "NoForest", "forest_of"]
 
@@ -119,7 +120,7 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
         body, hook = bodies[link.body], joints[link.joint] if link.joint >= 0 else None
         if isinstance(hook, Ball):
             arm = np.asarray(hook.anchor_W, float) - np.asarray(body.p_WB, float)
-            least, needed = np.linalg.eigvalsh(np.asarray(body.inertia, float))[0], THINNEST * body.mass * float(arm @ arm)
+            least, needed = eigenvalues(np.asarray(body.inertia, float))[0], THINNEST * body.mass * float(dot(arm, arm))
             if least < needed:
                 return NoForest(
                     f"body '{body.name}'",

@@ -11,8 +11,6 @@ where nothing acts they are kept to round-off.
 Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.1.4 (SHAKE and RATTLE).
 """
 
-import math
-
 from engine.articulated.forces import put_inertia
 from engine.articulated.motion import move_links
 from engine.articulated.tables import (
@@ -40,6 +38,7 @@ from engine.articulated.tables import (
 )
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import turn_inertia
+from engine.maths.elementary import exp
 from engine.maths.vec import (
     Floats,
     Sym,
@@ -72,8 +71,8 @@ def damp_over(tables: Tables, h: float) -> None:
     """Write what damping leaves of momenta over a sub-step h [s]."""
     link = tables.link
     for i in range(link.shape[0]):
-        link[i, SHARE] = math.exp(-link[i, LINEAR_DAMPING] * h)
-        link[i, SPIN_SHARE] = math.exp(-link[i, ANGULAR_DAMPING] * h)
+        link[i, SHARE] = exp(-link[i, LINEAR_DAMPING] * h)
+        link[i, SPIN_SHARE] = exp(-link[i, ANGULAR_DAMPING] * h)
 
 
 @kernel

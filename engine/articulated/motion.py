@@ -9,8 +9,6 @@ in the axes of its parent; a free root's are w_WB and v_WB.
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.2 (spatial vectors), 3.5 (acceleration) and 4.4 (joints).
 """
 
-import math
-
 from engine.articulated.tables import (
     ANCHOR_A,
     ANCHOR_B,
@@ -35,6 +33,8 @@ from engine.articulated.tables import (
     Tables,
 )
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin
+from engine.maths.floats import fma
 from engine.maths.vec import (
     Floats,
     Mat,
@@ -78,13 +78,13 @@ def turn_of(q: Quat) -> Mat:
 def hinge_turn(tables: Tables, i: int, x: float) -> Quat:
     """The orientation of link i on its parent, where its hinge stands at x [rad]."""
     half = 0.5 * (x - tables.link[i, START_X])
-    c, s = math.cos(half), math.sin(half)
+    c, s = cos_sin(half)
     start, about = load4(tables.link, i, TURN), load4(tables.link, i, TURNED_AXIS)
     return (
-        c * start[0] + s * about[0],
-        c * start[1] + s * about[1],
-        c * start[2] + s * about[2],
-        c * start[3] + s * about[3],
+        fma(c, start[0], s * about[0]),
+        fma(c, start[1], s * about[1]),
+        fma(c, start[2], s * about[2]),
+        fma(c, start[3], s * about[3]),
     )
 
 

@@ -34,6 +34,7 @@ from engine.articulated.tables import (
     Tables,
 )
 from engine.compile.jit import kernel
+from engine.maths.elementary import atan2, cos_sin
 from engine.maths.vec import (
     Quat,
     Vec,
@@ -75,7 +76,8 @@ def turn_by(angle: Vec) -> Quat:
         ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
     else:
         half = math.sqrt(square)
-        cosine, ratio = math.cos(half), math.sin(half) / half
+        cosine, sine = cos_sin(half)
+        ratio = sine / half
     s = 0.5 * ratio
     return cosine, s * angle[0], s * angle[1], s * angle[2]
 
@@ -104,7 +106,7 @@ def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
     sine = math.sqrt(square)
     if sine == 0.0:
         return near if far else x
-    angle = 2.0 * math.atan2(sine, sign * d[0])
+    angle = 2.0 * atan2(sine, sign * d[0])
     if far:
         angle += 2.0 * math.pi * math.floor((h * dot(near, x) / sine - angle) / (2.0 * math.pi) + 0.5)
     return scale(angle / (h * sine), x)

@@ -21,6 +21,7 @@ from engine.broad.candidates import (
     write_pairs,
 )  # fmt: skip
 from engine.compile.jit import entry, kernel
+from engine.maths.elementary import exp, log
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
 from engine.memory.carve import floats_of, ints_of
@@ -102,8 +103,8 @@ def cell_side(fat: Floats, cell: Ints) -> float:
     for s in range(len(cell)):
         if cell[s, 3] == IN_NONE:
             number += 1
-            total += math.log(max(width(fat, s), 1e-300))
-    most, side = LARGE * math.exp(total / max(number, 1)), 0.0
+            total += log(max(width(fat, s), 1e-300))
+    most, side = LARGE * exp(total / max(number, 1)), 0.0
     for s in range(len(cell)):
         if cell[s, 3] == IN_NONE and width(fat, s) <= most:
             side = max(side, width(fat, s))

@@ -16,6 +16,7 @@ from engine.describe.check import finite, spd_inertia, unit_quaternion
 from engine.describe.errors import NotSupported
 from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
+from engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table, new_arena
 from engine.memory.layout import FLOATS, INTS, Per, shapes_of
@@ -128,7 +129,7 @@ def assemble_world(
     ]
     sizes = {
         Per.WORLD: 1, Per.BODY: n + 1, Per.SHAPE: ns, Per.JOINT: nj, Per.ROW: rows, Per.ROW_OR_TRIAL: 2 * rows + 2,
-        Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2, Per.CLIP_POINT: 32,
+        Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) * len(materials), Per.CLIP_POINT: 32,
         Per.PRINCIPAL_BODY: n + 1 if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n + 1 if spheres else 0,
         Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
         **_sweep_sizes(n, near, options, spheres),
@@ -148,7 +149,7 @@ def assemble_world(
         row[at.SIZE : at.SIZE + 3] = solid.size
         row[at.BALL_RADIUS] = solid.radius
         body = float_table(floats, ints, at.BODY)[i]
-        body[at.EXTENT] = max(body[at.EXTENT], min(float(np.linalg.norm(solid.offset)) + solid.radius, ENDLESS))
+        body[at.EXTENT] = max(body[at.EXTENT], min(float(norm(solid.offset)) + solid.radius, ENDLESS))
         int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
         int_table(ints, at.ORDER)[s, 0] = s
         int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
@@ -286,16 +287,15 @@ def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) ->
         if body.motion != "dynamic":
             continue
         inertia = spd_inertia(label, body.inertia)
-        inverse = np.linalg.inv(inertia)
-        inverse = (inverse + inverse.T) / 2
+        mobility = inverse(inertia)
         table[i, at.INV_MASS], table[i, at.MASS] = 1 / body.mass, body.mass
-        table[i, at.INERTIA : at.INERTIA + 6], table[i, at.INV_INERTIA : at.INV_INERTIA + 6] = six(inertia), six(inverse)
+        table[i, at.INERTIA : at.INERTIA + 6], table[i, at.INV_INERTIA : at.INV_INERTIA + 6] = six(inertia), six(mobility)
         table[i, at.LINEAR_DAMPING], table[i, at.ANGULAR_DAMPING] = body.linear_damping, body.angular_damping
         table[i, at.ROUND] = float(np.array_equal(inertia, inertia[0, 0] * np.eye(3)))
         if len(principal) > 0:
             principal[i, at.MOMENTS : at.MOMENTS + 3], principal[i, at.AXES : at.AXES + 4] = principal_frame(inertia)
         r = quat_mat(q)
-        turned[i] = six(r @ inverse @ r.T)
+        turned[i] = six(mat_mat(mat_mat(r, mobility), r.T))
 
 
 def _along(joint: Joint) -> int:
@@ -309,9 +309,9 @@ def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArr
     """The rate of a joint's coordinate at the start [rad/s or m/s], of bodies in these states (13,), about or along an axis."""
     w_a, w_b = state_a[at.W : at.W + 3], state_b[at.W : at.W + 3]
     if isinstance(joint, Revolute):
-        return float(axis @ (w_b - w_a))
+        return float(dot(axis, w_b - w_a))
     v_a, v_b = (state[at.V : at.V + 3] + np.cross(state[at.W : at.W + 3], anchor - state[:3]) for state in (state_a, state_b))
-    return float(axis @ (v_b - v_a))
+    return float(dot(axis, v_b - v_a))
 
 
 def _write_joint(
@@ -336,8 +336,8 @@ def _write_joint(
     row[at.TURN_AB : at.TURN_AB + 4] = quat_mul(qa, state[b, at.Q : at.Q + 4])
     anchor_a = state[b, :3] if isinstance(joint, Fixed) else np.asarray(joint.anchor_W, float)
     anchor_b = np.asarray(joint.child_anchor_W, float) if isinstance(joint, Distance) else anchor_a
-    row[at.ANCHOR_A : at.ANCHOR_A + 3] = ra.T @ (anchor_a - state[a, :3])
-    row[at.ANCHOR_B : at.ANCHOR_B + 3] = rb.T @ (anchor_b - state[b, :3])
+    row[at.ANCHOR_A : at.ANCHOR_A + 3] = mat_vec(ra.T, anchor_a - state[a, :3])
+    row[at.ANCHOR_B : at.ANCHOR_B + 3] = mat_vec(rb.T, anchor_b - state[b, :3])
     if isinstance(joint, Fixed):
         kind[at.JOINT_TYPE] = at.FIXED
         return
@@ -346,12 +346,11 @@ def _write_joint(
         return
     if isinstance(joint, Distance):
         kind[at.JOINT_TYPE] = at.DISTANCE
-        row[at.LENGTH] = float(np.linalg.norm(anchor_b - anchor_a))
+        row[at.LENGTH] = float(norm(anchor_b - anchor_a))
     else:
         kind[at.JOINT_TYPE] = at.REVOLUTE if isinstance(joint, Revolute) else at.PRISMATIC
-        axis = np.asarray(joint.axis_W, float)
-        axis = axis / np.linalg.norm(axis)
-        row[at.AXIS_A : at.AXIS_A + 3], row[at.AXIS_B : at.AXIS_B + 3] = ra.T @ axis, rb.T @ axis
+        axis = unit(np.asarray(joint.axis_W, float))
+        row[at.AXIS_A : at.AXIS_A + 3], row[at.AXIS_B : at.AXIS_B + 3] = mat_vec(ra.T, axis), mat_vec(rb.T, axis)
         row[at.POSITION] = row[at.COORDINATE] = joint.position
         if joint.drive is not None:
             drive = joint.drive

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Ball, Distance, Fixed, Joint, Revolute
+from engine.maths.arrays import dot, norm, unit
 
 __all__ = ["check_initial_rates"]
 
@@ -32,12 +33,12 @@ def check_initial_rates(bodies: Sequence[Body], joints: Sequence[Joint]) -> None
         anchor_b = np.asarray(joint.child_anchor_W, float) if isinstance(joint, Distance) else anchor_a
         (v_a, w_a, fast_a), (v_b, w_b, fast_b) = _motion(a, anchor_a), _motion(b, anchor_b)
         sliding, turning = _forbidden(joint, v_b - v_a, w_b - w_a, anchor_b - anchor_a)
-        spin = float(np.linalg.norm(w_a) + np.linalg.norm(w_b))
-        for rate, speed, unit in ((sliding, fast_a + fast_b, "m/s"), (turning, spin, "rad/s")):
+        spin = float(norm(w_a) + norm(w_b))
+        for rate, speed, measure in ((sliding, fast_a + fast_b, "m/s"), (turning, spin, "rad/s")):
             if rate > AGREES * speed:
                 raise NotSupported(
                     f"joint '{joint.name}'",
-                    f"the initial velocities of '{joint.parent}' and '{joint.child}' break it by {rate:.3g} {unit}, "
+                    f"the initial velocities of '{joint.parent}' and '{joint.child}' break it by {rate:.3g} {measure}, "
                     "expected velocities that the joint allows",
                 )
 
@@ -47,19 +48,19 @@ def _motion(body: Body | None, anchor: FloatArray) -> tuple[FloatArray, FloatArr
     if body is None or body.motion == "static":
         return np.zeros(3), np.zeros(3), 0.0
     v, w, arm = np.asarray(body.v_WB, float), np.asarray(body.w_WB, float), anchor - np.asarray(body.p_WB, float)
-    return v + np.cross(w, arm), w, float(np.linalg.norm(v) + np.linalg.norm(w) * np.linalg.norm(arm))
+    return v + np.cross(w, arm), w, float(norm(v) + norm(w) * norm(arm))
 
 
 def _forbidden(joint: Joint, dv: FloatArray, dw: FloatArray, way: FloatArray) -> tuple[float, float]:
     """How much of the relative velocity [m/s] and angular velocity [rad/s] at the anchors the joint forbids."""
     if isinstance(joint, Distance):
         kept = joint.limits is None and joint.spring is None
-        return (abs(float(way @ dv)) / float(np.linalg.norm(way)) if kept else 0.0), 0.0
+        return (abs(float(dot(way, dv))) / float(norm(way)) if kept else 0.0), 0.0
     if isinstance(joint, Ball):
-        return float(np.linalg.norm(dv)), 0.0
+        return float(norm(dv)), 0.0
     if isinstance(joint, Fixed):
-        return float(np.linalg.norm(dv)), float(np.linalg.norm(dw))
-    axis = np.asarray(joint.axis_W, float) / np.linalg.norm(joint.axis_W)
+        return float(norm(dv)), float(norm(dw))
+    axis = unit(np.asarray(joint.axis_W, float))
     if isinstance(joint, Revolute):
-        return float(np.linalg.norm(dv)), float(np.linalg.norm(np.cross(axis, dw)))
-    return float(np.linalg.norm(np.cross(axis, dv))), float(np.linalg.norm(dw))
+        return float(norm(dv)), float(norm(np.cross(axis, dw)))
+    return float(norm(np.cross(axis, dv))), float(norm(dw))

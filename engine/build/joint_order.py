@@ -57,7 +57,8 @@ def _cost(order: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequenc
     total = 0
     for k, j in enumerate(order):
         first = min((place[i] for i in beside[j]), default=k)
-        total += (begin[k + 1] - begin[k]) * (begin[k + 1] - begin[min(first, k)]) ** 2
+        width = begin[k + 1] - begin[min(first, k)]
+        total += (begin[k + 1] - begin[k]) * width * width
     return total
 
 

@@ -20,6 +20,7 @@ from engine.build.solids import mat_quat, quat_mat, quat_mul
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
+from engine.maths.arrays import dot, eigen, mat_vec, norm, unit
 from engine.options import LEVELS
 
 __all__ = ["LEVELS", "Detail", "at_level", "bounding_box", "bounding_sphere", "collision_shapes", "convex_pieces"]
@@ -72,9 +73,9 @@ def collision_shapes(
     if isinstance(ball := shapes[0].shape, Sphere):
         centre = np.asarray(shapes[0].p_BS)
         way = rng.normal(size=(samples, 3))
-        skin = centre + ball.radius * way / np.linalg.norm(way, axis=1, keepdims=True)
-        out = float(np.linalg.norm(on_mesh - centre, axis=1).max()) - ball.radius
-        ratio = 4 / 3 * math.pi * ball.radius**3 / volume
+        skin = centre + ball.radius * unit(way)
+        out = float(norm(on_mesh - centre).max()) - ball.radius
+        ratio = 4 / 3 * math.pi * (ball.radius * ball.radius * ball.radius) / volume
         return Detail(shapes, ratio, float(_distances(skin, triangles).max()), max(0.0, out))
     total, excess, lack = _errors(pieces, triangles, on_mesh, samples, rng)
     return Detail(shapes, total / volume, excess, lack)
@@ -89,7 +90,7 @@ def _simplified(mesh: TriangleMesh, level: str, concavity: float, seed: int) -> 
     if level == "box":
         centre, half, axes = bounding_box(vertices)
         signs = np.array([[1 if k >> axis & 1 else -1 for axis in range(3)] for k in range(8)])
-        return (Placed(Box(tuple(half)), tuple(centre), tuple(mat_quat(axes))),), [centre + (signs * half) @ axes.T]
+        return (Placed(Box(tuple(half)), tuple(centre), tuple(mat_quat(axes))),), [centre + mat_vec(axes, signs * half)]
     pieces = [vertices] if level == "hull" else convex_pieces(mesh, concavity, seed)
     return tuple(Placed(ConvexHull(points.tolist())) for points in pieces), pieces
 
@@ -118,38 +119,41 @@ def _simpler(body: Body, level: str) -> Iterator[Placed]:
         except ValueError as error:
             raise NotSupported(f"level of detail '{level}' of body '{body.name}'", str(error)) from error
         p_BS, q_BS = np.asarray(placed.p_BS, float), np.asarray(placed.q_BS, float)
-        q_BS = q_BS / np.linalg.norm(q_BS)
+        q_BS = unit(q_BS)
         for part in _simplified(placed.shape, level, CONCAVITY, seed=0)[0]:
             yield Placed(
                 part.shape,
-                (p_BS + quat_mat(q_BS) @ np.asarray(part.p_BS, float)).tolist(),
+                (p_BS + mat_vec(quat_mat(q_BS), np.asarray(part.p_BS, float))).tolist(),
                 quat_mul(q_BS, np.asarray(part.q_BS, float)).tolist(),
             )
 
 
 def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
     """Centre and radius [m] of a ball that holds the points (n, 3): about two distant ones, grown over the others."""
-    one = points[np.linalg.norm(points - points[0], axis=1).argmax()]
-    two = points[np.linalg.norm(points - one, axis=1).argmax()]
-    centre, radius = (one + two) / 2, float(np.linalg.norm(two - one)) / 2
+    one = points[norm(points - points[0]).argmax()]
+    two = points[norm(points - one).argmax()]
+    centre, radius = (one + two) / 2, float(norm(two - one)) / 2
     for point in points:
-        away = float(np.linalg.norm(point - centre))
+        away = float(norm(point - centre))
         if away > radius:
             radius, past = (radius + away) / 2, (away - radius) / 2
             centre = centre + (point - centre) * (past / away)
-    return centre, float(np.linalg.norm(points - centre, axis=1).max())
+    return centre, float(norm(points - centre).max())
 
 
 def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Centre (3,), half extents (3,) [m] and axes (columns) of the smaller of two boxes about points (n, 3): along their frame
     and along their principal components.
     """
-    _, principal = np.linalg.eigh(np.cov(points.T))
+    spread = points - points.mean(axis=0)
+    _, principal = eigen(np.array([[float((u * v).sum()) for v in spread.T] for u in spread.T]) / len(points))
     principal[:, 2] = np.cross(principal[:, 0], principal[:, 1])
     found = []
     for axes in (np.eye(3), principal):
-        low, high = (points @ axes).min(axis=0), (points @ axes).max(axis=0)
-        found.append((float(np.prod(high - low)), axes @ ((low + high) / 2), (high - low) / 2, axes))
+        along = mat_vec(axes.T, points)
+        low, high = along.min(axis=0), along.max(axis=0)
+        x, y, z = (high - low).tolist()
+        found.append((x * y * z, mat_vec(axes, (low + high) / 2), (high - low) / 2, axes))
     _, centre, half, axes = min(found, key=lambda box: box[0])
     return centre, half, axes
 
@@ -178,7 +182,7 @@ def _errors(
 
     def outside(points: FloatArray) -> NDArray[np.bool_]:
         return np.asarray(
-            np.all([(points @ h.equations[:, :3].T + h.equations[:, 3]).max(axis=1) > 0.0 for h in hulls], axis=0)
+            np.all([(mat_vec(h.equations[:, :3], points) + h.equations[:, 3]).max(axis=1) > 0.0 for h in hulls], axis=0)
         )
 
     surface, facet = _scatter(skin, samples, rng)
@@ -190,7 +194,7 @@ def _errors(
 def _scatter(triangles: FloatArray, count: int, rng: np.random.Generator) -> tuple[FloatArray, NDArray[np.int64]]:
     """Points (count, 3) spread evenly over triangles (n, 3, 3), and the triangle of each."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    area = norm(np.cross(b - a, c - a))
     k = rng.choice(len(triangles), count, p=area / area.sum())
     u, v = rng.uniform(size=(2, count, 1))
     flip = u + v > 1
@@ -209,15 +213,15 @@ def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
 
 def _squares(x: FloatArray, triangles: FloatArray) -> FloatArray:
     """Squared distances (n, m) [m2] of points (n, 1, 3) from triangles (m, 3, 3): the height over the face, else an edge's."""
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    nearest, above = np.inf, np.True_
+    normal = unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
+    nearest: FloatArray | float = np.inf
+    above: NDArray[np.bool_] | bool = True
     for k in range(3):
         a, e = triangles[:, k], triangles[:, (k + 1) % 3] - triangles[:, k]
         away = x - a
-        share = np.clip(np.einsum("nmi,mi->nm", away, e) / np.sum(e * e, axis=1), 0.0, 1.0)
+        share = np.clip(dot(away, e) / dot(e, e), 0.0, 1.0)
         rest = away - share[:, :, None] * e
-        nearest = np.minimum(nearest, np.einsum("nmi,nmi->nm", rest, rest))
-        above = above & (np.einsum("nmi,mi->nm", away, np.cross(normal, e)) >= 0)
-    height = np.einsum("nmi,mi->nm", x - triangles[:, 0], normal)
+        nearest = np.minimum(nearest, dot(rest, rest))
+        above = above & (dot(away, np.cross(normal, e)) >= 0)
+    height = dot(x - triangles[:, 0], normal)
     return np.asarray(np.where(above, height * height, nearest))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.cross import cross
+from engine.maths.arrays import cross, dot, norm, unit
 
 __all__ = ["FLAT", "Polyhedron", "box_polyhedron", "hull_polyhedron", "inner_edges", "triangle_polyhedron"]
 
@@ -42,7 +42,10 @@ def box_polyhedron(half_extents: Sequence[float]) -> Polyhedron:
 
 
 def hull_polyhedron(vertices: Any) -> Polyhedron:
-    """The convex hull of points (n, 3), coplanar facets merged to one face. Raises: ValueError for points without a volume."""
+    """The convex hull of points (n, 3), coplanar facets merged to one face. Raises: ValueError for points without a volume.
+
+    Quickhull only says which points are the corners of a facet; their order, planes and areas are worked out here.
+    """
     from scipy.spatial import ConvexHull, QhullError
 
     points = np.asarray(vertices, float)
@@ -51,7 +54,7 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     except (QhullError, ValueError) as error:
         raise ValueError("convex hull: the vertices span no volume") from error
     size = float(np.ptp(points, axis=0).max())
-    facets, planes = hull.simplices, hull.equations
+    facets, areas, planes = _canonical(points, hull.simplices, hull.equations, size)
     kept = np.unique(facets)
     corners = points[kept]
     at = np.searchsorted(kept, facets)
@@ -59,11 +62,11 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     normals: list[NDArray[np.float64]] = []
     loops: list[tuple[int, ...]] = []
     rings_of: dict[int, list[frozenset[int]]] = {}
-    for first in np.argsort(-_areas(points, facets), kind="stable").tolist():
+    for first in np.argsort(-areas, kind="stable").tolist():
         if not left[first]:
             continue
         n, offset = planes[first, :3], planes[first, 3]
-        on = np.abs(corners @ n + offset) <= FLAT * size
+        on = np.abs(dot(corners, n) + offset) <= FLAT * size
         mine = left & on[at].all(axis=1)
         mine[first] = True
         left[mine] = False
@@ -76,22 +79,41 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
         middle = corners[ring].mean(axis=0)
         u = corners[ring[0]] - middle
         v = np.cross(n, u)
-        angle = np.arctan2((corners[ring] - middle) @ v, (corners[ring] - middle) @ u)
+        angle = _as_angle(dot(corners[ring] - middle, u), dot(corners[ring] - middle, v))
         loops.append(tuple(int(k) for k in ring[np.argsort(angle)]))
-        normals.append(n / np.linalg.norm(n))
+        normals.append(unit(n))
     return Polyhedron(corners, np.array(normals), tuple(loops))
 
 
-def _areas(points: NDArray[np.float64], facets: NDArray[Any]) -> NDArray[np.float64]:
-    """Twice the areas of triangles [m2]."""
-    a, b, c = (points[facets[:, k]] for k in range(3))
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1))
+def _canonical(
+    points: NDArray[np.float64], facets: NDArray[Any], planes: NDArray[np.float64], size: float
+) -> tuple[NDArray[Any], NDArray[np.float64], NDArray[np.float64]]:
+    """Facets (f, 3) by their corners, twice their areas [m2], and their planes (f, 4): the outer normal and the offset.
+
+    Args: planes: as Quickhull has them, which remain where a facet is too thin to have a normal.
+    """
+    rows = np.sort(facets, axis=1)
+    order = np.lexsort(rows.T[::-1])
+    rows, planes = rows[order], planes[order].copy()
+    a, b, c = (points[rows[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    areas = norm(across)
+    plain = areas > FLAT * size * size
+    n = unit(across[plain])
+    n = np.where(dot(n, a[plain] - points.mean(axis=0))[:, np.newaxis] < 0.0, -n, n)
+    planes[plain] = np.column_stack([n, -dot(n, a[plain])])
+    return rows, areas, planes
+
+
+def _as_angle(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What grows as the angle of the direction (x, y) does, from -2 to 2."""
+    share = y / (np.abs(x) + np.abs(y))
+    return np.asarray(np.where(x >= 0.0, share, np.copysign(2.0, y) - share))
 
 
 def triangle_polyhedron(corners: NDArray[np.float64]) -> Polyhedron:
     """A triangle (3, 3) as a solid without thickness; the first face is the outer one."""
-    n = cross(corners[1] - corners[0], corners[2] - corners[0])
-    n = n / np.linalg.norm(n)
+    n = unit(cross(corners[1] - corners[0], corners[2] - corners[0]))
     return Polyhedron(corners, np.array([n, -n]), ((0, 1, 2), (0, 2, 1)))
 
 
@@ -108,14 +130,13 @@ def inner_edges(vertices: NDArray[np.float64], faces: NDArray[Any]) -> NDArray[n
     bits = np.zeros(len(faces), np.int64)
     for f, t in enumerate(ring):
         a, b, c = vertices[faces[f]]
-        n = cross(b - a, c - a)
-        n = n / np.linalg.norm(n)
+        n = unit(cross(b - a, c - a))
         for k in range(3):
             other = beyond.get((int(t[(k + 1) % 3]), int(t[k])))
             if (
                 other is not None
-                and (((vertices[faces[other]] - a) @ n).max() >= 0.0)
-                and (((vertices[faces[other]] - a) @ n).min() >= -1e-6 * size)
+                and (dot(vertices[faces[other]] - a, n).max() >= 0.0)
+                and (dot(vertices[faces[other]] - a, n).min() >= -1e-6 * size)
             ):
                 bits[f] |= 1 << k
     return bits

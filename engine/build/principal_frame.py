@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.maths.arrays import det, eigen, unit
+
 __all__ = ["principal_frame"]
 
 FloatArray = NDArray[np.float64]
@@ -21,8 +23,8 @@ def principal_frame(inertia: FloatArray) -> tuple[FloatArray, FloatArray]:
         order = np.argsort(np.diag(inertia), kind="stable")
         moments, axes = np.diag(inertia)[order], np.eye(3)[:, order]
     else:
-        moments, axes = np.linalg.eigh(inertia)
-    if np.linalg.det(axes) < 0:
+        moments, axes = eigen(inertia)
+    if det(axes) < 0:
         axes = axes * (1.0, 1.0, -1.0)
     (a, b, c), (d, e, f), (g, h, i) = axes
     columns = np.array(
@@ -34,4 +36,4 @@ def principal_frame(inertia: FloatArray) -> tuple[FloatArray, FloatArray]:
         ]
     )
     q = columns[int(np.argmax(np.diag(columns)))]
-    return moments, np.asarray(q / np.linalg.norm(q))
+    return moments, unit(q)

@@ -7,6 +7,7 @@ import numpy as np
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
+from engine.maths.arrays import eigenvalues
 
 __all__ = ["SLENDEREST", "check_slenderness"]
 
@@ -22,7 +23,7 @@ def check_slenderness(bodies: Sequence[Body], joints: Sequence[Joint]) -> None:
     movable = [body for body in bodies if body.motion == "dynamic" and body.name in held]
     if not movable:
         return
-    moments = np.linalg.eigvalsh(np.array([np.asarray(body.inertia, float) for body in movable]))
+    moments = np.array([eigenvalues(np.asarray(body.inertia, float)) for body in movable])
     slender = moments[:, 0] * SLENDEREST < moments[:, 2]
     if slender.any():
         k = int(slender.argmax())

@@ -14,7 +14,7 @@ from engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, 
 from engine.describe.bodies import Body
 from engine.describe.check import unit_quaternion
 from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
-from engine.maths.cross import cross
+from engine.maths.arrays import cross, dot, mat_mat, mat_vec, norm, unit
 from engine.memory import arena as at
 
 __all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
@@ -42,14 +42,14 @@ class Solid:
 
 def quat_mul(a: FloatArray, b: FloatArray) -> FloatArray:
     """Hamilton product: first b, then a."""
-    w = a[0] * b[0] - a[1:] @ b[1:]
+    w = a[0] * b[0] - dot(a[1:], b[1:])
     return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])))
 
 
 def quat_mat(q: FloatArray) -> FloatArray:
     """The rotation matrix (3, 3) of a unit quaternion."""
     x = np.array([[0, -q[3], q[2]], [q[3], 0, -q[1]], [-q[2], q[1], 0]])
-    return np.asarray(np.eye(3) + 2 * q[0] * x + 2 * x @ x)
+    return np.asarray(np.eye(3) + 2 * q[0] * x + mat_mat(2 * x, x))
 
 
 def from_z(n: FloatArray) -> FloatArray:
@@ -57,7 +57,7 @@ def from_z(n: FloatArray) -> FloatArray:
     if n[2] < -1 + 1e-12:
         return np.array([0.0, 1.0, 0.0, 0.0])
     q = np.array([1 + n[2], -n[1], n[0], 0.0])
-    return np.asarray(q / np.linalg.norm(q))
+    return unit(q)
 
 
 def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
@@ -66,16 +66,21 @@ def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
     if isinstance(shape, Sphere):
         return at.SPHERE, [shape.radius, 0.0, 0.0], shape.radius, turn
     if isinstance(shape, Box):
-        return at.BOX, list(shape.half_extents), float(np.linalg.norm(np.asarray(shape.half_extents, float))), turn
+        return at.BOX, list(shape.half_extents), float(norm(np.asarray(shape.half_extents, float))), turn
     if isinstance(shape, Capsule):
         return at.CAPSULE, [shape.radius, shape.half_length, 0.0], shape.radius + shape.half_length, turn
     if isinstance(shape, Cylinder):
-        return at.CYLINDER, [shape.radius, shape.half_length, 0.0], math.hypot(shape.radius, shape.half_length), turn
+        return (
+            at.CYLINDER,
+            [shape.radius, shape.half_length, 0.0],
+            float(norm(np.array([shape.radius, shape.half_length]))),
+            turn,
+        )
     if isinstance(shape, Ellipsoid):
         return at.ELLIPSOID, list(shape.semi_axes), float(max(shape.semi_axes)), turn
     if isinstance(shape, Plane):
         normal = np.asarray(shape.normal, float)
-        return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(normal / np.linalg.norm(normal))
+        return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(unit(normal))
     raise TypeError(f"{type(shape).__name__} is made of several numbers")
 
 
@@ -93,7 +98,7 @@ def mat_quat(m: FloatArray) -> FloatArray:
         q = np.empty(4)
         q[0], q[1 + i] = m[last, j] - m[j, last], 1 + m[i, i] - m[j, j] - m[last, last]
         q[1 + j], q[1 + last] = m[i, j] + m[j, i], m[i, last] + m[last, i]
-    return np.asarray(q / np.linalg.norm(q))
+    return unit(q)
 
 
 def _hull(vertices: FloatArray, offset: FloatArray, turn: FloatArray, part: int) -> Solid:
@@ -101,23 +106,21 @@ def _hull(vertices: FloatArray, offset: FloatArray, turn: FloatArray, part: int)
     middle = (vertices.max(axis=0) + vertices.min(axis=0)) / 2
     made = hull_polyhedron(vertices - middle)
     half = np.abs(made.vertices).max(axis=0)
-    radius = float(np.linalg.norm(made.vertices, axis=1).max())
-    return Solid(at.HULL, (half[0], half[1], half[2]), radius, offset + quat_mat(turn) @ middle, turn, part, made)
+    radius = float(norm(made.vertices).max())
+    return Solid(at.HULL, (half[0], half[1], half[2]), radius, offset + mat_vec(quat_mat(turn), middle), turn, part, made)
 
 
 def _triangle(corners: FloatArray, inner: int, offset: FloatArray, turn: FloatArray, part: int) -> Solid:
     """A triangle with its normal along z and its origin in its plane."""
-    x = corners[1] - corners[0]
-    x = x / np.linalg.norm(x)
-    z = cross(x, corners[2] - corners[0])
-    z = z / np.linalg.norm(z)
+    x = unit(corners[1] - corners[0])
+    z = unit(cross(x, corners[2] - corners[0]))
     own = np.column_stack([x, cross(z, x), z])
-    flat = (corners - corners[0]) @ own
+    flat = mat_vec(own.T, corners - corners[0])
     flat[:, 2] = 0.0
     middle = (flat.max(axis=0) + flat.min(axis=0)) / 2
     half = (flat - middle).max(axis=0)
-    radius = float(np.linalg.norm(flat - middle, axis=1).max())
-    place = offset + quat_mat(turn) @ (corners[0] + own @ middle)
+    radius = float(norm(flat - middle).max())
+    place = offset + mat_vec(quat_mat(turn), corners[0] + mat_vec(own, middle))
     made = triangle_polyhedron(flat - middle)
     return Solid(at.TRIANGLE, (half[0], half[1], 0.0), radius, place, quat_mul(turn, mat_quat(own)), part, made, inner)
 

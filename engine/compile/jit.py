@@ -1,9 +1,11 @@
 """Compile a numerical function with Numba, in a cache that can never serve code of an older source.
 
-Numba keys its cache by the file of the outermost function alone, so that an edited callee or another flag would go unnoticed.
-Here the directory itself carries a hash of the flags, Numba's version and the sources that the function is made of: its file
-and all that this imports. What an edit cannot reach is not compiled again, nor is what lies elsewhere or was written anew.
+Numba keys its cache by the file of the outermost function alone, so that an edited callee would go unnoticed. Here the
+directory itself carries a hash of Numba's version and the sources that the function is made of: its file and all that this
+imports. What an edit cannot reach is not compiled again, nor is what lies elsewhere or was written anew.
 
+Every operation is rounded by itself, as the text says: no flag of the compiler lets it do otherwise. `linker` makes a first
+step quick with what Numba does not document; where that is unknown, or switched off, Numba's own `njit` gives the same bits.
 With ``NUMBA_DISABLE_JIT=1`` the same functions run as plain Python.
 """
 
@@ -14,59 +16,66 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import platformdirs
 
-from engine.compile.compilers import (
-    compiled_under,
-    entry_options,
-    for_all_values,
-    inlined_options,
-    jit_is_off,
-    kernel_options,
-    loaded_lightly,
-    seldom_options,
-    stream_options,
-    use_cache,
-)
 from engine.compile.sources import closure_digest
 
 __all__ = [
-    "FLAGS",
-    "cache_directory",
-    "entry",
-    "inlined",
-    "jit_is_off",
-    "kernel",
-    "parallel_entry",
-    "rounding_kernel",
-    "seldom",
-    "stream",
-    "template",
-]
+    "cache_directory", "entry", "inlined", "jit_is_off", "kernel", "linker", "most_threads", "parallel_entry", "prepare",
+    "seldom", "stream", "template",
+]  # fmt: skip
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-FLAGS: frozenset[str] = frozenset({"nsz"})
-"""Unsigned zeros. Nothing that hides NaN or infinity, nothing that reorders sums."""
+LINKED = ("0.68",)
+"""The versions of Numba whose undocumented parts `linker` has been tested with."""
+SWITCH = "PLUMBLINE_LINKER"
+"""The variable that switches the linker off."""
+OPTIONS = {"error_model": "numpy", "nogil": True}
 
-FUSING: frozenset[str] = FLAGS | {"contract"}
-"""As `FLAGS`, with a product and a sum rounded once where the compiler finds them; kernels say themselves where."""
+
+@cache
+def linker() -> Any:
+    """What links kernels into an entry as one program; None where nothing is compiled, or it is off, or Numba is unknown."""
+    import numba
+
+    if numba.__version__.rpartition(".")[0] not in LINKED or jit_is_off() or os.environ.get(SWITCH) == "off":
+        return None
+    from engine.compile import linker as found
+
+    return found
+
+
+def jit_is_off() -> bool:
+    """Whether functions run as plain Python."""
+    return bool(_config().DISABLE_JIT)
+
+
+def most_threads() -> int:
+    """How many threads Numba may use in this process."""
+    return int(_config().NUMBA_NUM_THREADS)
+
+
+def prepare() -> None:
+    """Import what Numba imports when it first compiles or loads a function of arrays."""
+    import_module("numba.np.arrayobj")
 
 
 @cache
 def cache_directory(path: Path) -> Path:
-    """The directory for the compiled functions of a source file, for exactly its sources, these flags and this Numba.
+    """The directory for the compiled functions of a source file, for exactly its sources, this Numba and the way of compiling.
 
     Returns: `$PLUMBLINE_KERNEL_CACHE` or the user's cache directory, with the hash appended.
     """
     import numba
 
     name = str(path).removeprefix(str(Path(__file__).parents[1]))
-    key = " ".join((name, closure_digest(path), *sorted(FUSING), numba.__version__))
-    digest = hashlib.sha256(key.encode())
+    way = "linked" if linker() else "apart"
+    digest = hashlib.sha256(" ".join((name, closure_digest(path), way, numba.__version__)).encode())
     root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
     return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
 
@@ -77,18 +86,12 @@ def kernel(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return for_all_values(_compiled(function, **kernel_options()))
-
-
-def rounding_kernel(function: Function) -> Function:
-    """As `kernel`, with every operation rounded by itself, whoever calls it: for arithmetic that lives on its own rounding."""
-    plain: set[str] = set()
-    return for_all_values(_compiled(function, fastmath=plain, **kernel_options()))
+    return _linked(function, "kernel")
 
 
 def seldom(function: Function) -> Function:
     """As `kernel`, off the way that most steps take: compiled small and called, so that what calls it stays small too."""
-    return for_all_values(_compiled(function, **seldom_options()))
+    return _linked(function, "seldom")
 
 
 def stream(function: Function) -> Function:
@@ -97,12 +100,12 @@ def stream(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, fastmath=set(FUSING), **stream_options())
+    return _compiled(function, **(linker().stream_options() if linker() else {}))
 
 
 def inlined(function: Function) -> Function:
     """As `kernel`, in place of every call before anything is optimised: for what costs less than handing over its arrays."""
-    return for_all_values(_compiled(function, **inlined_options()))
+    return _linked(function, "inlined")
 
 
 def template(function: Function) -> Function:
@@ -122,7 +125,7 @@ def entry(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only.
     Returns: the same function, compiled on first use or loaded from the cache.
     """
-    return _kept(function, **entry_options())
+    return _kept(function)
 
 
 def parallel_entry(function: Function) -> Function:
@@ -132,25 +135,40 @@ def parallel_entry(function: Function) -> Function:
     Returns: the same function, compiled on first use or loaded from the cache.
     """
     no_more = dict.fromkeys(("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion"), False)
-    parallel = {"prange": True, **no_more}
-    return _kept(function, parallel=parallel, **entry_options())
+    return _kept(function, parallel={"prange": True, **no_more})
 
 
-def _compiled(function: Function, **options: bool | str | type | dict[str, bool] | set[str]) -> Function:
-    """The function under Numba, by default with the flags of this package; its stubs do not know all options, hence Any."""
+def _config() -> Any:
+    import numba
+
+    return numba.config
+
+
+def _compiled(function: Function, **options: Any) -> Function:
+    """The function under Numba, whose stubs do not know all options, hence Any."""
     import numba
 
     njit: Any = numba.njit
-    return cast(Function, njit(**{"fastmath": set(FLAGS), "error_model": "numpy", "nogil": True, **options})(function))
+    return cast(Function, njit(**{**OPTIONS, **options})(function))
+
+
+def _linked(function: Function, kind: str) -> Function:
+    """The function for other compiled functions, by the linker where there is one."""
+    link = linker()
+    if link is None:
+        return _compiled(function)
+    return cast(Function, link.for_all_values(_compiled(function, **getattr(link, f"{kind}_options")())))
 
 
 def _kept(function: Function, **options: Any) -> Function:
     """The entry with its way from and to the disk."""
     directory = cache_directory(Path(function.__code__.co_filename))
-    use_cache(str(directory))
-    fused = _compiled(function, cache=True, fastmath=set(FUSING), **options)
-    guarded = compiled_under(fused, partial(_one_at_a_time, directory))
-    return loaded_lightly(guarded, directory)
+    _config().CACHE_DIR, link = str(directory), linker()
+    if link is None:
+        return _compiled(function, cache=True, **options)
+    kept = _compiled(function, cache=True, **link.entry_options(), **options)
+    guarded = link.compiled_under(kept, partial(_one_at_a_time, directory))
+    return cast(Function, link.loaded_lightly(guarded, directory))
 
 
 @contextmanager

@@ -10,19 +10,16 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+import llvmlite.ir
 import numba
 import numpy as np
-from numba.core import cgutils as core_cgutils
-from numba.core import imputils
-from numba.core.typing import templates
-from numba.extending import models, overload_method, register_model
+from numba import extending
 
 __all__ = ["Table", "as_given", "get_item", "set_item", "within"]
 
 types: Any = numba.types
-cgutils: Any = core_cgutils
-lower: Any = imputils
-typing: Any = templates
+extend: Any = extending
+llvm: Any = llvmlite.ir
 
 
 class Table(types.Type):
@@ -33,8 +30,8 @@ class Table(types.Type):
         super().__init__(name=f"{dtype}s{ndim}")
 
 
-@register_model(Table)
-class TableModel(models.StructModel):
+@extend.register_model(Table)
+class TableModel(extend.models.StructModel):
     """Where the first number lies, and the lengths."""
 
     def __init__(self, manager: Any, kind: Table) -> None:
@@ -68,42 +65,46 @@ def _is_place(kind: Table, index: Any) -> bool:
     )
 
 
-@typing.infer_global(operator.getitem)
-class _TypeOfItem(typing.AbstractTemplate):
-    def generic(self, args: Any, _: Any) -> Any:
-        kind, index = args
+@extend.type_callable(operator.getitem)
+def _type_of_item(_: Any) -> Any:
+    def typed(kind: Any, index: Any) -> Any:
         if not isinstance(kind, Table):
             return None
         if _is_place(kind, index):
-            return typing.signature(kind.dtype, kind, index)
+            return kind.dtype
         if isinstance(index, types.SliceType):
-            return typing.signature(kind, kind, index)
-        return typing.signature(Table(kind.dtype, 1), kind, index) if isinstance(index, types.Integer) else None
+            return kind
+        return Table(kind.dtype, 1) if isinstance(index, types.Integer) else None
+
+    return typed
 
 
-@typing.infer_global(operator.setitem)
-class _TypeOfStore(typing.AbstractTemplate):
-    def generic(self, args: Any, _: Any) -> Any:
-        kind, index = args[:2]
+@extend.type_callable(operator.setitem)
+def _type_of_store(_: Any) -> Any:
+    def typed(kind: Any, index: Any, value: Any) -> Any:  # noqa: ARG001
         known = isinstance(kind, Table) and _is_place(kind, index)
-        return typing.signature(types.none, kind, index, kind.dtype) if known else None
+        return types.none(kind, index, kind.dtype) if known else None
+
+    return typed
 
 
-@typing.infer_global(len)
-class _TypeOfLength(typing.AbstractTemplate):
-    def generic(self, args: Any, _: Any) -> Any:
-        return typing.signature(types.intp, *args) if isinstance(args[0], Table) else None
+@extend.type_callable(len)
+def _type_of_length(_: Any) -> Any:
+    return lambda kind: types.intp if isinstance(kind, Table) else None
 
 
-@typing.infer_getattr
-class _TypeOfAttribute(typing.AttributeTemplate):
-    key = Table
+extend.make_attribute_wrapper(Table, "shape", "shape")
 
-    def resolve_shape(self, kind: Table) -> Any:
-        return types.UniTuple(types.intp, kind.ndim)
 
-    def resolve_size(self, _kind: Table) -> Any:
-        return types.intp
+@extend.overload_attribute(Table, "size")
+def _size(table: Any) -> Any:
+    def of_row(table: Any) -> Any:
+        return table.shape[0]
+
+    def of_rows(table: Any) -> Any:
+        return table.shape[0] * table.shape[1]
+
+    return of_row if table.ndim == 1 else of_rows
 
 
 def _parts(builder: Any, kind: Table, value: Any) -> tuple[Any, list[Any]]:
@@ -114,8 +115,10 @@ def _parts(builder: Any, kind: Table, value: Any) -> tuple[Any, list[Any]]:
 
 def _table(context: Any, builder: Any, kind: Table, data: Any, lengths: Sequence[Any]) -> Any:
     """A table from where it lies and its lengths."""
-    value = builder.insert_value(cgutils.get_null_value(context.get_value_type(kind)), data, 0)
-    return builder.insert_value(value, cgutils.pack_array(builder, lengths), 1)
+    value = builder.insert_value(llvm.Constant(context.get_value_type(kind), llvm.Undefined), data, 0)
+    for k, length in enumerate(lengths):
+        value = builder.insert_value(value, length, (1, k))
+    return value
 
 
 def _from_start(context: Any, builder: Any, kind: Any, index: Any, length: Any) -> Any:
@@ -139,7 +142,7 @@ def _address(context: Any, builder: Any, kind: Table, value: Any, index_kind: An
     return builder.gep(data, [at], inbounds=True)
 
 
-@lower.lower_builtin(operator.getitem, Table, types.Any)
+@extend.lower_builtin(operator.getitem, Table, types.Any)
 def get_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """A number, a row or a run of rows."""
     kind, index = sig.args
@@ -166,7 +169,7 @@ def _guard_slice(slices: Any, context: Any, builder: Any, kind: Any, part: Any) 
     slices.guard_invalid_slice(context, builder, kind, part)
 
 
-@lower.lower_builtin(operator.setitem, Table, types.Any, types.Any)
+@extend.lower_builtin(operator.setitem, Table, types.Any, types.Any)
 def set_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Put a number in its place."""
     kind, index = sig.args[:2]
@@ -174,23 +177,12 @@ def set_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-@lower.lower_builtin(len, Table)
+@extend.lower_builtin(len, Table)
 def _length(_context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _parts(builder, sig.args[0], args[0])[1][0]
 
 
-@lower.lower_getattr(Table, "shape")
-def _shape(_context: Any, builder: Any, _kind: Any, value: Any) -> Any:
-    return builder.extract_value(value, 1)
-
-
-@lower.lower_getattr(Table, "size")
-def _size(_context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    lengths = _parts(builder, kind, value)[1]
-    return lengths[0] if kind.ndim == 1 else builder.mul(*lengths)
-
-
-@overload_method(Table, "copy")
+@extend.overload_method(Table, "copy")
 def _copy(table: Any) -> Any:
     number = table.dtype
 
@@ -221,13 +213,13 @@ def within(numbers: Any) -> tuple[Any, Any]:
     return kind(source, types.intp, types.intp, types.intp), code
 
 
-@lower.lower_cast(types.Array, Table)
+@extend.lower_cast(types.Array, Table)
 def _array_to_table(context: Any, builder: Any, source: Any, kind: Any, value: Any) -> Any:
     array = context.make_array(source)(context, builder, value)
-    return _table(context, builder, kind, array.data, cgutils.unpack_tuple(builder, array.shape, kind.ndim))
+    return _table(context, builder, kind, array.data, [builder.extract_value(array.shape, k) for k in range(kind.ndim)])
 
 
-@lower.lower_cast(Table, types.Array)
+@extend.lower_cast(Table, types.Array)
 def _table_to_array(context: Any, builder: Any, source: Any, kind: Any, value: Any) -> Any:
     """For code that knows arrays alone: one that nothing counts the users of."""
     from numba.np.arrayobj import populate_array
@@ -240,7 +232,7 @@ def _table_to_array(context: Any, builder: Any, source: Any, kind: Any, value: A
     return array._getvalue()
 
 
-@lower.lower_cast(types.BaseNamedTuple, types.BaseNamedTuple)
+@extend.lower_cast(types.BaseNamedTuple, types.BaseNamedTuple)
 def _named_to_named(context: Any, builder: Any, source: Any, kind: Any, value: Any) -> Any:
     members = [context.cast(builder, builder.extract_value(value, k), source[k], kind[k]) for k in range(len(source))]
     return context.make_tuple(builder, kind, members)

@@ -12,6 +12,7 @@ import math
 
 from engine.compile.jit import kernel
 from engine.constrain.joint_rows import anchors, put_row
+from engine.maths.elementary import atan2
 from engine.maths.vec import (
     Floats,
     add,
@@ -96,7 +97,7 @@ def revolute_angle(state: Floats, joint: Floats, j: int, a: int, b: int) -> floa
     """The angle [rad] of B against A about the axis, on the branch nearest to the last one."""
     turn = quat_mul(quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))), load4(state, b, Q))
     axis_in_b = load3(joint, j, AXIS_B)
-    angle = 2.0 * math.atan2(dot((turn[1], turn[2], turn[3]), axis_in_b), turn[0])
+    angle = 2.0 * atan2(dot((turn[1], turn[2], turn[3]), axis_in_b), turn[0])
     angle += float(joint[j, POSITION])
     turns = round((joint[j, COORDINATE] - angle) / (2.0 * math.pi))
     angle += turns * 2.0 * math.pi

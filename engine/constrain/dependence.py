@@ -88,11 +88,13 @@ def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
     own, left = 0.0, 0.0
     for b in range(rest.shape[0]):
         rest[b, 6] = max(rest[b, 6], NEAREST * longest) if longest > 0.0 else 1.0
-        left += dot(load3(rest, b, 0), load3(rest, b, 0)) + dot(load3(rest, b, 3), load3(rest, b, 3)) / rest[b, 6] ** 2
+        left += dot(load3(rest, b, 0), load3(rest, b, 0)) + dot(load3(rest, b, 3), load3(rest, b, 3)) / (
+            rest[b, 6] * rest[b, 6]
+        )
         for side in range(2):
             if rows.body[i, side] == b + lowest:
                 along, about = load3(row, i, 6 * side), load3(row, i, 6 * side + 3)
-                own += dot(along, along) + dot(about, about) / rest[b, 6] ** 2
+                own += dot(along, along) + dot(about, about) / (rest[b, 6] * rest[b, 6])
     if pivot <= SUSPECT and left <= VANISHED * VANISHED * own:
         return True
     spread, opened = 0.0, 0.0
@@ -102,8 +104,9 @@ def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
             b = rows.body[r, side]
             if mu[r] != 0.0 and body[b, INV_MASS] > 0.0:
                 along, about = load3(row, r, 6 * side), load3(row, r, 6 * side + 3)
-                size += dot(along, along) + dot(about, about) / rest[b - lowest, 6] ** 2
+                size += dot(along, along) + dot(about, about) / (rest[b - lowest, 6] * rest[b - lowest, 6])
                 lever = longest if dot(along, along) > 0.0 else lever
         spread += abs(mu[r]) * math.sqrt(size)
         opened = max(opened, abs(row[r, GAP]) / lever if size > 0.0 else 0.0)
-    return left <= (OPENED * opened * spread) ** 2
+    reach = OPENED * opened * spread
+    return left <= reach * reach

@@ -38,7 +38,7 @@ def mark_stiff(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
         factor(rows, last + 1, bodies.body)
         if is_careful(rows, last + 1):
             solve(rows, last + 1, bodies, RIGHT, WORK)
-        mobility = rows.factor[last, last] ** 2 if vector[PIVOT, last] == 0.0 else 0.0
+        mobility = rows.factor[last, last] * rows.factor[last, last] if vector[PIVOT, last] == 0.0 else 0.0
         if dt * dt * joint[j, SPRING] * mobility > STIFF or dt * joint[j, SPRING + 1] * mobility > DAMPED:
             kind[j, IMPLICIT] |= HAS_SPRING
         if dt * dt * joint[j, DRIVE] * mobility > STIFF or dt * joint[j, DRIVE + 1] * mobility > DAMPED:

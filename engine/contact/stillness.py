@@ -35,7 +35,8 @@ def mark_still(state: Floats, body: Floats, kind: Ints, rest: Floats, bodies: in
         extent = body[b, EXTENT]
         turned = 0.0
         for c in range(4):
-            turned += (state[b, Q + c] - rest[b, 3 + c]) ** 2
+            apart = state[b, Q + c] - rest[b, 3 + c]
+            turned += apart * apart
         way = norm(sub(load3(state, b, P), load3(rest, b, 0))) + 2.0 * extent * math.sqrt(turned)
         way += dt * (norm(load3(state, b, V)) + extent * norm(load3(state, b, W)))
         kind[b, STILL] = 1 if way < SHARE * min(margin, extent) else 0

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from engine.maths.arrays import eigenvalues, norm
+
 __all__ = ["finite", "not_negative", "number", "positive", "spd_inertia", "unit_quaternion", "whole"]
 
 
@@ -57,7 +59,7 @@ def not_negative(element: str, field: str, value: float, unit: str) -> float:
 def unit_quaternion(element: str, field: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """The quaternion divided by its length. Raises: ValueError if it is zero or not finite."""
     array = finite(element, field, value, (4,), "1")
-    length = float(np.linalg.norm(array))
+    length = float(norm(array))
     if length < 1e-12:
         raise ValueError(f"{element}: {field} {array.tolist()} has no direction, expected a unit quaternion (w, x, y, z)")
     return array if abs(length - 1.0) < 1e-15 else array / length
@@ -72,7 +74,7 @@ def spd_inertia(element: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64
     size = float(np.abs(array).max())
     if not np.allclose(array, array.T, rtol=0.0, atol=1e-12 * size):
         raise ValueError(f"{element}: inertia {array.tolist()} kg m2 is not symmetric")
-    principal = np.linalg.eigvalsh(array)
+    principal = eigenvalues(array)
     shown = ", ".join(f"{one:g}" for one in principal)
     if principal[0] <= 0.0:
         raise ValueError(f"{element}: inertia with principal moments ({shown}) kg m2 is not positive definite")

@@ -4,9 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from engine.describe.check import finite, not_negative, number
+from engine.maths.arrays import norm
 
 __all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
 
@@ -151,7 +150,7 @@ class Distance:
     def __post_init__(self) -> None:
         a = finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
         b = finite(f"joint '{self.name}'", "child_anchor_W", self.child_anchor_W, (3,), "m")
-        if float(np.linalg.norm(b - a)) < 1e-12:
+        if float(norm(b - a)) < 1e-12:
             raise ValueError(f"joint '{self.name}': both anchors lie at {a.tolist()} m, expected a distance above 0")
 
 
@@ -172,5 +171,5 @@ def _check_coordinate(joint: Revolute | Prismatic) -> None:
 
 def _axis(name: str, axis_W: Sequence[float]) -> None:
     """Raises: ValueError if the axis is not a direction."""
-    if float(np.linalg.norm(finite(f"joint '{name}'", "axis_W", axis_W, (3,), "1"))) < 1e-12:
+    if float(norm(finite(f"joint '{name}'", "axis_W", axis_W, (3,), "1"))) < 1e-12:
         raise ValueError(f"joint '{name}': axis_W {tuple(axis_W)}, expected a direction")

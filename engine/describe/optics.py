@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from engine.describe.check import finite, not_negative, number
+from engine.maths.arrays import norm
 
 __all__ = ["Optics", "Sun"]
 
@@ -55,7 +54,7 @@ class Sun:
 
     def __post_init__(self) -> None:
         towards = finite("sun", "towards_W", self.towards_W, (3,), "1")
-        if float(np.linalg.norm(towards)) < 1e-12:
+        if float(norm(towards)) < 1e-12:
             raise ValueError(f"sun: towards_W {tuple(self.towards_W)}, expected a direction")
         not_negative("sun", "irradiance", self.irradiance, "")
         not_negative("sun", "sky", self.sky, "")

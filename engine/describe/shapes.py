@@ -7,6 +7,7 @@ from typing import get_args
 import numpy as np
 
 from engine.describe.check import finite, positive
+from engine.maths.arrays import norm
 
 __all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Ellipsoid", "Placed", "Plane", "Shape", "Sphere", "TriangleMesh"]
 
@@ -81,7 +82,7 @@ class Plane:
 
     def __post_init__(self) -> None:
         finite("plane", "normal", self.normal, (3,), "1")
-        if float(np.linalg.norm(np.asarray(self.normal, float))) < 1e-12:
+        if float(norm(np.asarray(self.normal, float))) < 1e-12:
             raise ValueError(f"plane: normal {tuple(self.normal)}, expected a direction")
 
 
@@ -114,9 +115,9 @@ class TriangleMesh:
                 f"triangle mesh: faces name vertices {faces.min()} to {faces.max()}, expected 0 to {len(corners) - 1}"
             )
         a, b, c = (corners[faces[:, k]] for k in range(3))
-        edges = np.stack([np.linalg.norm(e, axis=1) for e in (b - a, c - b, a - c)])
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        flat = area <= FLAT * edges.max(axis=0) ** 2
+        edges = np.stack([norm(e) for e in (b - a, c - b, a - c)])
+        area = norm(np.cross(b - a, c - a))
+        flat = area <= FLAT * np.square(edges.max(axis=0))
         if flat.any():
             face = int(flat.argmax())
             raise ValueError(f"triangle mesh: face {face} of vertices {faces[face].tolist()} has no area")
@@ -140,5 +141,5 @@ class Placed:
             )
         finite("placed shape", "p_BS", self.p_BS, (3,), "m")
         finite("placed shape", "q_BS", self.q_BS, (4,), "1")
-        if float(np.linalg.norm(np.asarray(self.q_BS, float))) < 1e-12:
+        if float(norm(np.asarray(self.q_BS, float))) < 1e-12:
             raise ValueError(f"placed shape: q_BS {tuple(self.q_BS)} has no direction")

@@ -6,6 +6,7 @@ Source: Brown, Decentering Distortion of Lenses, Photogrammetric Engineering 32,
 import math
 
 from engine.compile.jit import entry, kernel
+from engine.maths.elementary import hypot
 from engine.maths.vec import Floats, load9, mat_vec, store3
 
 __all__ = ["RESIDUAL", "distort", "look"]
@@ -42,7 +43,7 @@ def undistort(u: float, v: float, eye: Floats) -> tuple[float, float, bool]:
     if x * x + y * y > 0.64 * eye[0, FOLD] * eye[0, FOLD]:
         x, y = 0.0, 0.0
     a, b, xx, xy, yy = distort(x, y, eye)
-    miss = math.hypot(a - u, b - v)
+    miss = hypot(a - u, b - v)
     for _ in range(ITERATIONS):
         if miss == 0.0:
             break
@@ -52,12 +53,12 @@ def undistort(u: float, v: float, eye: Floats) -> tuple[float, float, bool]:
         while share > 1e-6:
             c, d = x - share * dx, y - share * dy
             a, b, xx, xy, yy = distort(c, d, eye)
-            if math.hypot(a - u, b - v) < miss and c * c + d * d <= eye[0, FOLD] * eye[0, FOLD]:
+            if hypot(a - u, b - v) < miss and c * c + d * d <= eye[0, FOLD] * eye[0, FOLD]:
                 break
             share *= 0.5
         if share <= 1e-6:
             break
-        x, y, miss = c, d, math.hypot(a - u, b - v)
+        x, y, miss = c, d, hypot(a - u, b - v)
     _, _, xx, xy, yy = distort(x, y, eye)
     return x, y, miss <= RESIDUAL and xx * yy > xy * xy
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from engine.describe.optics import Sun
 from engine.images.tables import lighting_of
+from engine.maths.arrays import unit
 
 if TYPE_CHECKING:
     from engine.describe.bodies import Body
@@ -51,7 +52,7 @@ def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, di
     sizes = [len(one.rays.directions) for one in waves]
     shift = np.repeat(np.cumsum([0, 0, *sizes])[: len(sizes)], sizes)
     way = np.concatenate([one.rays.directions for one in waves])
-    way = way / np.linalg.norm(way, axis=1, keepdims=True)
+    way = unit(way)
     start, roots = np.concatenate([one.rays.origins for one in waves]), np.concatenate([one.rays.roots for one in waves])
     distance = np.concatenate([one.hits.distance for one in waves])
     with np.errstate(invalid="ignore"):

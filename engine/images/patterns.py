@@ -15,7 +15,7 @@ def even_points(count: int) -> NDArray[np.float64]:
     k = np.arange(count)
     mirrored, bits = np.zeros(count), max(1, int(count - 1).bit_length())
     for b in range(bits):
-        mirrored += (k >> b & 1) / 2.0 ** (b + 1)
+        mirrored += (k >> b & 1) / (1 << (b + 1))
     points = np.column_stack([(k + 0.5) / count, mirrored])
     points[:, 1] += 0.5 - points[:, 1].mean()
     return np.asarray(points % 1.0)

@@ -16,7 +16,7 @@ from engine.maths.vec import Floats, Vec, axpy, dot, load3, store3, sub
 
 __all__ = ["draw_polygon"]
 
-GRID = 2.0**20
+GRID = float(2**20)
 """Steps of a pixel that corners are rounded to."""
 
 

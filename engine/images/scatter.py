@@ -15,6 +15,7 @@ from typing import NamedTuple
 from engine.compile.jit import entry, kernel
 from engine.images.fresnel import reflect, reflectance, refract
 from engine.images.tables import Lighting
+from engine.maths.elementary import cos_sin
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3
 from engine.rays.hits import Hits
 
@@ -103,7 +104,8 @@ def towards_sky(n: Vec, k: int, count: int, place: int) -> Vec:
     a, b = (place * PLASTIC + k * GOLDEN) % 1.0, (place * PLASTIC * PLASTIC + (k + 0.5) / count) % 1.0
     angle = 2.0 * math.pi * a
     x = perpendicular(n)
-    flat = axpy(math.cos(angle), x, scale(math.sin(angle), cross(n, x)))
+    c, s = cos_sin(angle)
+    flat = axpy(c, x, scale(s, cross(n, x)))
     d = axpy(math.sqrt(b), flat, scale(math.sqrt(1.0 - b), n))
     return scale(1.0 / norm(d), d)
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from engine.describe.bodies import Body
 from engine.describe.optics import Sun
+from engine.maths.arrays import unit
 
 __all__ = ["Lighting", "lighting_of"]
 
@@ -31,5 +32,5 @@ def lighting_of(bodies: Sequence[Body], sun: Sun) -> Lighting:
     towards = np.asarray(sun.towards_W, float)
     return Lighting(
         np.array(rows, float).reshape(-1, 6),
-        np.array([[*(towards / np.linalg.norm(towards)), sun.irradiance, sun.sky]]),
+        np.array([[*(unit(towards)), sun.irradiance, sun.sky]]),
     )

@@ -19,6 +19,7 @@ import numpy as np
 from engine.compile.jit import entry, kernel
 from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
 from engine.integrate.free_steps import advance_free
+from engine.maths.elementary import fifth_root
 from engine.maths.vec import Floats, Ints, Vec, axpy, load3, load4, store3, store4
 from engine.memory.arena import (
     ANGULAR_DAMPING,
@@ -145,7 +146,7 @@ def dormand_prince(
         error = max(error_v, error_q, error_m)
         # A sum is not finite if any part is not, while a maximum may pass it over.
         overflow = not math.isfinite(error_v + error_q + error_m)
-        factor = 0.2 if overflow else (min(5.0, 0.9 * (tolerance / error) ** 0.2) if error > 0.0 else 5.0)
+        factor = 0.2 if overflow else (min(5.0, 0.9 * fifth_root(tolerance / error)) if error > 0.0 else 5.0)
         if error <= tolerance and not overflow:
             # A step cut short by the end of dt says nothing against the longer one that was meant.
             stride = max(stride, h * factor) if cut else h * (min(factor, 1.0) if rejected else factor)

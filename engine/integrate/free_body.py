@@ -10,6 +10,7 @@ Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Eule
 import math
 
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin, exp, expm1
 from engine.maths.vec import (
     Floats,
     Ints,
@@ -86,9 +87,9 @@ def velocities_of(m: Vec, moments: Vec) -> Vec:
 def turned_by(q: Quat, w: Vec, h: float) -> Quat:
     """q exp(h w): the orientation after h seconds at the constant angular velocity w [rad/s] in the body's own frame."""
     angle = 0.5 * h * math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
-    sine = 1.0 - angle * angle / 6.0 if abs(angle) < 1e-4 else math.sin(angle) / angle
-    s = 0.5 * h * sine
-    return quat_mul(q, (math.cos(angle), s * w[0], s * w[1], s * w[2]))
+    cosine, sine = cos_sin(angle)
+    s = 0.5 * h * (1.0 - angle * angle / 6.0 if abs(angle) < 1e-4 else sine / angle)
+    return quat_mul(q, (cosine, s * w[0], s * w[1], s * w[2]))
 
 
 @kernel
@@ -104,16 +105,16 @@ def spin_rates(q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, gyroscopic: in
 @kernel
 def damped_time(c: float, h: float) -> float:
     """The integral of exp(-c t) over h seconds [s]."""
-    return h if c == 0.0 else -math.expm1(-c * h) / c
+    return h if c == 0.0 else -expm1(-c * h) / c
 
 
 @kernel
 def kicked_velocity(v: Vec, a: Vec, c: float, h: float) -> Vec:
     """The exact solution of v' = a - c v after h seconds."""
-    return axpy(damped_time(c, h), a, scale(math.exp(-c * h), v))
+    return axpy(damped_time(c, h), a, scale(exp(-c * h), v))
 
 
 @kernel
 def kicked_spin(q: Quat, m: Vec, tau: Vec, d: float, h: float) -> Vec:
     """The exact solution of m' = R^T tau - d m after h seconds at a fixed orientation."""
-    return axpy(damped_time(d, h), tmat_vec(quat_mat(q), tau), scale(math.exp(-d * h), m))
+    return axpy(damped_time(d, h), tmat_vec(quat_mat(q), tau), scale(exp(-d * h), m))

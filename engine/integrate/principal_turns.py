@@ -5,9 +5,8 @@ For the energy k m_i^2 / 2 alone a body turns about axis i by k m_i h, and its m
 Source: Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997) 5840, section III.
 """
 
-import math
-
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin
 from engine.maths.vec import Quat, Vec
 
 __all__ = ["turn_first", "turn_second", "turn_third"]
@@ -16,7 +15,7 @@ __all__ = ["turn_first", "turn_second", "turn_third"]
 @kernel
 def turn_first(q: Quat, m: Vec, angle: float) -> tuple[Quat, Vec]:
     """Turn by the angle [rad] about the first axis of the body."""
-    c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
+    c, s = cos_sin(0.5 * angle)
     cosine, sine = 1.0 - 2.0 * s * s, 2.0 * s * c
     return (
         (c * q[0] - s * q[1], c * q[1] + s * q[0], c * q[2] + s * q[3], c * q[3] - s * q[2]),
@@ -27,7 +26,7 @@ def turn_first(q: Quat, m: Vec, angle: float) -> tuple[Quat, Vec]:
 @kernel
 def turn_second(q: Quat, m: Vec, angle: float) -> tuple[Quat, Vec]:
     """Turn by the angle [rad] about the second axis of the body."""
-    c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
+    c, s = cos_sin(0.5 * angle)
     cosine, sine = 1.0 - 2.0 * s * s, 2.0 * s * c
     return (
         (c * q[0] - s * q[2], c * q[1] - s * q[3], c * q[2] + s * q[0], c * q[3] + s * q[1]),
@@ -38,7 +37,7 @@ def turn_second(q: Quat, m: Vec, angle: float) -> tuple[Quat, Vec]:
 @kernel
 def turn_third(q: Quat, m: Vec, angle: float) -> tuple[Quat, Vec]:
     """Turn by the angle [rad] about the third axis of the body."""
-    c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
+    c, s = cos_sin(0.5 * angle)
     cosine, sine = 1.0 - 2.0 * s * s, 2.0 * s * c
     return (
         (c * q[0] - s * q[3], c * q[1] + s * q[2], c * q[2] - s * q[1], c * q[3] + s * q[0]),

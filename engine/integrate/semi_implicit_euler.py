@@ -6,9 +6,8 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections I.1.2 
 while the body turns, so a free body conserves it to round-off.
 """
 
-import math
-
 from engine.compile.jit import kernel
+from engine.maths.elementary import exp
 from engine.maths.vec import (
     Floats,
     Vec,
@@ -72,9 +71,9 @@ def kick(bodies: Bodies, setting: Floats, b: int, h: float) -> None:
     v = axpy(h, a, load3(state, b, V))
     w = axpy(h, sym_vec(load6(bodies.turned, b, 0), load3(load, b, 3)), load3(state, b, W))
     if body[b, LINEAR_DAMPING] > 0.0:
-        v = scale(math.exp(-h * body[b, LINEAR_DAMPING]), v)
+        v = scale(exp(-h * body[b, LINEAR_DAMPING]), v)
     if body[b, ANGULAR_DAMPING] > 0.0:
-        w = scale(math.exp(-h * body[b, ANGULAR_DAMPING]), w)
+        w = scale(exp(-h * body[b, ANGULAR_DAMPING]), w)
     store3(state, b, V, v)
     store3(state, b, W, w)
 

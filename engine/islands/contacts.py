@@ -30,6 +30,7 @@ from engine.memory.arena import (
     LOCAL_LOAD,
     LOCAL_OWNER,
     LOCAL_STATE,
+    LOCAL_SUMS,
     LOCAL_TURNED,
     MANIFOLD,
     MANIFOLD_KEY,
@@ -51,13 +52,14 @@ from engine.memory.arena import (
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts, shapes_of
 from engine.respond.arms import refresh
+from engine.respond.share_loads import share_loads
 from engine.respond.soft import sweep
 from engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 
 __all__ = [
-    "advance_island", "copy_row", "give_island", "island_bodies", "island_contacts", "kick_island", "patience_of",
-    "softness_in", "take_island",
+    "advance_island", "copy_row", "give_island", "island_bodies", "island_contacts", "island_sums", "kick_island",
+    "patience_of", "softness_in", "take_island",
 ]  # fmt: skip
 
 Table = TypeVar("Table", Floats, Ints)
@@ -95,6 +97,13 @@ def island_contacts(floats: Floats, ints: Ints, i: int) -> Contacts:
         ints_of(ints, OLD_KEY)[first:end],
         ints_of(ints, OLD_POINT_KEY)[4 * first : 4 * end],
     )
+
+
+@kernel
+def island_sums(floats: Floats, ints: Ints, i: int) -> Floats:
+    """Room for `share_loads` of island i."""
+    span = ints_of(ints, SPAN_OF_ISLAND)
+    return floats_of(floats, ints, LOCAL_SUMS)[span[i, FIRST_LOCAL] : span[i + 1, FIRST_LOCAL]]
 
 
 @kernel
@@ -156,12 +165,14 @@ def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
     """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
     bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
     count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
+    share_loads(bodies, contacts, n, island_sums(floats, ints, i))
     warm_start(bodies, contacts, n)
     for _ in range(count[0, ITERATIONS] * patience):
         sweep(bodies, contacts, n, soft, PRESS)
     for b in range(bodies.state.shape[0]):
         drift(bodies, b, soft.h, count[0, GYROSCOPIC])
     refresh(bodies.state, shapes_of(floats, ints), contacts, n)
+    share_loads(bodies, contacts, n, island_sums(floats, ints, i))
     for _ in range(count[0, RELAXATIONS] * patience):
         sweep(bodies, contacts, n, soft, RELAX)
     return bounce(contacts, n)

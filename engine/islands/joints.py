@@ -13,6 +13,7 @@ from engine.islands.contacts import (
     give_island,
     island_bodies,
     island_contacts,
+    island_sums,
     kick_island,
     patience_of,
     softness_in,
@@ -57,6 +58,7 @@ from engine.memory.arena import (
 from engine.memory.carve import floats_of, ints_of, table_within
 from engine.memory.tables import Joints, Rows, shapes_of
 from engine.respond.arms import refresh
+from engine.respond.share_loads import share_loads
 from engine.respond.soft import sweep
 from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX
 from engine.respond.substep import bounce, end_substep, friction_mode, warm_start
@@ -135,6 +137,7 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
     joints, rows = island_joints(floats, ints, i), island_rows(floats, ints, i)
     count, n, soft = ints_of(ints, COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
     equalities, all_rows = write_rows(bodies, joints, rows, soft.h)
+    share_loads(bodies, contacts, n, island_sums(floats, ints, i))
     warm_start(bodies, contacts, n)
     hold_joints(bodies, joints, rows, equalities, all_rows, NEW)
     # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
@@ -145,6 +148,7 @@ def press_jointed_island(floats: Floats, ints: Ints, i: int, patience: int) -> b
     for b in range(bodies.state.shape[0]):
         drift(bodies, b, soft.h, count[0, GYROSCOPIC])
     refresh(bodies.state, shapes_of(floats, ints), contacts, n)
+    share_loads(bodies, contacts, n, island_sums(floats, ints, i))
     for _ in range(count[0, RELAXATIONS] * sweeps):
         sweep(bodies, contacts, n, soft, RELAX)
         hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)

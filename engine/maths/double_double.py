@@ -1,12 +1,10 @@
 """Numbers as unevaluated sums of two floats, high and low, with 106 bits between them.
 
-The sums below are only right if every operation rounds by itself, so that no product may be fused with a sum.
-
 Source: Dekker, A Floating-Point Technique for Extending the Available Precision, Numer. Math. 18, 1971; Hida, Li, Bailey,
 Library for Double-Double and Quad-Double Arithmetic, 2007.
 """
 
-from engine.compile.jit import rounding_kernel
+from engine.compile.jit import kernel
 from engine.maths.vec import Vec
 
 __all__ = ["Double", "add2", "div2", "dot2", "less2", "mul2", "product"]
@@ -17,7 +15,7 @@ SPLIT = 134217729.0
 """2^27 + 1: halves of a float have 26 bits each, whose products are exact (Veltkamp)."""
 
 
-@rounding_kernel
+@kernel
 def two_sum(a: float, b: float) -> Double:
     """a + b without error."""
     total = a + b
@@ -25,7 +23,7 @@ def two_sum(a: float, b: float) -> Double:
     return total, (a - (total - part)) + (b - part)
 
 
-@rounding_kernel
+@kernel
 def product(a: float, b: float) -> Double:
     """a b without error, for factors below 1e292."""
     whole = a * b
@@ -38,7 +36,7 @@ def product(a: float, b: float) -> Double:
     return whole, ((a_high * b_high - whole) + a_high * b_low + a_low * b_high) + a_low * b_low
 
 
-@rounding_kernel
+@kernel
 def add2(x: Double, y: Double) -> Double:
     """x + y."""
     high, error = two_sum(x[0], y[0])
@@ -47,20 +45,20 @@ def add2(x: Double, y: Double) -> Double:
     return two_sum(high, error + rest)
 
 
-@rounding_kernel
+@kernel
 def less2(x: Double, y: Double) -> Double:
     """x - y."""
     return add2(x, (-y[0], -y[1]))
 
 
-@rounding_kernel
+@kernel
 def mul2(x: Double, y: Double) -> Double:
     """x y."""
     high, error = product(x[0], y[0])
     return two_sum(high, error + (x[0] * y[1] + x[1] * y[0]))
 
 
-@rounding_kernel
+@kernel
 def div2(x: Double, y: Double) -> Double:
     """x / y, by three steps of long division."""
     first = x[0] / y[0]
@@ -70,7 +68,7 @@ def div2(x: Double, y: Double) -> Double:
     return add2(two_sum(first, second), (rest[0] / y[0], 0.0))
 
 
-@rounding_kernel
+@kernel
 def dot2(a: Vec, x: Double, y: Double, z: Double) -> Double:
     """a . (x, y, z)."""
     return add2(add2(mul2((a[0], 0.0), x), mul2((a[1], 0.0), y)), mul2((a[2], 0.0), z))

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin
+from engine.maths.floats import fma
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -105,25 +107,25 @@ def scale(s: float, a: Vec) -> Vec:
 @kernel
 def axpy(s: float, a: Vec, b: Vec) -> Vec:
     """s a + b."""
-    return s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2]
+    return fma(s, a[0], b[0]), fma(s, a[1], b[1]), fma(s, a[2], b[2])
 
 
 @kernel
 def dot(a: Vec, b: Vec) -> float:
     """a . b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return fma(a[2], b[2], fma(a[1], b[1], a[0] * b[0]))
 
 
 @kernel
 def cross(a: Vec, b: Vec) -> Vec:
     """a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return fma(a[1], b[2], -a[2] * b[1]), fma(a[2], b[0], -a[0] * b[2]), fma(a[0], b[1], -a[1] * b[0])
 
 
 @kernel
 def norm(a: Vec) -> float:
     """|a|."""
-    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    return math.sqrt(dot(a, a))
 
 
 @kernel
@@ -150,10 +152,10 @@ def perpendicular(a: Vec) -> Vec:
 def quat_mul(a: Quat, b: Quat) -> Quat:
     """Hamilton product: first b, then a."""
     return (
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+        fma(-a[3], b[3], fma(-a[2], b[2], fma(-a[1], b[1], a[0] * b[0]))),
+        fma(-a[3], b[2], fma(a[2], b[3], fma(a[1], b[0], a[0] * b[1]))),
+        fma(a[3], b[1], fma(a[2], b[0], fma(-a[1], b[3], a[0] * b[2]))),
+        fma(a[3], b[0], fma(-a[2], b[1], fma(a[1], b[2], a[0] * b[3]))),
     )
 
 
@@ -187,7 +189,8 @@ def quat_spin(q: Quat, w: Vec, h: float) -> Quat:
         )
     else:
         angle = math.sqrt(square)
-        sine, cosine = math.sin(angle) / angle, math.cos(angle)
+        cosine, sine = cos_sin(angle)
+        sine = sine / angle
     s = 0.5 * h * sine
     return quat_mul((cosine, s * w[0], s * w[1], s * w[2]), q)
 
@@ -213,31 +216,19 @@ def quat_mat(q: Quat) -> Mat:
 @kernel
 def mat_vec(m: Mat, v: Vec) -> Vec:
     """M v."""
-    return (
-        m[0] * v[0] + m[1] * v[1] + m[2] * v[2],
-        m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
-        m[6] * v[0] + m[7] * v[1] + m[8] * v[2],
-    )
+    return dot((m[0], m[1], m[2]), v), dot((m[3], m[4], m[5]), v), dot((m[6], m[7], m[8]), v)
 
 
 @kernel
 def tmat_vec(m: Mat, v: Vec) -> Vec:
     """M^T v."""
-    return (
-        m[0] * v[0] + m[3] * v[1] + m[6] * v[2],
-        m[1] * v[0] + m[4] * v[1] + m[7] * v[2],
-        m[2] * v[0] + m[5] * v[1] + m[8] * v[2],
-    )
+    return dot((m[0], m[3], m[6]), v), dot((m[1], m[4], m[7]), v), dot((m[2], m[5], m[8]), v)
 
 
 @kernel
 def sym_vec(s: Sym, v: Vec) -> Vec:
     """S v."""
-    return (
-        s[0] * v[0] + s[3] * v[1] + s[4] * v[2],
-        s[3] * v[0] + s[1] * v[1] + s[5] * v[2],
-        s[4] * v[0] + s[5] * v[1] + s[2] * v[2],
-    )
+    return dot((s[0], s[3], s[4]), v), dot((s[3], s[1], s[5]), v), dot((s[4], s[5], s[2]), v)
 
 
 @kernel
@@ -249,14 +240,6 @@ def sym_scale(a: float, s: Sym) -> Sym:
 @kernel
 def sym_rotate(m: Mat, s: Sym) -> Sym:
     """M S M^T."""
-    a = sym_vec(s, (m[0], m[1], m[2]))
-    b = sym_vec(s, (m[3], m[4], m[5]))
-    c = sym_vec(s, (m[6], m[7], m[8]))
-    return (
-        a[0] * m[0] + a[1] * m[1] + a[2] * m[2],
-        b[0] * m[3] + b[1] * m[4] + b[2] * m[5],
-        c[0] * m[6] + c[1] * m[7] + c[2] * m[8],
-        a[0] * m[3] + a[1] * m[4] + a[2] * m[5],
-        a[0] * m[6] + a[1] * m[7] + a[2] * m[8],
-        b[0] * m[6] + b[1] * m[7] + b[2] * m[8],
-    )
+    x, y, z = (m[0], m[1], m[2]), (m[3], m[4], m[5]), (m[6], m[7], m[8])
+    a, b, c = sym_vec(s, x), sym_vec(s, y), sym_vec(s, z)
+    return dot(a, x), dot(b, y), dot(c, z), dot(a, y), dot(a, z), dot(b, z)

@@ -365,6 +365,7 @@ LOCAL_STATE: Final = float_columns(Per.LOCAL, 13)
 LOCAL_BODY: Final = float_columns(Per.LOCAL, 18)
 LOCAL_TURNED: Final = float_columns(Per.LOCAL, 6)
 LOCAL_LOAD: Final = float_columns(Per.LOCAL, 6)
+LOCAL_SUMS: Final = float_columns(Per.LOCAL, 13)  # as START in `share_loads`
 LOCAL_KIND: Final = int_columns(Per.LOCAL, 4)
 LOCAL_OWNER: Final = int_columns(Per.LOCAL, 1)  # body
 LOCAL_JOINT: Final = float_columns(Per.TIE, 40)

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.compile.compilers import jit_is_off, table_finder
-from engine.compile.jit import inlined
+from engine.compile.jit import inlined, kernel, linker
 from engine.maths.vec import Floats, Ints
 from engine.memory.arena import FLOAT_TABLES
 from engine.memory.layout import FLOATS, INTS
@@ -33,7 +32,7 @@ def _view(numbers: NDArray[Any], start: int, rows: int, columns: int) -> Any:
     return numbers[start : start + rows * columns].reshape((rows, columns))
 
 
-table_within: Any = _view if jit_is_off() else table_finder()
+table_within: Any = linker().table_finder() if linker() else kernel(_view)
 
 
 @inlined

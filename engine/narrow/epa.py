@@ -7,6 +7,7 @@ Detection in Interactive 3D Environments, 2003, section 4.3.8.
 import math
 
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3, sub
 from engine.narrow.gjk import Simplex, corner, put_corner
 from engine.narrow.support import Solids
@@ -63,7 +64,8 @@ def tetrahedron(t: Solids, a: int, b: int, d: Vec, size: float, work: Floats, co
         u = perpendicular(e)
         v = cross(e, u)
         for k in range(6):
-            n = axpy(math.cos(k * math.pi / 3.0), u, scale(math.sin(k * math.pi / 3.0), v))
+            c, s = cos_sin(k * math.pi / 3.0)
+            n = axpy(c, u, scale(s, v))
             if count == 2:
                 w = put_corner(t, a, b, d, n, work, 2)
                 if norm(cross(e, sub(w, corner(work, 0)))) > SLIM * size:

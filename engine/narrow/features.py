@@ -6,6 +6,7 @@ Source: Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (
 import math
 
 from engine.compile.jit import kernel
+from engine.maths.elementary import cos_sin
 from engine.maths.vec import Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
 from engine.memory.arena import CAPSULE, CYLINDER, ELLIPSOID, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
 from engine.narrow.point import Points
@@ -91,7 +92,7 @@ def write_feature(t: Solids, s: int, face: int, n: Vec, out: Points, at: int) ->
     side = math.copysign(1.0, u[2])
     for k in range(RIM):
         angle = side * k * 2.0 * math.pi / RIM
-        c, sn = math.cos(angle), math.sin(angle)
+        c, sn = cos_sin(angle)
         rim = axpy(radius, (c * x - sn * y, sn * x + c * y, 0.0), (0.0, 0.0, side * half))
         store3(polygon, at + k, 0, add(p, mat_vec(m, rim)))
         key[at + k, 0] = k

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.describe.check import finite
+from engine.maths.arrays import norm, unit
 from engine.rays.hits import Hits, room_for
 
 __all__ = ["METHODS", "as_rays", "cast_on_shapes", "unit_directions"]
@@ -30,8 +31,7 @@ def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
 def unit_directions(o: FloatArray, d: FloatArray) -> FloatArray:
     """The directions d at length 1. Raises: ValueError naming what is wrong with rays."""
     check_rays(o, d)
-    unit: FloatArray = d / np.linalg.norm(d, axis=1, keepdims=True)
-    return unit
+    return unit(d)
 
 
 def cast_on_shapes(
@@ -55,7 +55,7 @@ def check_rays(origins: FloatArray, directions: FloatArray) -> None:
     """Raises: ValueError naming what is wrong with rays."""
     finite("rays", "origins", origins, origins.shape, "m")
     finite("rays", "directions", directions, directions.shape, "1")
-    length = np.linalg.norm(directions, axis=1)
+    length = norm(directions)
     wrong = (length < 1e-12) | (length == np.inf)
     if wrong.any():
         raise ValueError(
@@ -71,7 +71,7 @@ def choose_tiles(threads: int) -> Callable[..., bool]:
         return cast_tiles
     import numba
 
-    from engine.compile.compilers import most_threads
+    from engine.compile.jit import most_threads
     from engine.rays.tiles_parallel import cast_tiles_parallel
 
     numba.set_num_threads(min(threads, most_threads()))

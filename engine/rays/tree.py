@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.build.solids import quat_mat
+from engine.maths.arrays import mat_vec
 from engine.memory import arena as at
 from engine.memory.arena import float_table, int_table
 
@@ -55,7 +56,7 @@ def ray_tree(floats: FloatArray, ints: IntArray) -> RayTree:
     each = np.repeat(np.arange(len(rows)), counts)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
     corner = np.arange(len(each)) - first[each] + polyhedron[rows, at.FIRST_VERTEX][each]
-    corners = np.einsum("kij,kj->ki", turns[each], vertex[corner]) + frame[each, :3]
+    corners = mat_vec(turns[each], vertex[corner]) + frame[each, :3]
     low, high = np.minimum.reduceat(corners, first), np.maximum.reduceat(corners, first)
     root, node, link, solid = [], [], [], []
     nodes = solids = 0

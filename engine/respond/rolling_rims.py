@@ -58,4 +58,5 @@ def rolls_on(rim: Rim, place: Vec) -> bool:
     """Whether a place on a cylinder is the lowest of its rim, or of its side."""
     way = sub(place, rim.centre)
     off = axpy(-rim.radius, rim.lowest, axpy(-dot(way, rim.axis), rim.axis, way))
-    return rim.radius > 0.0 and dot(off, off) < (ON_RIM * rim.radius) ** 2
+    near = ON_RIM * rim.radius
+    return rim.radius > 0.0 and dot(off, off) < near * near

@@ -60,11 +60,11 @@ def bears(point: Floats, i: int) -> bool:
 
 @kernel
 def share_loads(bodies: Bodies, contacts: Contacts, manifolds: int, sums: Floats) -> None:
-    """Make the normal impulses that the contacts bring along even. Args: sums (bodies + 1, 13): room to work in."""
+    """Make the normal impulses that the contacts bring along even. Args: sums (bodies, 13): room to work in."""
     if manifolds <= 1:
         return
     kind, manifold, point, key = bodies.kind, contacts.manifold, contacts.point, contacts.key
-    rows = sums.shape[0] - 1
+    rows = sums.shape[0]
     for b in range(rows):
         for c in range(sums.shape[1]):
             sums[b, c] = 0.0

@@ -28,6 +28,7 @@ Dynamics Algorithms, 2008, section 2.4 (motion and force as six-vectors).
 import math
 
 from engine.compile.jit import inlined, kernel
+from engine.maths.floats import fma
 from engine.maths.vec import Floats, Mat, Sym, Vec, add, axpy, load3, load6, load9, mat_vec, store3, sub, sym_vec, tmat_vec
 from engine.memory.arena import (
     APPROACH,
@@ -90,7 +91,7 @@ def stick(manifold: Floats, m: int, slide: Vec, friction: float, first: int, end
     inside, square = True, 0.0
     for i in range(first, end):
         x, y, most = point[i, SPREAD], point[i, SPREAD + 1], friction * point[i, NORMAL_IMPULSE]
-        one, two = point[i, HELD] + f1 - y * turn, point[i, HELD + 1] + f2 + x * turn
+        one, two = fma(-y, turn, point[i, HELD] + f1), fma(x, turn, point[i, HELD + 1] + f2)
         inside = inside and one * one + two * two <= most * most
         square += x * x + y * y
     if not inside:
@@ -110,15 +111,15 @@ def rub(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point:
             point[i, SPREAD], point[i, SPREAD + 1], point[i, TANGENT_MASS], friction * point[i, NORMAL_IMPULSE]
         )  # fmt: skip
         was_1, was_2 = point[i, HELD], point[i, HELD + 1]
-        one, two = was_1 - mass * (slide[0] - y * slide[2]), was_2 - mass * (slide[1] + x * slide[2])
-        square = one * one + two * two
+        one, two = fma(-mass, fma(-y, slide[2], slide[0]), was_1), fma(-mass, fma(x, slide[2], slide[1]), was_2)
+        square = fma(two, two, one * one)
         if square > most * most:
             share = most / math.sqrt(square)
             one, two = share * one, share * two
         point[i, HELD], point[i, HELD + 1] = one, two
         one, two = one - was_1, two - was_2
         slide = axpy(one, sym_vec(tangents, (1.0, 0.0, -y)), axpy(two, sym_vec(tangents, (0.0, 1.0, x)), slide))
-        f1, f2, m3 = f1 + one, f2 + two, m3 + x * two - y * one
+        f1, f2, m3 = f1 + one, f2 + two, fma(-y, one, fma(x, two, m3))
     return f1, f2, m3
 
 
@@ -178,14 +179,14 @@ def resist_at(
                 elif aim == REBOUND and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
                     bias = manifold[m, LAW + 2] * point[i, APPROACH]
                 x, y, mass = point[i, SPREAD], point[i, SPREAD + 1], hard * point[i, NORMAL_MASS]
-                u = lift[0] + y * lift[1] - x * lift[2]
-                impulse = max(((1.0 - keep) * before - mass * bias) - mass * u, 0.0)
+                u = fma(-x, lift[2], fma(y, lift[1], lift[0]))
+                impulse = max(fma(-mass, u, (1.0 - keep) * before - mass * bias), 0.0)
                 point[i, NORMAL_IMPULSE] = impulse
                 if key[m, STRIKES] == 1:
                     point[i, SPIKE] = max(point[i, SPIKE], impulse)
                 change = impulse - before
                 lift = axpy(change, sym_vec(normals, (1.0, y, -x)), lift)
-                f, m1, m2 = f + change, m1 + y * change, m2 - x * change
+                f, m1, m2 = f + change, fma(y, change, m1), fma(-x, change, m2)
             pressed = add(pressed, (f, m1, m2))
             slide = add(slide, mat_vec(coupling, (f, m1, m2)))
         elif friction > 0.0:

@@ -1,8 +1,7 @@
 """The kick and the drift of spheres in contact, whose velocities stand in a table of their own during a step."""
 
-import math
-
 from engine.compile.jit import kernel
+from engine.maths.elementary import exp
 from engine.maths.vec import Floats, Ints, axpy, load3, load4, quat_spin, quat_unit, scale, store3, store4
 from engine.memory.arena import (
     ANGULAR_DAMPING,
@@ -34,9 +33,9 @@ def kick_spheres(bodies: Bodies, mover: Floats, setting: Floats, count: Ints, h:
             v = axpy(h, axpy(mover[b, M_INV_MASS], load3(load, b, 0), g), load3(mover, b, 0))
             w = axpy(h * mover[b, M_INV_INERTIA], load3(load, b, 3), load3(mover, b, 3))
             if body[b, LINEAR_DAMPING] > 0.0:
-                v = scale(math.exp(-h * body[b, LINEAR_DAMPING]), v)
+                v = scale(exp(-h * body[b, LINEAR_DAMPING]), v)
             if body[b, ANGULAR_DAMPING] > 0.0:
-                w = scale(math.exp(-h * body[b, ANGULAR_DAMPING]), w)
+                w = scale(exp(-h * body[b, ANGULAR_DAMPING]), w)
             store3(mover, b, 0, v)
             store3(mover, b, 3, w)
 

@@ -15,6 +15,7 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
+from engine.maths.floats import fma
 from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, scale, store3, sub
 from engine.memory.arena import (
     GRAVITY,
@@ -247,7 +248,7 @@ def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) ->
         bias, hard, keep = s / soft.h, 1.0, 0.0
         if s <= 0.0:
             bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
-        impulse = max(before - touch[t, T_NORMAL_MASS] * hard * (along + bias) - keep * before, 0.0)
+        impulse = max(fma(-touch[t, T_NORMAL_MASS] * hard, along + bias, fma(-keep, before, before)), 0.0)
         after = rub(held, touch[t, T_TANGENT_MASS], slip, touch[t, T_FRICTION] * before)
         touch[t, T_NORMAL] = impulse
         store3(touch, t, T_TANGENT, after)
@@ -274,7 +275,7 @@ def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
         along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
         if aim == REBOUND and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
             along += rest[t, R_RESTITUTION] * min(dot(n, load3(rest, t, R_APPROACH)), 0.0)
-        impulse = max(before - touch[t, T_NORMAL_MASS] * along, 0.0)
+        impulse = max(fma(-touch[t, T_NORMAL_MASS], along, before), 0.0)
         most = touch[t, T_FRICTION] * impulse
         after = rub(held, touch[t, T_TANGENT_MASS], slip, most)
         slipping = slipping or (impulse > 0.0 and (key[t, K_SLIPS] == 1 or uses_up(after, most)))

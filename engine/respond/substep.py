@@ -2,7 +2,7 @@
 
 import math
 
-from engine.compile.jit import inlined, kernel, rounding_kernel
+from engine.compile.jit import inlined, kernel
 from engine.maths.vec import Floats, Mat, Vec, add, axpy, dot, load3, mat_vec, store3, tmat_vec
 from engine.memory.arena import (
     APPROACH,
@@ -114,7 +114,7 @@ def bounce(contacts: Contacts, manifolds: int) -> bool:
     return False
 
 
-@rounding_kernel
+@kernel
 def unbrace(static: float, first: int, end: int, point: Floats) -> None:
     """Spread the friction of the points first..end - 1 as their loads are, if that stays within the discs of `static`.
 

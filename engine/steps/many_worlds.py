@@ -5,13 +5,14 @@ second, and the machine code that a world runs is the same with others beside it
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import cache
+from typing import Any, NamedTuple, cast
 
+import llvmlite.ir
 import numba
 from numba import prange
 
-from engine.compile.compilers import entry_point, pointer_caller
-from engine.compile.jit import entry, jit_is_off, kernel, parallel_entry
+from engine.compile.jit import entry, jit_is_off, kernel, linker, parallel_entry
 from engine.maths.vec import Floats, Ints
 from engine.memory.status import CONVEX_PENDING, DONE, SEARCH_PENDING
 
@@ -22,16 +23,31 @@ FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "
 STEP = types.UniTuple(types.int64, 2)(FLOATS, INTS, types.int64)
 SEARCH = types.int64(FLOATS, INTS)
 COLLIDE = types.none(FLOATS, INTS)
+CALLED: list[Any] = []
+"""What addresses are of: kept, for the machine code goes with it."""
 
 
 def address_of(function: Any, signature: Any) -> Any:
     """Where the machine code of a compiled function with this signature lies; the function itself where nothing is compiled."""
     if jit_is_off():
         return function
-    returned, address = entry_point(function, signature)
+    if linker() is None:
+        return _address_apart(function, signature)
+    returned, address = linker().entry_point(function, signature)
     if returned != signature.return_type:
         raise TypeError(f"{function.__name__} returns {returned}, expected {signature.return_type}")
     return address
+
+
+@cache
+def _address_apart(function: Any, signature: Any) -> int:
+    """Where the machine code of a function lies that Numba makes for callers that are not its own."""
+    if len(signature.args) == 3:
+        made: Any = numba.cfunc(signature)(lambda floats, ints, steps: function(floats, ints, steps))
+    else:
+        made = numba.cfunc(signature)(lambda floats, ints: function(floats, ints))
+    CALLED.append(made)
+    return int(made.address)
 
 
 def address_of_step(step: Any) -> Any:
@@ -53,7 +69,23 @@ def _caller(signature: Any) -> Callable[..., Any]:
     """How compiled code calls a function of this signature: by its address, with a tuple of arguments."""
     if jit_is_off():
         return lambda function, arguments: function(*arguments)
-    return pointer_caller(signature)
+    from numba.extending import intrinsic
+
+    @intrinsic
+    def call(_: Any, address: Any, arguments: Any) -> Any:
+        def code(context: Any, builder: Any, _: Any, values: Any) -> Any:
+            words = [context.get_value_type(one) for one in signature.args]
+            kind = llvmlite.ir.FunctionType(context.get_value_type(signature.return_type), words)
+            given = [
+                context.cast(builder, builder.extract_value(values[1], k), arguments[k], asked)
+                for k, asked in enumerate(signature.args)
+            ]
+            answer = builder.call(builder.inttoptr(values[0], kind.as_pointer()), given)
+            return context.get_dummy_value() if signature.return_type == types.none else answer
+
+        return signature.return_type(address, arguments), code
+
+    return cast(Callable[..., Any], call)
 
 
 call_step, call_search, call_collide = _caller(STEP), _caller(SEARCH), _caller(COLLIDE)

@@ -11,6 +11,7 @@ Source: Redon, Kheddar, Coquillart, Fast Continuous Collision Detection between 
 import math
 
 from engine.compile.jit import kernel
+from engine.maths.elementary import atan2
 from engine.maths.vec import (
     Floats,
     Ints,
@@ -57,7 +58,7 @@ def write_path(start: Floats, end: Floats, path: Floats, b: int, span: float, a:
     axis = (turn[1], turn[2], turn[3])
     sine = norm(axis)
     axis = along(axis, along(mean, (0.0, 0.0, 1.0)))
-    angle = 2.0 * math.atan2(sine, turn[0])
+    angle = 2.0 * atan2(sine, turn[0])
     angle += 2.0 * math.pi * round((span * dot(axis, mean) - angle) / (2.0 * math.pi))
     store3(path, b, W, scale(angle / span, axis))
 

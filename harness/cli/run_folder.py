@@ -164,7 +164,9 @@ def reproduce(folder: Path, trial: str) -> None:
     """Run TRIAL of DIR again and say whether the answer is bit-identical."""
     from tempfile import TemporaryDirectory
 
+    from harness.findings.again import AS_GOOD, likeness
     from harness.run.isolated import run_isolated
+    from harness.store.machine_fingerprint import fingerprint
     from harness.study import plugins
     from harness.study.reproduce import trial_of
 
@@ -180,7 +182,9 @@ def reproduce(folder: Path, trial: str) -> None:
         (record,) = run_isolated([again], Path(scratch), 1)
     say(f"then: {row['status']}  {row['trajectory_hash']}  {row['reason']}")
     say(f"now:  {record.status}  {record.trajectory_hash}  {record.reason}")
-    same = record.trajectory_hash == row["trajectory_hash"] and record.status == row["status"]
-    click.echo("bit-identical" if same else "different")
-    if not same:
+    found = likeness(store, row.to_dict() | {"trial": again.trial}, record, fingerprint()["processor"])
+    click.echo(found)
+    if found == AS_GOOD:
+        say("these settings promise their bits on one machine alone, and that run was made on another", err=True)
+    elif found == "different":
         sys.exit(GATE)

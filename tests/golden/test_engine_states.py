@@ -1,65 +1,197 @@
-"""The reference engine still does what it did: to rounding on every machine, to the bit on those it knows, on any threads."""
+"""The reference engine still does what it did, to the last bit: on every processor, with any libraries, on any threads."""
 
+import math
+import os
 import platform
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
 
+import llvmlite.binding as llvm
 import numpy as np
+import platformdirs
 import pytest
 
-from engine.compile.jit import jit_is_off
-from tests.golden.engine_states import (
-    COMPARED,
-    STEPS,
-    WORLDS,
-    compared_state,
-    fuses,
-    known,
-    last_state,
-    last_state_on,
-    machine,
-    tolerance,
-)  # fmt: skip
+from engine.compile.jit import cache_directory, jit_is_off
+from tests.architecture.test_arithmetic import LIBRARY
+from tests.golden.engine_states import WORLDS, difference, digest, known, last_state, machine, states_elsewhere
 
-
-@pytest.mark.parametrize("name", WORLDS)
-def test_a_world_comes_to_the_state_it_always_came_to(name: str) -> None:
-    """On every machine, within a hundred times what another rounding was measured to make of it."""
-    found, stored = compared_state(name), np.array(known()["states"][name])
-    assert found.shape == stored.shape
-    assert np.abs(found - stored).max() <= tolerance(name)
-
-
-@pytest.mark.parametrize("name", WORLDS)
-def test_the_tolerance_sees_a_thousandth_of_gravity(name: str) -> None:
-    """All bodies are of 1 kg; in the heap of all shapes, where roundings have grown, it takes a hundredth."""
-    world, share = WORLDS[name](1), 0.01 if name == "pile" else 0.001
-    force = np.zeros((len(world.state()), 3))
-    force[:, 2] = share * 9.81
-    world.set_load(force, np.zeros_like(force))
-    world.step(COMPARED.get(name, STEPS))
-    assert np.abs(world.state() - np.array(known()["states"][name])).max() > tolerance(name)
+ROOT = Path(__file__).parents[2]
+MATHS = sorted(
+    {
+        *(
+            "acos",
+            "acosh",
+            "asin",
+            "asinh",
+            "atan",
+            "atan2",
+            "atanh",
+            "cbrt",
+            "cos",
+            "cosh",
+            "erf",
+            "exp",
+            "exp2",
+            "expm1",
+            "fmod",
+        ),
+        *("hypot", "log", "log10", "log1p", "log2", "pow", "sin", "sincos", "sinh", "tan", "tanh", "tgamma"),
+    }
+)
+"""Functions of the C library whose last bit is its own."""
+PROCESSORS = {
+    "x86-64": "", "haswell": "+avx2,+fma", "skylake-avx512": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw",
+    "znver4": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw,+avx512vnni",
+    "znver5": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw,+avx512vnni",
+    "sapphirerapids": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw,+avx512vnni",
+}  # fmt: skip
+"""Processors, and what code for them asks of this one. The first has no instruction for a product and a sum rounded once."""
+OFTEN = ("x86-64", "haswell")
+SOME = ("free_box", "tree", "spheres")
+SHARED = {"PLUMBLINE_KERNEL_CACHE": os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")}
+"""Where the kernels of this process lie: they need not be compiled once more for another library."""
+NUMPY_FEATURES = "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"
+"""What NumPy chooses its functions by, by the names that this version knows."""
 
 
 @pytest.mark.parametrize("name", WORLDS)
 def test_a_world_ends_in_the_state_it_always_ended_in(name: str) -> None:
-    """Bit for bit where this machine's hashes are known; elsewhere nothing holds its bits but that they repeat."""
-    hashes = known()["hashes"].get(machine(), {})
-    assert last_state(name, 1) == hashes.get(name, last_state(name, 1))
-
-
-@pytest.mark.compiler
-@pytest.mark.skipif(
-    jit_is_off() or platform.machine() != "x86_64" or not fuses(), reason="asks x86 code with fused multiply-add"
-)
-@pytest.mark.parametrize(
-    "name", ["free_box", "tree", *(pytest.param(name, marks=pytest.mark.slow) for name in ("stack", "pile"))]
-)
-@pytest.mark.parametrize("processor", ["haswell", pytest.param("skylake-avx512", marks=pytest.mark.slow)])
-def test_code_for_another_processor_ends_in_the_same_state(name: str, processor: str) -> None:
-    """Bit for bit: which products and sums are rounded as one is said by the text, not by what a processor is quick at."""
-    assert last_state_on(processor, "+avx2,+fma", name) == last_state(name, 1)
+    """Bit for bit, on every machine; what differs is said."""
+    assert difference(name, last_state(name, 1)) == ""
 
 
 @pytest.mark.parametrize("name", WORLDS)
 def test_a_world_ends_in_the_same_state_on_any_number_of_threads(name: str) -> None:
-    """On every machine."""
-    assert len({last_state(name, threads) for threads in (1, 2, 4)}) == 1
+    assert {digest(last_state(name, threads)) for threads in (2, 4)} == {known()["hashes"][name]}
+
+
+def test_a_bit_that_differs_is_named_with_its_body_and_the_machine() -> None:
+    state = last_state("free_box", 1)
+    state[0, 8] = np.nextafter(state[0, 8], math.inf)
+    told = difference("free_box", state)
+    assert "v_WB of body 0" in told
+    assert "1 units in the last place off; 1 of 13 numbers differ" in told
+    assert machine() in told
+
+
+def unable(features: str) -> str:
+    """Why this processor cannot run code with such features; empty if it can."""
+    has = dict(llvm.get_host_cpu_features())
+    missing = [one for one in features.replace("+", "").split(",") if one and not has.get(one)]
+    return f"{llvm.get_host_cpu_name()} has no {', '.join(missing)}" if missing else ""
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(jit_is_off() or platform.machine() != "x86_64", reason="asks code for x86")
+@pytest.mark.parametrize(
+    "names", [SOME, pytest.param(tuple(set(WORLDS) - set(SOME)), marks=pytest.mark.slow)], ids=["some", "rest"]
+)
+@pytest.mark.parametrize(
+    "processor", [one if one in OFTEN else pytest.param(one, marks=pytest.mark.slow) for one in PROCESSORS]
+)
+def test_code_for_another_processor_ends_in_the_same_states(processor: str, names: tuple[str, ...]) -> None:
+    """Nothing is rounded otherwise by what a processor is quick at: not even by one without a fused product."""
+    why = unable(PROCESSORS[processor])
+    if why:
+        pytest.skip(why)
+    target = {"NUMBA_CPU_NAME": processor, "NUMBA_CPU_FEATURES": PROCESSORS[processor]}
+    assert states_elsewhere(target, names) == {name: known()["hashes"][name] for name in names}
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(jit_is_off(), reason="compiled code is asked for")
+def test_a_processor_that_nobody_knows_is_refused() -> None:
+    with pytest.raises(RuntimeError, match=r"(?i)cpu|processor"):
+        states_elsewhere({"NUMBA_CPU_NAME": "abacus", "NUMBA_CPU_FEATURES": ""}, ["free_box"])
+
+
+LIBRARIES: dict[str, dict[str, str]] = {
+    "BLAS of Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
+    "BLAS of Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "BLAS of SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
+    "NumPy without AVX2 and AVX-512": {"NPY_DISABLE_CPU_FEATURES": NUMPY_FEATURES},
+    "C library without fused products": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"},
+}
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="sets what libraries choose by on x86")
+@pytest.mark.parametrize("libraries", LIBRARIES)
+def test_a_library_that_rounds_otherwise_changes_no_state(libraries: str) -> None:
+    if "SkylakeX" in libraries and (why := unable("+avx512f,+avx512vl")):
+        pytest.skip(why)
+    present = _numpy_features() if "NPY_DISABLE_CPU_FEATURES" in LIBRARIES[libraries] else None
+    if present == "":
+        pytest.skip("this processor has none of them")
+    asked = LIBRARIES[libraries] if present is None else {"NPY_DISABLE_CPU_FEATURES": present}
+    names = [name for name in WORLDS if name != "batch"]
+    assert states_elsewhere({**SHARED, **asked}, names, "-W", "error::ImportWarning") == {
+        name: known()["hashes"][name] for name in names
+    }
+
+
+def _numpy_features() -> str:
+    """Those of NUMPY_FEATURES that this processor has: NumPy ignores, with a warning, what it could not use anyway."""
+    from numpy._core._multiarray_umath import __cpu_features__
+
+    features: dict[str, Any] = __cpu_features__
+    unknown = [one for one in NUMPY_FEATURES.split() if one not in features]
+    assert not unknown, f"NumPy {np.__version__} does not know {unknown}: name its features anew"
+    return " ".join(one for one in NUMPY_FEATURES.split() if features[one])
+
+
+LIBRARY_FREE = """
+import math
+import numpy
+import scipy.spatial
+from tests.architecture.test_arithmetic import LIBRARY
+from tests.golden.engine_states import WORLDS
+
+def refuse(name):
+    def call(*_, **__):
+        raise AssertionError(name + " is asked while a world is built or advanced")
+    return call
+
+for module, names in ((numpy.linalg, dir(numpy.linalg)), (numpy, {numpy}), (math, {math})):
+    for name in names:
+        if callable(getattr(module, name, None)) and not name.startswith("_") and not isinstance(getattr(module, name), type):
+            setattr(module, name, refuse(module.__name__ + "." + name))
+for name, build in WORLDS.items():
+    if name != "batch":
+        build(1).step(1)
+"""
+"""Builds all worlds, and takes a step, where what a library would round raises. Python runs the text itself, uncompiled."""
+
+
+def test_no_library_is_asked_while_worlds_are_built_and_advanced() -> None:
+    text = LIBRARY_FREE.replace("{numpy}", repr(sorted(LIBRARY - {"linalg", "fft"}))).replace("{math}", repr(MATHS))
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    said = subprocess.run(
+        [sys.executable, "-c", text], env=environment, cwd=ROOT, capture_output=True, text=True, check=False
+    )  # fmt: skip
+    assert said.returncode == 0, said.stderr
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(jit_is_off(), reason="asks compiled code")
+def test_compiled_steps_call_nothing_of_the_c_library_that_rounds() -> None:
+    """By the names that their machine code leaves to be found: `fma` is one where a processor has no instruction for it."""
+    for name in WORLDS:
+        last_state(name, 1)
+    files = {file for source in sorted((ROOT / "engine").rglob("*.py")) for file in cache_directory(source).glob("*.nbc")}
+    assert len(files) > len(WORLDS)
+    asked = {file.name: [one for one in MATHS if f"\0{one}\0".encode() in file.read_bytes()] for file in files}
+    assert {name: found for name, found in asked.items() if found} == {}
+
+
+@pytest.mark.compiler
+@pytest.mark.skipif(jit_is_off(), reason="asks compiled code")
+def test_a_name_that_the_c_library_knows_is_seen_in_machine_code(tmp_path: Path) -> None:
+    """What the test above looks for is there, where a function is asked for."""
+    text = "import math, numba\n\n@numba.njit(cache=True)\ndef f(x):\n    return math.sin(x)\n\nf(1.0)\n"
+    (tmp_path / "asks.py").write_text(text)
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, str(tmp_path / "asks.py")], env=environment, check=True)
+    (file,) = tmp_path.rglob("*.nbc")
+    assert b"\0sin\0" in file.read_bytes()

@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
+from engine.maths.elementary import hypot
 from engine.maths.vec import Floats
 
 __all__ = ["after", "breach", "largest_breach"]
@@ -39,8 +40,8 @@ def breach(w: Floats, q: Floats, friction: Floats, r: Floats) -> float:
         u0, u1, u2 = u[i, 0], u[i, 1], u[i, 2]
         mu = friction[i]
         m = 3.0 / (w[3 * i, 3 * i] + w[3 * i + 1, 3 * i + 1] + w[3 * i + 2, 3 * i + 2])
-        t0, t1, t2 = r[i, 0] - m * (u0 + mu * math.hypot(u1, u2)), r[i, 1] - m * u1, r[i, 2] - m * u2
-        size = math.hypot(t1, t2)
+        t0, t1, t2 = r[i, 0] - m * (u0 + mu * hypot(u1, u2)), r[i, 1] - m * u1, r[i, 2] - m * u2
+        size = hypot(t1, t2)
         # The point of the cone nearest to t; without friction 0 <= 0 would hold for a pull as well.
         if not (size <= mu * t0 and t0 >= 0.0):
             normal = max((t0 + mu * size) / (1.0 + mu * mu), 0.0)

@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
+from engine.maths.elementary import hypot
 from engine.maths.vec import Floats
 from engine.respond.exact.certificate import after, breach
 from engine.respond.exact.elimination import eliminate
@@ -40,7 +41,7 @@ def newton_step(
     k, added, y = len(x), weight * proximal - 1.0, after(w, q, x)
     for i in range(k):
         tau0, tau1, tau2 = x[i, 0] - weight * y[i, 0], x[i, 1] - weight * y[i, 1], x[i, 2] - weight * y[i, 2]
-        normal, size = max(tau0, 0.0), math.hypot(tau1, tau2)
+        normal, size = max(tau0, 0.0), hypot(tau1, tau2)
         rubs, slips, t1, t2 = friction[i] > 0.0, size > normal, tau1 / max(size, 1e-300), tau2 / max(size, 1e-300)
         share = 0.0
         if rubs:

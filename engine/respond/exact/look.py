@@ -3,6 +3,7 @@
 import math
 
 from engine.compile.jit import entry, kernel
+from engine.maths.elementary import exp, hypot, log
 from engine.maths.vec import Floats, Ints
 
 __all__ = ["COLUMNS", "MISS", "RATE", "SIZE", "look_at"]
@@ -31,7 +32,7 @@ def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, fl
     """
     k = len(x)
     n, width, power = 3 * k, widths[0], widths[1]
-    soft, dim = width * width, width**power
+    soft, dim = width * width, exp(power * log(width))
     largest = 0.0
     for i in range(k):
         y0, y1, y2 = q[i, 0] + soft * x[i, 0], q[i, 1] + soft * x[i, 1], q[i, 2] + soft * x[i, 2]
@@ -51,7 +52,7 @@ def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, fl
             y0 += square / size
         z0, z1, z2 = x[i, 0] - y0, x[i, 1] - y1, x[i, 2] - y2
         largest = max(largest, abs(z0), abs(z1), abs(z2))
-        length = math.hypot(z1, z2)
+        length = hypot(z1, z2)
         t1, t2 = (z1 / length, z2 / length) if length > 0.0 else (1.0, 0.0)
         low, high = z0 - length, z0 + length
         p_low, c_low = root_of(low, width)
@@ -98,7 +99,7 @@ def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, fl
         s0, s1, s2 = 2.0 * soft * x[i, 0], 2.0 * soft * x[i, 1], 2.0 * soft * x[i, 2]
         if rubs[i] == 1:
             s0 += lift1 * s1 + lift2 * s2 - power * square / size * blur
-        r_low, r_high = 2.0 * soft / math.hypot(low, 2.0 * width), 2.0 * soft / math.hypot(high, 2.0 * width)
+        r_low, r_high = 2.0 * soft / hypot(low, 2.0 * width), 2.0 * soft / hypot(high, 2.0 * width)
         half = 0.5 * (r_high - r_low)
         out[i, RATE] = 0.5 * (r_low + r_high) - (mean * s0 + b01 * s1 + b02 * s2)
         out[i, RATE + 1] = half * t1 - (b01 * s0 + b11 * s1 + b12 * s2)

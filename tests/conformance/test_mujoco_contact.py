@@ -305,7 +305,7 @@ def test_the_next_value_of_every_knob_of_contact_tells_at_the_usual_step() -> No
 
 
 def test_what_resolved_says_is_what_acts() -> None:
-    """At the usual step the bound `slowest` says how slow friction is: other `friction_steps` change neither word nor motion."""
+    """At the usual step the bound `slowest` says how slow friction is: other `friction_steps` change no word and no motion."""
     cube = on_ground(shaped_body("cube", Box(half_extents=(0.1, 0.1, 0.1)), (0.0, 0.0, 0.11), v=(0.5, 0.0, 0.0)), mu=0.5)
     told = [built(cube, replace(TUNED, options={**TUNED.options, "friction_steps": n}), 1 / 240).resolved for n in (20.0, 40.0)]
     assert told[0] == told[1]

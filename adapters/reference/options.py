@@ -51,6 +51,7 @@ OPTIONS: Mapping[str, type] = {
     "sleep_time": float,
     "coordinates": str,
     "effort": float,
+    BITS: str,
 }
 
 WHOLE_STEPS = "steps"
@@ -64,8 +65,8 @@ SOFT_OPTIONS = (
     "relaxations", "sweeps", "contact_hertz", "contact_damping_ratio", "max_push", "sleeping", "sleep_speed", "sleep_time",
 )  # fmt: skip
 """Options of the soft solver alone."""
-EXACT_OPTIONS = ("effort",)
-"""Options of the exact solver alone."""
+EXACT_OPTIONS = ("effort", BITS)
+"""Options of the exact solver alone; the last is a promise, which nobody can change."""
 UNSET: Mapping[str, Mapping[str, Any]] = {SOFT: {}, EXACT: {"substeps": 1}, SEQUENTIAL: {"substeps": 1, "iterations": 10}}
 """What a solver takes where the settings leave it open; ten sweeps are Bullet's default as well."""
 
@@ -99,6 +100,8 @@ def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
         if isinstance(value, bool) != (kind is bool) or not isinstance(value, (int, float) if kind is float else kind):
             raise SettingsError(f"settings: option '{name}' is {value!r}, expected {kind.__name__}")
         chosen[name] = value
+    if (promised := chosen.pop(BITS, OF_ONE_MACHINE)) != OF_ONE_MACHINE:
+        raise SettingsError(f"settings: option '{BITS}' is {promised!r}, expected {OF_ONE_MACHINE!r}")
     steps, substeps = chosen.pop(WHOLE_STEPS, 1), chosen.get("substeps", UNSUBSTEPPED)
     if steps < 1 or substeps % steps:
         raise SettingsError(f"settings: option '{WHOLE_STEPS}' is {steps}, expected a divisor of the {substeps} sub-steps")
@@ -127,7 +130,7 @@ def resolved_settings(settings: Settings, used: "engine.Options", world: "engine
     """What the engine uses, defaults filled in."""
     soft, exact = used.solver == SOFT, used.solver == EXACT
     others = (() if soft else SOFT_OPTIONS) + (() if exact else EXACT_OPTIONS)
-    filled = {name: getattr(used, name) for name in OPTIONS if name not in (*others, WHOLE_STEPS)}
+    filled = {name: getattr(used, name) for name in OPTIONS if name not in (*others, WHOLE_STEPS, BITS)}
     steps = steps_in(settings, used)
     filled[WHOLE_STEPS] = steps if steps > 1 else None
     filled["broad_phase"] = world.broad_phase

@@ -154,7 +154,7 @@ def review(
             if reason := _reason(record, cells, versions, journal):
                 stale[reason].append(record.trial)
                 continue
-        if reason := _possible_now(record) or damage(folder, record):
+        if reason := (record.trial in planned and _possible_now(record)) or damage(folder, record):
             stale[reason].append(record.trial)
     for reason, names in stale.items():
         journal.withdraw(names, reason)

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ from harness.store.store import Store
 from harness.study import expansion, library_variants, plugins
 from harness.study.experiment import Experiment
 from harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
-from harness.study.study import Study
+from harness.study.study import Study, load_study
 from tests.conftest import PLUGINS
 from tests.light_servers import light_servers
 from tests.told_by_processes import show_libraries
@@ -87,6 +88,17 @@ def test_what_the_machine_lacks_is_named(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_libraries_are_varied_where_runs_are_repeated_alone() -> None:
     with pytest.raises(ValueError, match=r"libraries: joint_\*, stack_tower without determinism"):
         Experiment(name="one", libraries=("joint_*", "stack_tower"))
+
+
+def test_the_study_of_determinism_varies_them_in_two_cases() -> None:
+    cases = {name: plugins.case(name) for name in ("joint_chain", "stack_tower", "stack_pile")}
+    trials = [*load_study("determinism").trials(cases, {"mujoco": plugins.adapter("mujoco")}, {"mujoco": "4.0.0"})]
+    varied = [trial for trial in trials if trial.alteration.variables]
+    asked = {(trial.case, trial.alteration.name, trial.track) for trial in varied}
+    names = [variant.name for variant in LIBRARY_VARIANTS]
+    assert asked == set(product(("joint_chain", "stack_tower"), names, ("default", "tuned")))
+    assert len({trial.trial for trial in trials}) == len(trials)
+    assert not any(trial.alteration.clocked for trial in varied)
 
 
 STAND_INS = {

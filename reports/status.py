@@ -39,7 +39,7 @@ STATUSES: dict[str, Outcome] = {
             rank=5,
         ),
         Outcome(name="unsupported", symbol="∅", meaning="the engine cannot express the scene; nothing is approximated", rank=1),
-        Outcome(name="unavailable", symbol="○", meaning="the engine could not be loaded on this machine", rank=2),
+        Outcome(name="unavailable", symbol="○", meaning="this machine cannot run it as asked; the reason says why", rank=2),
         Outcome(name="timeout", symbol="◷", meaning="stopped at its deadline", rank=6),
         Outcome(name="crashed", symbol="‡", meaning="the process ended by a signal or an unexpected error", rank=8),
         Outcome(name="oom", symbol="▣", meaning="stopped at its memory limit", rank=7),

@@ -1,18 +1,23 @@
-"""How the scene of a trial departs from its case's: effects switched on, off, or faintly there, damping added, or what its
-user left out put back.
+"""How a trial departs from its case: effects of the scene switched on, off, or faintly there, damping added, what its user left
+out put back, or environment variables that its process starts with.
 
 The case stays what it is, its truth and its checks too; what the departure does to the answer is what a study asks.
 """
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from harness.case.starts import perturbed
 from harness.case.symmetries import Retelling, nudged, reordered, restored
 from harness.scene import Effect, Scene
 
-__all__ = ["ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "UNDROPPED", "Alteration", "departures"]
+__all__ = [
+    "ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "UNDROPPED", "Alteration", "Variables", "departures",
+]  # fmt: skip
+
+Variables: TypeAlias = tuple[tuple[str, str], ...]
+"""Environment variables, each with its value."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,6 +32,7 @@ class Alteration:
         start: run this one of the scene's perturbed starts (`harness.case.starts.perturbed`), 0 for its own.
         every_step: record every step, whatever the case says.
         undropped: kinds of elements that the case's user left out and this run has: its scene is `Case.undropped`.
+        variables: environment variables that the process of this run starts with.
     """
 
     name: str = ""
@@ -39,10 +45,21 @@ class Alteration:
     start: int = 0
     every_step: bool = False
     undropped: tuple[str, ...] = ()
+    variables: Variables = ()
+
+    @property
+    def same_scene(self) -> bool:
+        """Is the scene as it is, however often and wherever it is run?"""
+        return self == Alteration(name=self.name, told=self.told, every_step=self.every_step, variables=self.variables)
+
+    @property
+    def clocked(self) -> bool:
+        """Does a timing run clock it, if its experiment has one?"""
+        return self.name not in REFINED and not (self.start or self.undropped or self.variables)
 
     def of(self, scene: Scene) -> Scene:
         """The scene as it is under this alteration; the very same one where nothing departs."""
-        if self == replace(AS_IT_IS, name=self.name, told=self.told, every_step=self.every_step, undropped=self.undropped):
+        if replace(self, undropped=()).same_scene:
             return scene
         if self.start:
             scene = perturbed(scene, self.start)
@@ -90,20 +107,30 @@ class Alteration:
         for field in fields(self):
             value = getattr(self, field.name)
             if value != field.default:
-                plain = list(value.names) if isinstance(value, Effect) else value
-                departing[field.name] = list(plain) if isinstance(plain, tuple) else plain
+                departing[field.name] = _plain(field.name, value)
         return departing
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Alteration":
         """Read back what `plain` wrote."""
+        kinds, variables = tuple(plain.get(_KINDS, ())), tuple(plain.get(_VARIABLES, {}).items())
         values: dict[str, Any] = {
-            name: _effects(v) if isinstance(v, list) else v for name, v in plain.items() if name != _KINDS
+            name: _effects(v) if isinstance(v, list) else v for name, v in plain.items() if name not in (_KINDS, _VARIABLES)
         }
-        return cls(**values, undropped=tuple(plain.get(_KINDS, ())))
+        return cls(**values, undropped=kinds, variables=variables)
 
 
-_KINDS = "undropped"
+_KINDS, _VARIABLES = "undropped", "variables"
+
+
+def _plain(name: str, value: Any) -> Any:
+    """The value of a field of this name as JSON has it."""
+    if isinstance(value, Effect):
+        return list(value.names)
+    if name == _VARIABLES:
+        return dict(value)
+    return list(value) if isinstance(value, tuple) else value
+
 
 FAINT = 1e-9
 """Coefficients [1], levers [m] and rates [1/s] of effects that are to be there and do nothing; what they do

@@ -28,8 +28,9 @@ EVERY_STEP = "every step recorded"
 class Row:
     """Trials that read alike.
 
-    Terms: dt: '1/60 s (4 sub-steps)', as it was taken. apart: parameters, alteration and remedy in words, and, where only the
-    reason differs from another row's, how the scene was run; '' for the case as it is. count: of the trials.
+    Terms: dt: '1/60 s (4 sub-steps)', as it was taken. apart: parameters, alteration and remedy in words, and how the scene was
+    run, if only the reason differs from another row's or if it was run once more each time; '' for the case as it is. count: of
+    the trials.
     """
 
     case: str
@@ -78,10 +79,16 @@ def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[Row]:
         key = (str(row.case), str(row.engine), str(row.track), step, told, str(row.status))
         groups.setdefault(key, {}).setdefault(str(row.reason), []).append(how[row.alteration])
     return [
-        Row(case, engine, track, dt, _joined(told, ways if len(by_reason) > 1 else ()), status, reason, len(ways))
+        Row(case, engine, track, dt, _joined(told, ways if apart else ()), status, reason, len(ways))
         for (case, engine, track, dt, told, status), by_reason in groups.items()
         for reason, ways in by_reason.items()
+        for apart in (len(by_reason) > 1 or _once_more(ways),)
     ]
+
+
+def _once_more(ways: Sequence[str]) -> bool:
+    """Was the scene run once more each time? Its first run ended otherwise then."""
+    return not {"", ALIKE, EVERY_STEP} & set(ways)
 
 
 def _joined(told: str, ways: Sequence[str]) -> str:
@@ -102,14 +109,10 @@ def _short(value: Any) -> Any:
 def _altered(alteration: str) -> str:
     """The name of an alteration that departs from the scene; '' where the same scene is run once more."""
     read = Alteration.from_plain(json.loads(alteration))
-    return "" if _same_scene(read) else read.name or "altered"
+    return "" if read.same_scene else read.name or "altered"
 
 
 def _repetition(alteration: str) -> str:
     """How the same scene is run: 'as it is', 'again', 'reordered'; '' where the scene is another one."""
     read = Alteration.from_plain(json.loads(alteration))
-    return (read.name or (EVERY_STEP if read.every_step else ALIKE)) if _same_scene(read) else ""
-
-
-def _same_scene(read: Alteration) -> bool:
-    return read == Alteration(name=read.name, told=read.told, every_step=read.every_step)
+    return (read.name or (EVERY_STEP if read.every_step else ALIKE)) if read.same_scene else ""

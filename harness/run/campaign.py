@@ -16,7 +16,7 @@ import tomli_w
 
 from harness.adapter import Adapter
 from harness.case import Case
-from harness.case.alteration import ALONE, REFINED
+from harness.case.alteration import ALONE
 from harness.case.own_titles import called
 from harness.run.fork_servers import expect
 from harness.run.guide import UNGUIDED, Guide
@@ -130,9 +130,7 @@ def _timing(
         trial
         for trial in trials
         if trial.experiment.timing
-        and trial.alteration.name not in REFINED
-        and not trial.alteration.start
-        and not trial.alteration.undropped
+        and trial.alteration.clocked
         and (not (trial.experiment.sweep or trial.experiment.dominance) or trial.trial in near)
         and journal.timings.get(trial.trial) != here
         and trial.trial in records

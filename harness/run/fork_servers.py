@@ -9,6 +9,8 @@ engine is to feel that.
 What comes off one server has everything at the same place in memory, in another run of the study at another. An engine's speed
 can feel that: MuJoCo's and DART's steps of a pendulum were spread by 2 % over eight interpreters and under 1 % over eight
 forks of one. What is to show such chance, clocks and repetitions, therefore asks for processes off several servers.
+
+Environment variables that libraries read as they are loaded act on processes off a server that was born with them.
 """
 
 import atexit
@@ -25,9 +27,10 @@ from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
+from harness.case.alteration import Variables
 from harness.study.environments import Environment, project_folders
 
-__all__ = ["WORTH_A_SERVER", "Server", "context", "expect", "start_apart", "start_loaded"]
+__all__ = ["WORTH_A_SERVER", "Server", "context", "end_varied", "expect", "start_apart", "start_loaded"]
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PRELOAD = ("harness.cli.main", "harness.run.timing_blocks", "harness.run.isolated", "numpy")
@@ -117,34 +120,47 @@ def start_loaded(
     return start_apart(process, 0, environment=environment)
 
 
-def start_apart(process: BaseProcess, number: int, only: str = "", environment: Environment | None = None) -> Server:
+def start_apart(
+    process: BaseProcess, number: int, only: str = "", environment: Environment | None = None, variables: Variables = ()
+) -> Server:
     """Start a process of `context` off the server of this number, which knows no engine: another number, another layout.
 
     Args: number: 0 for the one that `context` has anyway. only: whose server it is, beside that of all others; '' for theirs.
-    environment: as for `start_loaded`.
+    environment: as for `start_loaded`. variables: that the server was born with, beside those of this process.
     Raises: OSError.
     """
-    if number == 0 and not only and environment is None:
+    if number == 0 and not only and environment is None and not variables:
         return _start(process, _PLAIN, None)
-    key = environment, number, only
+    key = environment, number, only, variables
     if key not in _apart:
         _apart[key] = _new_server(())
-    return _start(process, _apart[key], environment)
+    return _start(process, _apart[key], environment, variables)
+
+
+def end_varied() -> None:
+    """End the servers that were born with variables of their own, which few processes want; the next of these has a new one."""
+    for key in [key for key in _apart if key[-1]]:
+        server = _apart.pop(key)
+        if server._forkserver_pid is not None:
+            with suppress(ProcessLookupError):
+                os.kill(server._forkserver_pid, signal.SIGKILL)
+            with suppress(ChildProcessError):
+                server._stop()
 
 
 _PLAIN: Any = forkserver._forkserver
 """The one behind every context."""
 _servers: dict[tuple[Environment | None, tuple[str, ...]], Any] = {}
 """By environment and modules; None for those that kill a server."""
-_apart: dict[tuple[Environment | None, int, str], Any] = {}
-"""Those beside the plain one that know no engine, by environment, number and whose they are."""
+_apart: dict[tuple[Environment | None, int, str, Variables], Any] = {}
+"""Those beside the plain one that know no engine, by environment, number, whose they are and variables."""
 
 
-def _start(process: BaseProcess, server: Any, environment: Environment | None) -> Server:
+def _start(process: BaseProcess, server: Any, environment: Environment | None, variables: Variables = ()) -> Server:
     """Start it off a server, and off a new one where that has died. Raises: ConnectionError, where the new one dies as well."""
     for _ in range(_TRIES):
         try:
-            with _through(server), _surroundings(_environ(environment)), _interpreter(environment):
+            with _through(server), _surroundings(_environ(environment) | dict(variables)), _interpreter(environment):
                 process.start()
             return Server(server._forkserver_pid)
         except (EOFError, ConnectionError):

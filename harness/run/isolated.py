@@ -12,7 +12,7 @@ from pathlib import Path
 from harness.case.alteration import ALONE
 from harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
 from harness.run.deadline import Deadline
-from harness.run.fork_servers import Server, context, start_apart, start_loaded
+from harness.run.fork_servers import Server, context, end_varied, start_apart, start_loaded
 from harness.run.interrupt import naming, stop_if_asked
 from harness.run.memory_watch import MemoryWatch, kills_for_memory
 from harness.run.message import BrokenMessage, Inbox, read_record, readable, send
@@ -20,6 +20,7 @@ from harness.store.notices import StoredNotice
 from harness.store.record import Record
 from harness.study import plugins
 from harness.study.environments import elsewhere
+from harness.study.library_variants import obstacle
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
@@ -164,21 +165,37 @@ def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
             send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
 
 
-def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool = False) -> _Child:
-    """Terms: foreseen: trials of this engine in all."""
+def _server(trial: Trial, process: BaseProcess, foreseen: int) -> Server:
+    """Start the process of a trial off the server that suits it. Raises: OSError."""
+    adapter, environment = plugins.adapter(trial.engine), elsewhere(trial.engine)
+    if trial.alteration.variables:
+        return start_apart(process, 0, environment=environment, variables=trial.alteration.variables)
+    if trial.experiment.determinism:
+        # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
+        return start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0, environment=environment)
+    return start_loaded(process, adapter.loads, foreseen, environment)
+
+
+def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool) -> _Child | Record:
+    """A process at work on the trial; a record if no server can be born with the trial's variables.
+
+    Terms: foreseen: trials of this engine in all.
+    """
     kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
     forkserver = context()
     ours, theirs = forkserver.Pipe(duplex=False)
     process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
-    adapter, environment = plugins.adapter(trial.engine), elsewhere(trial.engine)
-    if trial.experiment.determinism:
-        # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
-        server = start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0, environment=environment)
-    else:
-        server = start_loaded(process, adapter.loads, foreseen, environment)
-    theirs.close()
-    loading = Deadline(process.pid or 0, trial.experiment.deadline + adapter.compile_allowance)
+    try:
+        server = _server(trial, process, foreseen)
+    except ConnectionError as error:
+        if not trial.alteration.variables:
+            raise
+        ours.close()
+        return outcome(trial, "crashed", f"with {', '.join('='.join(each) for each in trial.alteration.variables)}: {error}")
+    finally:
+        theirs.close()
+    loading = Deadline(process.pid or 0, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
     watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
     return _Child(trial, process, server, watch, Inbox(ours), log, loading, kills, alone, time.monotonic())
 
@@ -189,19 +206,25 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: 
     Args: foreseen: trials that an engine will have in all, where there are more to come than these.
     Trials whose fork server died under them run again at the end, one by one.
     """
+    obstacles = {trial.trial: reason for trial in trials if (reason := obstacle(trial.alteration.variables))}
+    yield from (outcome(trial, "unavailable", obstacles[trial.trial]) for trial in trials if trial.trial in obstacles)
     logs = folder / "logs"
     logs.mkdir(exist_ok=True)
     forsaken: list[Trial] = []
-    waiting, engines = list(reversed(trials)), Counter(trial.engine for trial in trials)
+    waiting = [trial for trial in reversed(trials) if trial.trial not in obstacles]
+    engines = Counter(trial.engine for trial in trials)
     running: list[_Child] = []
     try:
         while waiting or running or forsaken:
-            while waiting and len(running) < workers:
-                trial = waiting.pop()
-                running.append(_start(trial, folder, logs, max(foreseen, engines[trial.engine])))
-            if not running:
-                trial = forsaken.pop()
-                running.append(_start(trial, folder, logs, engines[trial.engine], alone=True))
+            alone = not (waiting or running)
+            if alone or (waiting and len(running) < workers):
+                trial = forsaken.pop() if alone else waiting.pop()
+                started = _start(trial, folder, logs, max(foreseen, engines[trial.engine]), alone)
+                if isinstance(started, Record):
+                    yield started
+                else:
+                    running.append(started)
+                continue
             soonest = min(child.deadline.until for child in running) - time.monotonic()
             wait([child.inbox.pipe for child in running], timeout=min(_LISTENS, max(0.0, soonest)))
             with naming((child.trial, child.begun) for child in running):
@@ -217,5 +240,6 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: 
     finally:
         for child in running:
             child.stop()
+        end_varied()
         if not any(logs.iterdir()):
             logs.rmdir()

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from harness.case import Case
-from harness.case.alteration import REFINED
 from harness.search.to_come import ToCome, seconds_of_run
 from harness.store.record import Record
 from harness.study.trial import Trial
@@ -50,8 +49,7 @@ def pieces_of(trials: Iterable[Trial], cases: Mapping[str, Case]) -> list[Piece]
     pieces = []
     for trial in trials:
         asked = trial.experiment
-        altered = trial.alteration.name in REFINED or trial.alteration.start or trial.alteration.undropped
-        clocked = asked.timing and not (asked.sweep or asked.dominance) and asked.limit is None and not altered
+        clocked = asked.timing and not (asked.sweep or asked.dominance) and asked.limit is None and trial.alteration.clocked
         piece = _piece(trial, cases[trial.case])
         pieces.append(piece if clocked else replace(piece, count=0))
     return pieces

@@ -18,6 +18,7 @@ from harness.store.machine_fingerprint import circumstances, machine_digest
 from harness.store.record import Record
 from harness.store.seal import Damaged, check_seal
 from harness.store.store import ends_early, read_plain
+from harness.study.library_variants import obstacle
 from harness.study.provenance import what_changed
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
@@ -56,7 +57,7 @@ def _differences(value: Any, other: Any, where: str) -> list[str]:
     if isinstance(value, list) and isinstance(other, list) and len(value) == len(other):
         return [d for k, (a, b) in enumerate(zip(value, other, strict=True)) for d in _differences(a, b, f"{where}[{k}]")]
     # A switch that an older study has no word for is off.
-    return [] if value == other or all(one is None or one is False for one in (value, other)) else [where]
+    return [] if value == other or not (value or other) else [where]
 
 
 def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> str:
@@ -124,6 +125,13 @@ def _reason(record: Record, cells: Mapping[str, Trial], versions: Mapping[str, s
     return reason
 
 
+def _possible_now(record: Record) -> str:
+    """Why a run that the environment or the processor ruled out is made after all; '' if it was made, or is ruled out still."""
+    variables = tuple(record.alteration.get("variables", {}).items())
+    ruled_out = bool(variables) and record.status == "unavailable" and record.engine_version != "none"
+    return f"{record.reason}: no longer so" if ruled_out and not obstacle(variables) else ""
+
+
 def review(
     journal: Journal, folder: Path, trials: Sequence[Trial], cases: Collection[str], versions: Mapping[str, str], machine: str
 ) -> list[str]:
@@ -146,7 +154,7 @@ def review(
             if reason := _reason(record, cells, versions, journal):
                 stale[reason].append(record.trial)
                 continue
-        if reason := damage(folder, record):
+        if reason := (record.trial in planned and _possible_now(record)) or damage(folder, record):
             stale[reason].append(record.trial)
     for reason, names in stale.items():
         journal.withdraw(names, reason)

@@ -16,6 +16,7 @@ from harness.study.axes import axis_of, steps_of
 from harness.study.engine_versions import engine_of, named_by
 from harness.study.experiment import Experiment, StudyError
 from harness.study.foreseen_cost import misfit, too_much
+from harness.study.library_variants import LIBRARY_VARIANTS
 from harness.study.trial import Trial, question_of, scene_of
 
 if TYPE_CHECKING:
@@ -171,6 +172,9 @@ def _again(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
     for count in engine.threads:
         settings = replace(trial.settings, options={**trial.settings.options, "threads": count})
         yield trial.probing(case, settings=settings, alteration=Alteration(name=f"{count} threads", every_step=True))
+    for variant in LIBRARY_VARIANTS if trial.experiment.varies_libraries(case.name) else ():
+        alteration = Alteration(name=variant.name, every_step=True, variables=variant.variables)
+        yield trial.probing(case, alteration=alteration)
 
 
 def _clocked(experiment: Experiment, case: Case, parameters: Mapping[str, Any]) -> Iterator[tuple[Clocks, int]]:

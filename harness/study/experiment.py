@@ -137,7 +137,8 @@ class Experiment:
         dominance: turn each knob of 'tuned' to each of its values, one at a time, to see whether the engine is better off; see
         `harness.search.dominance`. Its tracks are 'tuned' alone.
         determinism: run each cell again, alone, beside others, restored, reordered, nudged by a bit and on more threads; see
-        `harness.findings.tables.determinism`.
+        `harness.findings.tables.determinism`. libraries: patterns of those cases that are also run again with other code of the
+        numeric libraries; see `harness.study.library_variants`.
         limit: search for the value at which each case breaks on each engine, from the easy end on; without it none is sought.
         refine: go on halving the time step, until each engine's limit is known; see `harness.search.refined_ladder`.
     """
@@ -163,6 +164,7 @@ class Experiment:
     refine: Refinement | None = None
     effects: bool = False
     determinism: bool = False
+    libraries: Annotated[tuple[Pattern, ...], Each] = ()
     dominance: bool = False
 
     def asks(self, case: str) -> bool:
@@ -170,7 +172,13 @@ class Experiment:
         wanted, left = (any(fnmatchcase(case, pattern) for pattern in patterns) for patterns in (self.cases, self.without))
         return wanted and not left
 
+    def varies_libraries(self, case: str) -> bool:
+        """Is the case of that name run with other code of the libraries?"""
+        return any(fnmatchcase(case, pattern) for pattern in self.libraries)
+
     def __post_init__(self) -> None:
+        if self.libraries and not self.determinism:
+            raise ValueError(f"libraries: {', '.join(self.libraries)} without determinism, expected determinism = true or none")
         if self.dominance and self.tracks != ("tuned",):
             raise ValueError(f"tracks: {', '.join(self.tracks)} with dominance, expected tuned alone: what is held against it")
         for track in () if self.limit is None else self.limit.remedies:

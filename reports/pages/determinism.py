@@ -25,11 +25,12 @@ def concerns(store: "Store") -> bool:
 def render(store: "Store") -> Mapping[str, str]:
     """The page and its table as CSV."""
     rows = agreements(store)
-    ways = list(dict.fromkeys(row.way for row in rows if row.way not in (FIRST, "nudged")))
+    ways = list(dict.fromkeys(row.way for row in rows if row.way not in (FIRST, "nudged") and not row.variables))
+    libraries = dict(sorted({(row.way, row.variables) for row in rows if row.variables}))
     counted = {
         (engine, way): [row.verdict for row in rows if row.engine == engine and row.way == way]
         for engine in dict.fromkeys(row.engine for row in rows)
-        for way in ways
+        for way in (*ways, *libraries)
     }
     growth = [row for row in rows if row.way == "nudged" and row.doubles_in is not None]
     page = fill(
@@ -38,6 +39,7 @@ def render(store: "Store") -> Mapping[str, str]:
         title="Determinism",
         names=[name for name in engines(store) if any(row.engine == name for row in rows)],
         ways=ways,
+        libraries=libraries,
         counted=counted,
         growth=growth,
         found=rows,

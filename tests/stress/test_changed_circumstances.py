@@ -16,6 +16,7 @@ from harness.run.verify import problems
 from harness.store.journal import FolderTaken, read_written
 from harness.store.store import Store
 from harness.study import plugins, provenance, sources
+from harness.study.study import Study
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import STUDY, carry_out, light
@@ -187,6 +188,24 @@ def test_another_study_is_refused_and_merged_where_that_is_asked(other: Any, whe
     ledger.survived(
         FAMILY, f"another study (its {where.rpartition('.')[2].partition(chr(92))[0]})", "refused; merged on request"
     )
+
+
+def test_a_study_that_was_written_before_it_had_a_list_for_something_is_the_same_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    today = campaign._plain_study
+
+    def older(study: Study) -> dict[str, Any]:
+        written = today(study)
+        for experiment in written["experiments"]:
+            assert experiment.pop("libraries") == []
+        return written
+
+    with monkeypatch.context() as patch:
+        patch.setattr(campaign, "_plain_study", older)
+        first = carry_out(tmp_path / "run").trials
+    assert list(carry_out(tmp_path / "run").trials["trial"]) == list(first["trial"])
+    ledger.survived(FAMILY, "a study without a list that is empty today", "run anew 0")
 
 
 def test_an_engine_that_is_gone_and_comes_back_keeps_its_rows(run: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page) -> None:

@@ -1,5 +1,7 @@
 """What departs from a scene: effects off, on and faintly there, damping; and the way there and back through a record."""
 
+import json
+
 import pytest
 
 from harness.case.alteration import AS_IT_IS, EVERYTHING, FAINT, Alteration, departures
@@ -24,6 +26,7 @@ def test_no_departure_leaves_the_very_same_scene() -> None:
     plain = scene()
     assert AS_IT_IS.of(plain) is plain
     assert Alteration(name="first", every_step=True).of(plain) is plain
+    assert Alteration(name="other libraries", variables=(("A", "1"),)).of(plain) is plain
 
 
 def test_an_effect_is_left_out_whatever_the_scene_says_of_it() -> None:
@@ -74,7 +77,8 @@ def test_departures_are_everything_each_without_and_what_is_left_off() -> None:
         AS_IT_IS,
         Alteration(name="a", widen=Effect.GRAVITY | Effect.CONTACT, narrow=Effect.FRICTION),
         Alteration(name="b", linear_damping=1.5, every_step=True, told="nudged"),
+        Alteration(name="c", undropped=("spring",), variables=(("A", "1"), ("B", "x y"))),
     ],
 )
 def test_a_departure_comes_back_from_its_record(one: Alteration) -> None:
-    assert Alteration.from_plain(one.plain()) == one
+    assert Alteration.from_plain(json.loads(json.dumps(one.plain()))) == one

@@ -46,10 +46,10 @@ def test_the_doubling_time_of_a_planted_growth_is_found() -> None:
     assert doubling(time, np.zeros(200)) is None
 
 
-def agreement(engine: str, way: str, must: bool, verdict: str) -> Agreement:
+def agreement(engine: str, way: str, must: bool, verdict: str, variables: str = "") -> Agreement:
     return Agreement(
-        case="c", engine=engine, track="tuned", way=way, must=must, hash_first="a", hash="b", steps=9, first_step=4,
-        farthest=1.0, doubles_in=None, verdict=verdict, reason="", trial="t", trial_first="f",
+        case="c", engine=engine, track="tuned", way=way, variables=variables, must=must, hash_first="a", hash="b", steps=9,
+        first_step=4, farthest=1.0, doubles_in=None, verdict=verdict, reason="", trial="t", trial_first="f",
     )  # fmt: skip
 
 
@@ -76,3 +76,16 @@ def test_how_often_repetitions_agree_is_said_with_titles_and_in_words() -> None:
     said = "gives the same bits run again in 1 of 2, from a saved state: no answer, with bodies in another order in 0 of 1, "
     assert sentences(rows) == [f"bullet {said}on 2 threads in 0 of 1."]
     assert sentences(rows, {"bullet": "Bullet"}) == [f"Bullet {said}on 2 threads in 0 of 1."]
+
+
+def test_what_survives_other_libraries_is_a_sentence_of_its_own() -> None:
+    found = [
+        agreement("bullet", "again", True, "bit-identical"),
+        agreement("bullet", "NumPy", False, "unavailable", "C=1"),
+        agreement("bullet", "C library", False, "crashed", "B=1"),
+        agreement("bullet", "BLAS", False, "bit-identical", "A=1"),
+        agreement("bullet", "BLAS", False, "differs", "A=1"),
+    ]
+    again, libraries = sentences([asdict(one) for one in found], {"bullet": "Bullet"})
+    assert again == "Bullet gives the same bits run again in 1 of 1."
+    assert libraries == "Bullet and its adapter keep their bits with BLAS in 1 of 2, C library: no answer, NumPy: not tried."

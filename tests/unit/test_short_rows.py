@@ -77,6 +77,13 @@ def test_repetitions_that_end_differently_say_which_they_are() -> None:
     ]
 
 
+def test_an_end_that_only_repetitions_come_to_says_which_they_are() -> None:
+    """Whoever reads of a crash has to know that it takes other code of a library."""
+    varied = Alteration(name="BLAS for Prescott", every_step=True, variables=(("OPENBLAS_CORETYPE", "Prescott"),))
+    listed = rows(table(Tried(alteration=varied)), CATALOGUE)
+    assert [row.apart for row in listed] == ["BLAS for Prescott"]
+
+
 @pytest.mark.parametrize(
     ("other", "words"),
     [

@@ -3,7 +3,8 @@
 Each cell was run once and then again: in another process beside others ('again'), with the machine for itself ('alone'), from a
 state saved in its middle ('restored'), with its bodies in the other order ('reordered'), on more threads where the engine has
 that knob, and with the last bit of one coordinate changed ('nudged'), which is no test but a measure: a motion that multiplies
-that bit shows anything that an engine forgets.
+that bit shows anything that an engine forgets. Some were run in processes whose numeric libraries were told to use the code of
+another processor (`harness.study.library_variants`), which rounds otherwise.
 """
 
 import json
@@ -25,7 +26,7 @@ STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
 FIRST = "first"
 """The run that the others are compared with."""
 MAY_DIFFER = (FIRST, "reordered", "nudged")
-"""Runs that need not give the same bits; all others must."""
+"""Runs that need not give the same bits, as need none with other code of the libraries; all others must."""
 GROWS_FROM, GROWS_TO = 1e-14, 1e-3
 """Distances [m] between which the growth of a difference is fitted: above rounding, below the size of the scene."""
 
@@ -35,17 +36,19 @@ class Agreement:
     """One repetition against the first run.
 
     Terms:
-        way: how it was repeated. hash_first, hash: of the whole answers; those of 'restored' and 'reordered' differ by what
-        they hold, and are compared state by state. steps: that both have. first_step: the first that differs, None for none.
-        farthest [m]: the greatest distance of any body. doubles_in [s]: the time in which the difference doubles, None where it
-        does not grow by ten times. verdict: 'bit-identical', 'differs', 'parts' (of a nudge), 'not kept' (two hashes say
-        nothing by themselves), or the status of a run without an answer. trial, trial_first: the two runs.
+        way: how it was repeated. variables: that its process was born with, 'NAME=VALUE'; '' for none. hash_first, hash: of the
+        whole answers; those of 'restored' and 'reordered' differ by what they hold, and are compared state by state. steps:
+        that both have. first_step: the first that differs, None for none. farthest [m]: the greatest distance of any body.
+        doubles_in [s]: the time in which the difference doubles, None where it does not grow by ten times. verdict:
+        'bit-identical', 'differs', 'parts' (of a nudge), 'not kept' (two hashes say nothing by themselves), or the status of a
+        run without an answer. trial, trial_first: the two runs.
     """
 
     case: str
     engine: str
     track: str
     way: str
+    variables: str = ""
     must: bool
     hash_first: str
     hash: str
@@ -73,6 +76,7 @@ def _agreements(store: Store) -> Iterator[Agreement]:
     trials = store.trials.assign(
         way=[alteration.get("name", "") for alteration in alterations],
         every=[alteration.get("every_step", False) for alteration in alterations],
+        variables=[" ".join(map("=".join, alteration.get("variables", {}).items())) for alteration in alterations],
     )
     # Each run is compared with the first of its cell, which is read once for all of them.
     states = lru_cache(maxsize=2)(lambda trajectory: store.trajectory(trajectory, ("time", *STATES)))
@@ -109,7 +113,8 @@ def _row(first: Any, run: Any, way: str, parts: _Parting, verdict: str, reason: 
         engine=first.engine,
         track=first.track,
         way=way,
-        must=way not in MAY_DIFFER,
+        variables=run.variables,
+        must=way not in MAY_DIFFER and not run.variables,
         hash_first=str(first.trajectory_hash),
         hash=str(run.trajectory_hash),
         steps=parts.steps,
@@ -216,15 +221,24 @@ def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | Non
     """Engine by engine, how many repetitions gave the same bits, way by way. Args: titles: what engines are called, by name."""
     lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
+        title = (titles or {}).get(engine, engine)
         mine = [row for row in rows if row["engine"] == engine and row["way"] != "nudged"]
-        words = []
-        tried = {row["way"]: None for row in mine}
-        for way in (*(way for way in _WAYS if way in tried), *sorted(tried.keys() - _WAYS.keys())):
-            judged = [row for row in mine if row["way"] == way and row["verdict"] in ("bit-identical", "differs")]
-            if judged:
-                same = sum(row["verdict"] == "bit-identical" for row in judged)
-                words.append(f"{_WAYS.get(way, f'on {way}')} in {same} of {len(judged)}")
-            else:
-                words.append(f"{_WAYS.get(way, f'on {way}')}: no answer")
-        lines.append(f"{(titles or {}).get(engine, engine)} gives the same bits {', '.join(words)}.")
+        plain, varied = ([row for row in mine if bool(row["variables"]) == of_libraries] for of_libraries in (False, True))
+        tried = {row["way"]: None for row in plain}
+        ways = (*(way for way in _WAYS if way in tried), *sorted(tried.keys() - _WAYS.keys()))
+        if ways:
+            words = ", ".join(_how_often(plain, way, _WAYS.get(way, f"on {way}")) for way in ways)
+            lines.append(f"{title} gives the same bits {words}.")
+        if varied:
+            words = ", ".join(_how_often(varied, way, way) for way in sorted({row["way"] for row in varied}))
+            lines.append(f"{title} and its adapter keep their bits with {words}.")
     return lines
+
+
+def _how_often(rows: Sequence[Mapping[str, Any]], way: str, called: str) -> str:
+    """'run again in 25 of 26'; of a way that has no answer, what became of it."""
+    verdicts = [row["verdict"] for row in rows if row["way"] == way]
+    same, differing = (verdicts.count(verdict) for verdict in ("bit-identical", "differs"))
+    if same + differing:
+        return f"{called} in {same} of {same + differing}"
+    return f"{called}: {'not tried' if {*verdicts} == {'unavailable'} else 'no answer'}"

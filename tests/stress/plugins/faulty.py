@@ -112,6 +112,8 @@ class Falling:
             os.kill(os.getpid(), signal.SIGRTMIN + 3)
         elif self._fault == "orphan":
             subprocess.Popen(["sleep", SLEEP], stdin=subprocess.DEVNULL)
+        elif self._fault == "round":
+            self._state.v_WB[0, 2] = np.nextafter(self._state.v_WB[0, 2], 0.0)
         elif self._fault == "norm_3":
             self._state.q_WB[0] = (3.0, 0.0, 0.0, 0.0)
         elif self._fault == "norm_0":
@@ -192,7 +194,16 @@ class Faulty(Adapter):
         return Falling(scene, settings, fault)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Swayed(Faulty):
+    """The falling engine whose fault an environment variable names, as other variables name the code of a library."""
+
+    def build(self, scene: Scene, settings: Settings) -> Any:
+        return Falling(scene, settings, os.environ.get("SWAYED", ""))
+
+
 SOUND = Faulty(name="sound")
+SWAYED = Swayed(name="swayed")
 SEGFAULT = Faulty(name="segfault", fault="segfault")
 ABORT = Faulty(name="abort", fault="abort")
 VANISH = Faulty(name="vanish", fault="vanish")

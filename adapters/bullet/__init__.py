@@ -85,6 +85,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from adapters.bullet.build import build_world
+from adapters.bullet.knob_trade_offs import KNOB_TRADE_OFFS
 from adapters.bullet.options import VENDOR_STEP, checked, iterations_of, substeps_of
 from adapters.bullet.vendor import LIFTED, connected, pybullet_module
 from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unavailable
@@ -283,6 +284,7 @@ ADAPTER = BulletAdapter(
         ),
         TradeOff(cases=("system_level_of_detail",), at=("own step", "ladder"), why=_THICK),
         TradeOff(cases=("system_far_origin",), at=("own step", "ladder"), why=_FAR),
+        *KNOB_TRADE_OFFS,
     ),
     orders={"semi_implicit_euler": 1},
     emulated=(

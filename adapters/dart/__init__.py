@@ -80,6 +80,7 @@ from typing import TYPE_CHECKING
 
 from adapters.dart.build import build
 from adapters.dart.detectors import DETECTORS
+from adapters.dart.knob_trade_offs import KNOB_TRADE_OFFS
 from adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
 from adapters.dart.solvers import SOLVERS
 from adapters.dart.vendor import load
@@ -198,6 +199,7 @@ ADAPTER = DartAdapter(
                 "planes with ODE alone"
             ),
         ),
+        *KNOB_TRADE_OFFS,
     ),
     knobs={
         "solver": SOLVERS,

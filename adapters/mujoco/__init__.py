@@ -70,6 +70,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from adapters.mujoco.build import build
+from adapters.mujoco.knob_trade_offs import KNOB_TRADE_OFFS
 from adapters.mujoco.many_worlds import MujocoWorlds
 from adapters.mujoco.options import INTEGRATORS, SOLVERS
 from adapters.mujoco.simulation import MujocoSimulation
@@ -267,6 +268,7 @@ ADAPTER = MujocoAdapter(
                 "other settings of cone, impratio, damping ratio and impedance; from 1/480 s down tuned errs less"
             ),
         ),
+        *KNOB_TRADE_OFFS,
     ),
     loads=("mujoco",),
     orders={"euler": 1, "implicit": 1, "implicitfast": 1, "discrete": 1, "rk4": 4},

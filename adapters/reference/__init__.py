@@ -69,6 +69,7 @@ from dataclasses import dataclass
 
 from adapters.reference.advantages import ADVANTAGES
 from adapters.reference.build import build, build_batch, compile_for
+from adapters.reference.knob_trade_offs import KNOB_TRADE_OFFS
 from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SUITED
 from adapters.reference.vendor import engine_version
 from harness.adapter import Adapter, Feature, Settings, Simulation, TradeOff
@@ -165,6 +166,7 @@ ADAPTER = ReferenceAdapter(
             "at 1/20 s 9.5e-6 against 1.4e-9, the bound being 3.8e-4; at 1/120 s Runge-Kutta errs less"
         )),
         TradeOff(cases=("system_far_origin",), at=("own step", "ladder"), why=_ROUNDED),
+        *KNOB_TRADE_OFFS,
     ),
     threads=(2, 4),
     deviations=(

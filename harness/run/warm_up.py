@@ -5,6 +5,7 @@ fork server that has loaded the engine, and end with this one.
 """
 
 from collections.abc import Callable, Collection, Sequence, Set
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -69,7 +70,7 @@ def warm_up(title: str, kernels: Callable[[], Kernels], wanted: Collection[int],
                         worker.take(waiting, groups, begun)
                     else:
                         running.remove(worker)
-                        worker.stop()
+                        worker.dismiss()
         finally:
             for worker in running:
                 worker.stop()
@@ -91,10 +92,7 @@ class _Worker:
         waiting.remove(self.number)
         self.own.add(groups[self.number].family)
         begun.add(groups[self.number].family)
-        try:
-            self.inbox.pipe.send(self.number)
-        except ConnectionError:
-            return  # it has died, as its inbox will say
+        self._tell(self.number)
 
     def answer(self) -> str | None:
         """Why its group could not be compiled, '' if it could; None as long as it compiles."""
@@ -109,10 +107,20 @@ class _Worker:
         code = exit_code(self.process) or 0
         return f"the process died: {named_signal(-code)}" if code < 0 else f"the process ended with exit code {code}"
 
+    def dismiss(self) -> None:
+        """Let the process end by itself: one that is killed leaves semaphores behind, of which Python warns."""
+        self._tell(None)
+        exit_code(self.process)
+        self.stop()
+
     def stop(self) -> None:
         """End the process, whatever it does."""
         end(self.process)
         self.inbox.pipe.close()
+
+    def _tell(self, number: int | None) -> None:
+        with suppress(ConnectionError):  # if it has died, its inbox says so
+            self.inbox.pipe.send(number)
 
 
 def _start(kernels: Callable[[], Kernels], loads: tuple[str, ...], log: Path) -> _Worker:
@@ -128,10 +136,10 @@ def _serve(pipe: Connection, kernels: Callable[[], Kernels], log: Path) -> None:
     """Compile the groups whose numbers come in, and tell of each why it could not be compiled, '' if it could."""
     confine(log)
     groups = kernels().groups
-    while True:
-        group, reason = groups[pipe.recv()], ""
+    while (number := pipe.recv()) is not None:
+        reason = ""
         try:
-            group.compile()
+            groups[number].compile()
         except Exception as error:
             reason = f"{type(error).__name__}: {error}"[:LONGEST]
         send(pipe, "compiled", reason)

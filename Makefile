@@ -20,15 +20,15 @@ help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
 
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
-# What compiling takes is installed first; it goes on beside the other wheels. If it fails, trials compile for themselves.
+# What compiling needs comes first, so that it goes on beside the other wheels. Where it fails, trials compile for themselves.
 COMPILING := annotated-types click llvmlite markdown-it-py mdurl numba numpy platformdirs psutil pydantic pydantic-core pygments \
   rich tomli-w typing-extensions typing-inspection
-compare test test-all: WARM = $(BIN)/python -m harness.cli warm --first --workers $(WORKERS)
+compare: WARM = $(BIN)/python -m harness.cli warm --first --workers $(WORKERS)
 
 $(STAMP): requirements.lock pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	awk -v names=" $(COMPILING) " '/^[a-z]/ {split($$1, pin, "=="); wanted = index(names, " " pin[1] " ")} wanted' $< > $(VENV)/first.lock
-	$(PIP) --require-hashes -r $(VENV)/first.lock
+	awk -v names=" $(COMPILING) " '/^[a-z]/ {split($$1, pin, "=="); named = index(names, " " pin[1] " ")} named' $< > $(VENV)/first.lock
+	$(PIP) --require-hashes --no-deps -r $(VENV)/first.lock
 	$(or $(WARM),:) & $(PIP) --require-hashes -r $< && $(PIP) --no-deps --no-build-isolation -e .; status=$$?; wait; exit $$status
 	touch $@
 

@@ -6,7 +6,7 @@ Groups of one family are made of much the same kernels; in each family the one t
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from adapters.reference.vendor import check_cache
 from harness.adapter.kernels import KernelGroup, Kernels

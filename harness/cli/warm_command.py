@@ -30,7 +30,9 @@ def warm(workers: int, first: bool) -> None:
     """Compile the functions that engines would compile in the first trials that need them; compiled ones are stored."""
     from harness.study import plugins
 
-    failures = [f"{name}: {failure}" for name, adapter in plugins.adapters().items() for failure in _warm(adapter, workers, first)]
+    failures = [
+        f"{name}: {failure}" for name, adapter in plugins.adapters().items() for failure in _warm(adapter, workers, first)
+    ]
     for failure in failures:
         say(failure, err=True)
     if failures:

@@ -42,7 +42,9 @@ def following(waiting: Collection[int], groups: Sequence[KernelGroup], own: Set[
     return min(eligible, key=lambda number: (groups[number].family not in own, groups[number].family in begun))
 
 
-def warm_up(title: str, kernels: Callable[[], Kernels], wanted: Collection[int], loads: tuple[str, ...], workers: int) -> list[str]:
+def warm_up(
+    title: str, kernels: Callable[[], Kernels], wanted: Collection[int], loads: tuple[str, ...], workers: int
+) -> list[str]:
     """Compile groups of an engine's kernels; progress goes to standard error.
 
     Args: kernels: at the top of a module, since the processes call it too. wanted: numbers of groups. loads: modules that are

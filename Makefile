@@ -19,10 +19,17 @@ export PYTHONDONTWRITEBYTECODE :=
 help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
 
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# What compiling needs comes first, so that it goes on beside the other wheels. Where it fails, trials compile for themselves.
+COMPILING := annotated-types click llvmlite markdown-it-py mdurl numba numpy platformdirs psutil pydantic pydantic-core pygments \
+  rich tomli-w typing-extensions typing-inspection
+compare: WARM = $(BIN)/python -m harness.cli warm --first --workers $(WORKERS)
+
 $(STAMP): requirements.lock pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	awk -v names=" $(COMPILING) " '/^[a-z]/ {split($$1, pin, "=="); named = index(names, " " pin[1] " ")} named' $< > $(VENV)/first.lock
+	$(PIP) --require-hashes --no-deps -r $(VENV)/first.lock
+	$(or $(WARM),:) & $(PIP) --require-hashes -r $< && $(PIP) --no-deps --no-build-isolation -e .; status=$$?; wait; exit $$status
 	touch $@
 
 compare: $(STAMP)  ## the quick study on all engines, ending with the path of the report

@@ -69,6 +69,7 @@ from dataclasses import dataclass
 
 from adapters.reference.advantages import ADVANTAGES
 from adapters.reference.build import build, build_batch, compile_for
+from adapters.reference.kernels import kernels
 from adapters.reference.knob_trade_offs import KNOB_TRADE_OFFS
 from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SUITED
 from adapters.reference.vendor import engine_version
@@ -188,5 +189,6 @@ ADAPTER = ReferenceAdapter(
         "splitting_8": 8,
     },
     compile_allowance=900.0,
+    kernels=kernels,
     loads=("engine.steps.smooth", "engine.steps.contact", "engine.compile.prepared"),
 )  # fmt: skip

@@ -5,19 +5,19 @@ from pathlib import Path
 
 from harness.adapter import Unavailable
 
-__all__ = ["engine_version"]
+__all__ = ["check_cache", "engine_version"]
 
 
 def engine_version() -> str:
     """Version and digest of the engine's sources. Raises: Unavailable."""
-    _check_cache()
+    check_cache()
     import engine
     from engine.compile.sources import source_digest
 
     return f"{engine.__version__}+{source_digest()[:8]}"
 
 
-def _check_cache() -> None:
+def check_cache() -> None:
     """Raises: Unavailable, where the folder for compiled code that the environment names can be none."""
     named = os.environ.get("PLUMBLINE_KERNEL_CACHE", "")
     there = next((path for path in (Path(named), *Path(named).absolute().parents) if os.access(path, os.F_OK)), Path("/"))

@@ -1,8 +1,8 @@
 """The one boundary between the harness and an engine."""
 
+from harness.adapter.advantage import Advantage
 from harness.adapter.contract import (
     Adapter,
-    Advantage,
     Diverged,
     Emulation,
     Feature,

@@ -43,12 +43,14 @@ The contract, proven by `harness.conformance`:
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from enum import Flag, auto
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
+from harness.adapter.advantage import Advantage
+from harness.adapter.kernels import Kernels
 from harness.adapter.many_worlds import Batch, Turns
 from harness.adapter.notice import Notice
 from harness.adapter.trade_off import TradeOff, check_named
@@ -64,7 +66,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Adapter",
-    "Advantage",
     "Diverged",
     "Emulation",
     "Feature",
@@ -280,21 +281,6 @@ class Emulation:
     tracks: tuple[str, ...] = ("default", "tuned")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Advantage:
-    """Why an engine errs least in a case: what it is given, and not what it is.
-
-    Terms:
-        by: sub-steps, where it takes several to the others' one; the order of its integrator; construction, where its method
-        keeps or has in it what the truth says; its own law, where others have none; a solver, where another method solves the
-        same equations; defaults, where the others' own ones, or their adapters', add what the scene does not ask for. why: as a
-        sentence without its full stop, with the figures.
-    """
-
-    by: Literal["sub-steps", "order", "construction", "own law", "solver", "defaults"]
-    why: str
-
-
 @dataclass(frozen=True, kw_only=True)
 class Adapter(ABC):
     """One engine.
@@ -311,13 +297,14 @@ class Adapter(ABC):
         step: a price tells which share of it they took. advantages: of the engine that the others are compared with, why it
         errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`, promises
         for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that, once,
-        beyond a trial's deadline. threads: numbers of threads that one world can be stepped on, by its option 'threads'; none
-        where it takes one. loads: modules that take long to load and say nothing when they are; accuracy runs start with them
-        loaded. single_precision: the engine computes in single precision, so that its states have seven digits. licence: of the
-        package, an SPDX identifier; '' where it is not known. platforms: for which its package index has wheels, as
-        '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64. loaders: the ways in which its own
-        package reads a robot file, '' for its defaults; none where it reads none. loader_defaults: by loader and ending of a
-        file, the quantities that its documentation says it changes, each with the place that says so.
+        beyond a trial's deadline. kernels: a function at the top of a module, which tells what such an engine can compile
+        beforehand (`plumbline warm`); raises Unavailable. threads: numbers of threads that one world can be stepped on, by its
+        option 'threads'; none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy
+        runs start with them loaded. single_precision: the engine computes in single precision, so that its states have seven
+        digits. licence: of the package, an SPDX identifier; '' where it is not known. platforms: for which its package index
+        has wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64. loaders: the ways in
+        which its own package reads a robot file, '' for its defaults; none where it reads none. loader_defaults: by loader and
+        ending of a file, the quantities that its documentation says it changes, each with the place that says so.
     """
 
     name: str
@@ -336,6 +323,7 @@ class Adapter(ABC):
     advantages: Mapping[str, Advantage] = field(default_factory=dict)
     orders: Mapping[str, int] = field(default_factory=dict)
     compile_allowance: float = 0.0
+    kernels: Callable[[], Kernels] = Kernels
     threads: tuple[int, ...] = ()
     loads: tuple[str, ...] = ()
     single_precision: bool = False

@@ -15,6 +15,7 @@ from harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from harness.cli.run_study import run
 from harness.cli.scene_commands import scene
 from harness.cli.select_command import select
+from harness.cli.warm_command import warm
 
 __all__ = ["main"]
 
@@ -45,6 +46,7 @@ for command in (
     history,
     scene,
     parity,
+    warm,
 ):
     main.add_command(command)
 

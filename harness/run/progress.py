@@ -26,10 +26,11 @@ def in_words(left: Estimate) -> str:
 class Progress:
     """Counts finished pieces of work; use as a context.
 
-    Args: left: until all work is done, this and what comes after it; None while too little is known of that.
+    Args: left: until all work is done, this and what comes after it; None while too little is known of that. Without it nothing
+    is said of the time.
     """
 
-    def __init__(self, title: str, total: int, left: Callable[[], Estimate | None] = lambda: None) -> None:
+    def __init__(self, title: str, total: int, left: Callable[[], Estimate | None] | None = None) -> None:
         self.title, self.total, self.done, self._left = title, total, 0, left
         self._bar: Bar | None = None
         self._said = time.monotonic()
@@ -63,10 +64,10 @@ class Progress:
                 self._bar.update(self._task, advance=1, last=last)
             return
         self._said = now
-        left = self._left()
-        remaining = "" if left is None else in_words(left)
+        left = self._left and self._left()
+        remaining = in_words(left) if left else "estimating" if self._bar is not None and self._left else ""
         if self._bar is not None:
-            self._bar.update(self._task, advance=1, last=last, left=remaining or "estimating")
+            self._bar.update(self._task, advance=1, last=last, left=remaining)
         else:
             said = f", {remaining}" if remaining else ""
             print(f"{self.title}: {self.done}/{self.total}{said} ({last})", file=sys.stderr, flush=True)

@@ -36,7 +36,7 @@ TRIALS = [
     "trajectory_hash",
 ]
 MEASUREMENTS = ["trial", "metric", "value", "unit", "at_most", "passed", "because"]
-COMMANDS = ["cases", "check", "engines", "report", "reproduce", "run", "serve", "show", "verify", "view"]
+COMMANDS = ["cases", "check", "engines", "report", "reproduce", "run", "serve", "show", "verify", "view", "warm"]
 FILES = [
     "trials.parquet",
     "measurements.parquet",

@@ -10,6 +10,7 @@ __all__ = ["KNOB_TRADE_OFFS"]
 KNOB_TRADE_OFFS = (
     TradeOff(
         cases=("sensor_streams", "stack_card_house", "stack_pile", "stack_pyramid"),
+        at=("price",),
         why=(
             "what a newcomer gets is damped, in maximal coordinates and ends early: 45 of 92 cases keep fewer checks, "
             "and boxes at rest stir 41 times as much"

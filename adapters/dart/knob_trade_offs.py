@@ -9,7 +9,8 @@ __all__ = ["KNOB_TRADE_OFFS"]
 
 KNOB_TRADE_OFFS = (
     TradeOff(
-        cases=("friction_creep", "stack_tip_or_slide", "stand_hit", "system_far_origin"),
+        cases=("stack_tip_or_slide", "stand_hit", "system_far_origin"),
+        at=("price",),
         why=(
             "the vendor's solver bounds friction along two axes and by the load without friction: friction_isotropy "
             "keeps 1 of 6 checks, spinning 4 of 8, thirteen cases in all lose some"

@@ -34,6 +34,7 @@ KNOB_TRADE_OFFS = (
             "tunnel_rod",
             "tunnel_sphere_wall",
         ),
+        at=("price",),
         why=(
             "by default impact_bounce errs 37 times as much, what flies 25 times, and stack_mass_ratio keeps none of "
             "its 4 checks"

@@ -14,14 +14,15 @@ class TradeOff:
     Terms:
         cases: by name. why: with the figures. knob: the one that does better if it is turned alone ('iterations',
         'options.cone'); '' for the track 'default'. values: to which of them; to any, if none is named. at: the case's own time
-        step, or, of 'default' alone, its ladder, over which 'tuned' then errs more in the mean.
+        step; or, of 'default' alone, where it does better: it errs less at the own step, or over the ladder in the mean, or it
+        errs no more there and costs less (price).
     """
 
     cases: tuple[str, ...]
     why: str
     knob: str = ""
     values: tuple[Any, ...] = ()
-    at: tuple[Literal["own step", "ladder"], ...] = ("own step",)
+    at: tuple[Literal["own step", "ladder", "price"], ...] = ("own step",)
 
     def __post_init__(self) -> None:
         where = f"trade-off in {', '.join(self.cases) or 'no case'}"

@@ -31,7 +31,7 @@ def tried(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     headline = tuple(check for check in full.checks if check.metric.name == full.headline)
     case = replace(full, checks=headline, observe=(), with_contacts=False, sample_interval=max(full.ladder))
     engines = {name: adapter(name) for name in NAMES if not why_unavailable(name)}
-    engines[BARE] = replace(adapter("mujoco"), name=BARE, knobs={})
+    engines[BARE] = replace(adapter("mujoco"), name=BARE, knobs={}, trade_offs=())
     return swept(case, engines, case.ladder[: STEPS.get(case.name)], SWEEP, tmp_path_factory.mktemp("knobs"))
 
 

@@ -143,7 +143,7 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
     stale = [
         replace(blank, change=one["knob"].removeprefix(OPTION) or "default", count=0, verdict=STALE, reason=one["why"])
         for one in engine["trade_offs"]
-        if track["case"] in one["cases"] and "own step" in one["at"] and not blank.where and one["why"] not in used
+        if track["case"] in one["cases"] and list(one["at"]) != ["ladder"] and not blank.where and one["why"] not in used
     ]
     return [*_folded([*single, *idle]), *stale]
 
@@ -244,8 +244,8 @@ def _excuse(case: str, turn: Turn | None, trade_offs: Sequence[Mapping[str, Any]
 
 
 def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
-    if "own step" not in trade_off["at"] or turn is None:
-        return "own step" in trade_off["at"] and not trade_off["knob"]
+    if turn is None:
+        return not trade_off["knob"] and list(trade_off["at"]) != ["ladder"]
     return trade_off["knob"] == turn.knob and (not trade_off["values"] or turn.value in trade_off["values"])
 
 

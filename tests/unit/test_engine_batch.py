@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import engine
-from engine.compile.jit import cache_directory
+from engine.compile.jit import cache_directory, linker
 from engine.integrate import explicit_euler
 from engine.steps import many_worlds
 from tests.forks import Fork
@@ -217,6 +217,7 @@ def made(): return engine.World([engine.Body(p_WB=(0, 0, 1))], options=engine.Op
 
 
 @pytest.mark.compiler
+@pytest.mark.skipif(linker() is None, reason="Numba alone compiles what it calls by address within the caller")
 def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path, fork: Fork) -> None:
     """Each in a process of its own; asked for under another signature, the same step would be compiled and kept twice."""
     engine.Batch([engine.World([engine.Body()], options=engine.Options(integrator="explicit_euler"))]).step()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import engine
+from engine.compile.jit import linker
 
 DEFAULT = ("default", "default")
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
@@ -201,6 +202,7 @@ def test_importing_the_engine_loads_no_compiler() -> None:
 
 
 @pytest.mark.compiler
+@pytest.mark.skipif(linker() is None, reason="Numba alone compiles a function anew for each constant")
 def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> None:
     """Compile time follows the number of compiled functions, and `load3` alone meets some forty different columns."""
     import numba

@@ -7,6 +7,11 @@ from harness.adapter import TradeOff
 
 __all__ = ["KNOB_TRADE_OFFS"]
 
+FIRST_ORDER = (
+    "one stage for four, of first order: what flies errs 98 times as much, a top 50 times, a double pendulum "
+    "51 times; these scenes ask for what both have right, or for what Euler keeps"
+)
+
 KNOB_TRADE_OFFS = (
     TradeOff(
         cases=("stack_pile", "stack_stirred", "system_scaling"),
@@ -26,10 +31,7 @@ KNOB_TRADE_OFFS = (
             "spin_principal",
         ),
         at=("price",),
-        why=(
-            "one stage for four, of first order: what flies errs 98 times as much, a top 50 times, a double pendulum "
-            "51 times; these scenes ask for what both have right, or for what Euler keeps"
-        ),
+        why=FIRST_ORDER,
     ),
     TradeOff(
         cases=("stack_pile", "system_determinism", "system_scaling"),
@@ -56,10 +58,7 @@ KNOB_TRADE_OFFS = (
         ),
         knob="integrator",
         values=("euler", "discrete", "implicit", "implicitfast"),
-        why=(
-            "one stage for four, of first order: what flies errs 98 times as much, a top 50 times, a double pendulum "
-            "51 times; these scenes ask for what both have right, or for what Euler keeps"
-        ),
+        why=FIRST_ORDER,
     ),
     TradeOff(
         cases=("system_determinism", "system_scaling"),

@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from harness.findings.tables.determinism import Agreement, agreements, broken
-from harness.run import fork_servers
+from harness.run import campaign, fork_servers
 from harness.run.campaign import carry_out
 from harness.run.fork_servers import context, end_varied, start_apart
+from harness.run.isolated import run_isolated
 from harness.store.store import Store
 from harness.study import expansion, library_variants, plugins
 from harness.study.experiment import Experiment
@@ -137,6 +138,7 @@ def test_a_row_says_whether_bits_survive_a_variable(tmp_path: Path, monkeypatch:
     monkeypatch.setenv("SWAYED_TOO", "of the user")
     variants = tuple(LibraryVariant(name, (variable,), (), str) for name, variable in STAND_INS.items())
     monkeypatch.setattr(expansion, "LIBRARY_VARIANTS", variants)
+    monkeypatch.setattr(campaign, "run_isolated", run_isolated)  # other tests of this process may have it run in place
     rows = carried_out(tmp_path)
     assert {way: rows[way].verdict for way in STAND_INS} == {
         "heeds nothing": "bit-identical",

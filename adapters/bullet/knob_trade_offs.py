@@ -11,10 +11,7 @@ KNOB_TRADE_OFFS = (
     TradeOff(
         cases=("sensor_streams", "stack_card_house", "stack_pile", "stack_pyramid"),
         at=("price",),
-        why=(
-            "what a newcomer gets is damped, in maximal coordinates and ends early: 45 of 92 cases keep fewer checks, "
-            "and boxes at rest stir 41 times as much"
-        ),
+        why=("by default 45 of 92 cases keep fewer checks (flight_box 1 of 5), and boxes at rest stir 41 times as much"),
     ),
     TradeOff(
         cases=("system_determinism", "tunnel_sphere_wall"),
@@ -32,7 +29,7 @@ KNOB_TRADE_OFFS = (
         cases=("stack_pile", "stack_pyramid"),
         knob="options.contact_slop",
         values=(1e-06,),
-        why=("at a micrometre heaps of unlike masses err 1.5 times as much"),
+        why=("at a micrometre stack_stirred and stack_mass_ratio err 1.5 times as much"),
     ),
     TradeOff(
         cases=(
@@ -57,7 +54,9 @@ KNOB_TRADE_OFFS = (
         cases=("stack_bowl",),
         knob="iterations",
         values=(1000,),
-        why=("a bowl's contacts wander, and with 50, 200 and 1000 iterations a step costs .44, 1 and .48: chance"),
+        why=(
+            "with 50, 200 and 1000 iterations at most a step costs .42, 1 and .47, in no order: another number is no better rule"
+        ),
     ),
     TradeOff(
         cases=(

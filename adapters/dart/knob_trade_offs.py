@@ -26,10 +26,7 @@ KNOB_TRADE_OFFS = (
         cases=("stand_hit",),
         knob="options.drives",
         values=("servo", "spring"),
-        why=(
-            "another law than the scene's: a servo holds with all its torque, a spring is explicit; a humanoid and a "
-            "quadruped lose 2 to 7 of 8 checks"
-        ),
+        why=("other laws than the one that holds what stands: stand_humanoid and stand_quadruped lose 2 to 7 of 8 checks"),
     ),
     TradeOff(
         cases=(

@@ -77,7 +77,7 @@ KNOB_TRADE_OFFS = (
         values=(1, 2, 4),
         why=(
             "contacts give way by what a sub-step takes: at half of them what slides errs twice as much and what "
-            "stands 4 times, at a quarter an arch 17 times, at an eighth 82 times, and stack_overhang falls"
+            "stands 4 times, at a quarter an arch 17 times, at an eighth 82 times, and stack_overhang loses a check"
         ),
     ),
     TradeOff(

@@ -32,5 +32,5 @@ def lighting_of(bodies: Sequence[Body], sun: Sun) -> Lighting:
     towards = np.asarray(sun.towards_W, float)
     return Lighting(
         np.array(rows, float).reshape(-1, 6),
-        np.array([[*(unit(towards)), sun.irradiance, sun.sky]]),
+        np.array([[*unit(towards), sun.irradiance, sun.sky]]),
     )

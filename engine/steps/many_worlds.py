@@ -23,8 +23,6 @@ FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "
 STEP = types.UniTuple(types.int64, 2)(FLOATS, INTS, types.int64)
 SEARCH = types.int64(FLOATS, INTS)
 COLLIDE = types.none(FLOATS, INTS)
-CALLED: list[Any] = []
-"""What addresses are of: kept, for the machine code goes with it."""
 
 
 def address_of(function: Any, signature: Any) -> Any:
@@ -32,7 +30,7 @@ def address_of(function: Any, signature: Any) -> Any:
     if jit_is_off():
         return function
     if linker() is None:
-        return _address_apart(function, signature)
+        return _called_apart(function, signature).address
     returned, address = linker().entry_point(function, signature)
     if returned != signature.return_type:
         raise TypeError(f"{function.__name__} returns {returned}, expected {signature.return_type}")
@@ -40,14 +38,12 @@ def address_of(function: Any, signature: Any) -> Any:
 
 
 @cache
-def _address_apart(function: Any, signature: Any) -> int:
-    """Where the machine code of a function lies that Numba makes for callers that are not its own."""
+def _called_apart(function: Any, signature: Any) -> Any:
+    """A function as Numba compiles it for callers that are not its own; kept, for its machine code goes with it."""
+    compiled = numba.cfunc(signature)
     if len(signature.args) == 3:
-        made: Any = numba.cfunc(signature)(lambda floats, ints, steps: function(floats, ints, steps))
-    else:
-        made = numba.cfunc(signature)(lambda floats, ints: function(floats, ints))
-    CALLED.append(made)
-    return int(made.address)
+        return compiled(lambda floats, ints, steps: function(floats, ints, steps))
+    return compiled(lambda floats, ints: function(floats, ints))
 
 
 def address_of_step(step: Any) -> Any:

@@ -14,32 +14,15 @@ import platformdirs
 import pytest
 
 from engine.compile.jit import cache_directory, jit_is_off
+from harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
 from tests.architecture.test_arithmetic import LIBRARY
 from tests.golden.engine_states import WORLDS, difference, digest, known, last_state, machine, states_elsewhere
 
 ROOT = Path(__file__).parents[2]
-MATHS = sorted(
-    {
-        *(
-            "acos",
-            "acosh",
-            "asin",
-            "asinh",
-            "atan",
-            "atan2",
-            "atanh",
-            "cbrt",
-            "cos",
-            "cosh",
-            "erf",
-            "exp",
-            "exp2",
-            "expm1",
-            "fmod",
-        ),
-        *("hypot", "log", "log10", "log1p", "log2", "pow", "sin", "sincos", "sinh", "tan", "tanh", "tgamma"),
-    }
-)
+MATHS = (
+    "acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf exp exp2 expm1 fmod hypot log log10 log1p log2 pow sin sincos sinh "
+    "tan tanh tgamma"
+).split()
 """Functions of the C library whose last bit is its own."""
 PROCESSORS = {
     "x86-64": "", "haswell": "+avx2,+fma", "skylake-avx512": "+avx2,+fma,+avx512f,+avx512vl,+avx512dq,+avx512bw",
@@ -52,8 +35,7 @@ OFTEN = ("x86-64", "haswell")
 SOME = ("free_box", "tree", "spheres")
 SHARED = {"PLUMBLINE_KERNEL_CACHE": os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")}
 """Where the kernels of this process lie: they need not be compiled once more for another library."""
-NUMPY_FEATURES = "X86_V3 X86_V4 AVX512_ICL AVX512_SPR"
-"""What NumPy chooses its functions by, by the names that this version knows."""
+NUMPY = "NPY_DISABLE_CPU_FEATURES"
 
 
 @pytest.mark.parametrize("name", WORLDS)
@@ -107,38 +89,24 @@ def test_a_processor_that_nobody_knows_is_refused() -> None:
         states_elsewhere({"NUMBA_CPU_NAME": "abacus", "NUMBA_CPU_FEATURES": ""}, ["free_box"])
 
 
-LIBRARIES: dict[str, dict[str, str]] = {
-    "BLAS of Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
-    "BLAS of Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
-    "BLAS of SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
-    "NumPy without AVX2 and AVX-512": {"NPY_DISABLE_CPU_FEATURES": NUMPY_FEATURES},
-    "C library without fused products": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA"},
-}
-
-
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="sets what libraries choose by on x86")
-@pytest.mark.parametrize("libraries", LIBRARIES)
-def test_a_library_that_rounds_otherwise_changes_no_state(libraries: str) -> None:
-    if "SkylakeX" in libraries and (why := unable("+avx512f,+avx512vl")):
+@pytest.mark.parametrize("variant", LIBRARY_VARIANTS, ids=lambda variant: variant.name)
+def test_a_library_that_rounds_otherwise_changes_no_state(variant: LibraryVariant) -> None:
+    if why := obstacle(variant.variables):
         pytest.skip(why)
-    present = _numpy_features() if "NPY_DISABLE_CPU_FEATURES" in LIBRARIES[libraries] else None
-    if present == "":
-        pytest.skip("this processor has none of them")
-    asked = LIBRARIES[libraries] if present is None else {"NPY_DISABLE_CPU_FEATURES": present}
-    names = list(WORLDS)
-    assert states_elsewhere({**SHARED, **asked}, names, "-W", "error::ImportWarning") == {
-        name: known()["hashes"][name] for name in names
-    }
+    asked = {name: _present(value) if name == NUMPY else value for name, value in variant.variables}
+    found = states_elsewhere({**SHARED, **asked}, list(WORLDS), "-W", "error::ImportWarning")
+    assert found == known()["hashes"]
 
 
-def _numpy_features() -> str:
-    """Those of NUMPY_FEATURES that this processor has: NumPy ignores, with a warning, what it could not use anyway."""
+def _present(features: str) -> str:
+    """Those of some features that this processor has: NumPy ignores, with a warning, what it could not use anyway."""
     from numpy._core._multiarray_umath import __cpu_features__
 
-    features: dict[str, Any] = __cpu_features__
-    unknown = [one for one in NUMPY_FEATURES.split() if one not in features]
+    known_features: dict[str, Any] = __cpu_features__
+    unknown = [one for one in features.split() if one not in known_features]
     assert not unknown, f"NumPy {np.__version__} does not know {unknown}: name its features anew"
-    return " ".join(one for one in NUMPY_FEATURES.split() if features[one])
+    return " ".join(one for one in features.split() if known_features[one])
 
 
 LIBRARY_FREE = """

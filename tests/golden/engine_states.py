@@ -16,6 +16,7 @@ import platform
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Protocol
@@ -43,6 +44,7 @@ class Steps(Protocol):
         """The state of all bodies."""
 
 
+@cache
 def known() -> dict[str, Any]:
     """drawn: numbers from which worlds are built; hashes: of each world's state; states: these, (n, 13)."""
     stored: dict[str, Any] = json.loads(FILE.read_text())

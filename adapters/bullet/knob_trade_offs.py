@@ -54,9 +54,7 @@ KNOB_TRADE_OFFS = (
         cases=("stack_bowl",),
         knob="iterations",
         values=(1000,),
-        why=(
-            "with 50, 200 and 1000 iterations at most a step costs .42, 1 and .47, in no order: another number is no better rule"
-        ),
+        why=("with 50, 200 and 1000 iterations at most a step costs .42, 1 and .47, in no order: no number is a rule"),
     ),
     TradeOff(
         cases=(

@@ -75,7 +75,8 @@ def _errors(store: "Store", rows: Sequence[Row], unit: str, title: str) -> Figur
     style = Marks(store, rows)
     signals = list(dict.fromkeys(row["signal"] for row in rows))
     finite = [row for row in rows if row["error"] == row["error"] and 0 < row["error"] < float("inf")]
-    bounds = [dict(pair) for pair in {(("signal", r["signal"]), ("bound", r["bound"])) for r in rows if r["bound"]}]
+    bounded = dict.fromkeys((row["signal"], row["bound"]) for row in rows if row["bound"])
+    bounds = [{"signal": signal, "bound": bound} for signal, bound in bounded]
     spread = [row["error"] for row in finite] + [row["bound"] for row in bounds]
     beside_number = "" if unit == "1" else f" [{unit_text(unit)}]"
     across = f"error of the ideal signal{beside_number}"

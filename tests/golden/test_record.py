@@ -1,0 +1,33 @@
+"""Is everything that users see of the catalogue and the command line still what it was, by its digest?
+
+Numbers count by nine digits: sines and integrals of another processor may end in other bits.
+
+After an intended change, write the digests anew with `PLUMBLINE_GOLDEN=write pytest tests/golden/test_record.py`; what changed is
+seen with `python -m tests.golden.record` before and after.
+"""
+
+import hashlib
+import json
+import os
+import re
+from pathlib import Path
+
+from tests.golden.record import of_no_run
+
+FILE = Path(__file__).parent / "record.json"
+NUMBER = re.compile(r"-?\d+\.\d+(e[-+]?\d+)?")
+
+
+def digest(text: str) -> str:
+    """Of a text with its decimal numbers to nine digits."""
+    return hashlib.sha256(NUMBER.sub(lambda number: f"{float(number[0]):.9g}", text).encode()).hexdigest()[:16]
+
+
+def test_scenes_bounds_helps_errors_and_lists_are_exactly_what_they_were() -> None:
+    found = {name: digest(text) for name, text in of_no_run() if isinstance(text, str)}
+    if os.environ.get("PLUMBLINE_GOLDEN") == "write":
+        FILE.write_text(json.dumps(found, indent=1) + "\n")
+    stored = json.loads(FILE.read_text())
+    changed = sorted(name for name in stored.keys() | found.keys() if stored.get(name) != found.get(name))
+    assert not changed, f"changed: {', '.join(changed)}"
+    assert len(found) > 200

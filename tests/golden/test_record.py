@@ -2,8 +2,8 @@
 
 Numbers count by nine digits: sines and integrals of another processor may end in other bits.
 
-After an intended change, write the digests anew with `PLUMBLINE_GOLDEN=write pytest tests/golden/test_record.py`; what changed is
-seen with `python -m tests.golden.record` before and after.
+After an intended change, write the digests anew with `PLUMBLINE_GOLDEN=write pytest tests/golden/test_record.py`;
+`python -m tests.golden.record` before and after shows what changed.
 """
 
 import hashlib

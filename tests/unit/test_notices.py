@@ -11,7 +11,7 @@ import pytest
 from harness.adapter import Notice, Settings, Simulation
 from harness.adapter.notice import as_notices
 from harness.adapter.what_comes_out import Answering, BrokenContract
-from harness.conformance.checks.contract.effects import CHECKS
+from harness.conformance import CHECKS
 from harness.conformance.faults.plant import plant
 from harness.scene import Body, Effect, Scene
 from harness.store.journal import Journal, read_journal

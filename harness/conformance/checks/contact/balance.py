@@ -5,13 +5,11 @@ from math import inf
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Finding, check, judge, near, that
 from harness.conformance.runs import FINE, built, state_of
 from harness.conformance.scenes import G, ball, on_ground
 from harness.scene import Body
 from harness.trajectory import Floats
-
-__all__ = ["CHECKS"]
 
 _NEEDS = Feature.SPHERE | Feature.CONTACTS | Feature.CONTACT_FORCES
 _LINE = 0.05
@@ -48,19 +46,26 @@ def _balanced(what: str, gained: Floats, impulses: Floats) -> Finding:
     )
 
 
-def _contact_forces_move_what_they_touch(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the contact force of each step what changes the momentum in that step, friction included?", _NEEDS, firm=True)
+def contact_forces_move_what_they_touch(adapter: Adapter, settings: Settings) -> Finding:
     """A ball lands askew on a rough ground: its blow lasts some steps, its friction until it rolls."""
     landing = ball(p=(0.0, 0.0, 0.11), v=(1.0, 0.5, -1.0))
     return _balanced("landing", *_momenta(adapter, settings, landing, 60, 0.3, 0.0))
 
 
-def _contact_forces_end_with_the_contact(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do the contact forces of a rebound carry its momentum, and no more once it is over?",
+    _NEEDS | Feature.RESTITUTION,
+    firm=True,
+)
+def contact_forces_end_with_the_contact(adapter: Adapter, settings: Settings) -> Finding:
     """A ball bounces and flies on, and no force is said to act in its flight."""
     bouncing = ball(p=(0.0, 0.0, 0.11), v=(0.0, 0.0, -2.0))
     return _balanced("rebound", *_momenta(adapter, settings, bouncing, 100, 0.0, 0.5))
 
 
-def _sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the friction of a sliding contact mu times its normal force, to .15 %?", _NEEDS)
+def sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> Finding:
     """A sliding ball has one contact, whose friction is mu N and against the slip, to rounding in every engine tried.
 
     It slides until 2 v/(7 mu g) = .1 s; judged are the steps in contact of the first 60 ms.
@@ -80,27 +85,3 @@ def _sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> Fin
         share = across / normal if normal > 0 else np.full(3, np.nan)
         comparisons.append(near(f"friction over normal force at mu {mu}", share, (-mu, 0, 0), 1.5e-3 * mu, "half of .3 %"))
     return judge(*comparisons)
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="contact_forces_move_what_they_touch",
-        question="Is the contact force of each step what changes the momentum in that step, friction included?",
-        run=_contact_forces_move_what_they_touch,
-        needs=_NEEDS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="contact_forces_end_with_the_contact",
-        question="Do the contact forces of a rebound carry its momentum, and no more once it is over?",
-        run=_contact_forces_end_with_the_contact,
-        needs=_NEEDS | Feature.RESTITUTION,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="sliding_contact_is_on_its_cone",
-        question="Is the friction of a sliding contact mu times its normal force, to .15 %?",
-        run=_sliding_contact_is_on_its_cone,
-        needs=_NEEDS,
-    ),
-)

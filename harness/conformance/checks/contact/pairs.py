@@ -5,12 +5,10 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Comparison, ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
 from harness.conformance.runs import FINE, built, state_of
 from harness.conformance.scenes import block, ground, static
 from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
-
-__all__ = ["CHECKS"]
 
 _SHAPES: tuple[tuple[Feature, Shape, float], ...] = (
     (Feature.PLANE, Plane(), 0.0),
@@ -30,7 +28,12 @@ def _upright(name: str, shape: Shape, p_WB: Vector3, material: str) -> Body:
     return Body(name=name, inertia=block().inertia, collision=(PlacedShape(shape=shape),), material=material, p_WB=p_WB)
 
 
-def _contacts_of_pairs(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do the contacts of every pair of shapes have their normal from A to B and the gap that the places say?",
+    Feature.CONTACTS,
+    firm=True,
+)
+def contacts_of_every_pair_of_shapes(adapter: Adapter, settings: Settings) -> Finding:
     """Each shape stands in the middle of each other one, sunk in by 4 mm, without gravity; in the scene above and below.
 
     One step lies between the places before and after; the gap is one of theirs or between, whenever it was read.
@@ -72,14 +75,3 @@ def _contacts_of_pairs(adapter: Adapter, settings: Settings) -> Finding:
     if not comparisons:
         raise NotApplicable("the engine supports no pair of shapes that could touch")
     return judge(*comparisons)
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="contacts_of_every_pair_of_shapes",
-        question="Do the contacts of every pair of shapes have their normal from A to B and the gap that the places say?",
-        run=_contacts_of_pairs,
-        needs=Feature.CONTACTS,
-        excusable=False,
-    ),
-)

@@ -4,14 +4,14 @@ Which algorithm finds the contacts of a pair is an engine's own business, and ea
 box on a box says nothing of a capsule on a cylinder. Each pair is a scene of its own, since an engine may choose by the scene.
 """
 
-from collections.abc import Callable
 from functools import partial
+from itertools import product
 from math import cos, pi, sin
 
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.checks.contract.features import SIDES
 from harness.conformance.runs import COARSE, final
 from harness.conformance.scenes import ground, static
@@ -40,8 +40,6 @@ from harness.scene import (
     principal_inertia,
     sphere_inertia,
 )
-
-__all__ = ["CHECKS", "MOVERS", "SUPPORTS"]
 
 DURATION = 3.0
 HEIGHT = 0.1
@@ -136,14 +134,9 @@ def _rests(support: str, mover: str, adapter: Adapter, settings: Settings) -> Fi
     return judge(near(f"height of its centre after {DURATION:g} s [m]", end.p_WB[1, 2], HEIGHT, GIVES, because))
 
 
-def _check(support: str, mover: str) -> ConformanceCheck:
-    run: Callable[[Adapter, Settings], Finding] = partial(_rests, support, mover)
-    return ConformanceCheck(
+for support, mover in product(SUPPORTS, MOVERS):
+    check(
+        f"Does a {mover.replace('_', ' ')} rest on a {support} at its height, or is the pair refused?",
+        SUPPORTS[support][0] | MOVERS[mover][0],
         name=f"{mover}_rests_on_{support}",
-        question=f"Does a {mover.replace('_', ' ')} rest on a {support} at its height, or is the pair refused?",
-        run=run,
-        needs=SUPPORTS[support][0] | MOVERS[mover][0],
-    )
-
-
-CHECKS = tuple(_check(support, mover) for support in SUPPORTS for mover in MOVERS)
+    )(partial(_rests, support, mover))

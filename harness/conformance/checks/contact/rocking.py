@@ -5,12 +5,10 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.runs import FINE, record
 from harness.conformance.scenes import G, on_ground
 from harness.scene import Body, Ellipsoid, PlacedShape, axis_angle, ellipsoid_inertia
-
-__all__ = ["CHECKS"]
 
 _AXES = (0.2, 0.15, 0.1)
 """Semi-axes [m]: along the way that it rocks, across, and up."""
@@ -27,7 +25,8 @@ def rocking_period(a: float, c: float) -> float:
     return 2 * pi * sqrt(c * (a**2 + 6 * c**2) / (5 * G * (a**2 - c**2)))
 
 
-def _rocks(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does an ellipsoid that rocks have the period that its curvature gives it?", Feature.ELLIPSOID)
+def ellipsoid_rocks_by_its_curvature(adapter: Adapter, settings: Settings) -> Finding:
     """Let go at a tilt, it is level four times within two periods, at a quarter and every half of one later."""
     a, _, c = _AXES
     height = sqrt((a * sin(_TILT)) ** 2 + (c * cos(_TILT)) ** 2)
@@ -51,13 +50,3 @@ def _rocks(adapter: Adapter, settings: Settings) -> Finding:
     because = "its tilt and soft contacts change the period by less than a hundredth; facets or another curvature by tenths"
     expected = period * (0.25 + 0.5 * np.arange(4))
     return judge(near("times at which it is level [s]", level[:4], expected, 0.02 * period, because))
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="ellipsoid_rocks_by_its_curvature",
-        question="Does an ellipsoid that rocks have the period that its curvature gives it?",
-        run=_rocks,
-        needs=Feature.ELLIPSOID,
-    ),
-)

@@ -7,13 +7,30 @@ from typing import Any
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Simulation
-from harness.conformance.check import Comparison, ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Comparison, Finding, check, judge, near, that
 from harness.conformance.runs import COARSE, FINE, built, state_of
 from harness.conformance.scenes import free, static, without_gravity
 from harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
 from harness.trajectory import State
 
-__all__ = ["CHECKS"]
+
+@check("Are arrays that a state does not fit into refused by name?", firm=True)
+def bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+    scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
+    good, comparisons = State.empty(_BODIES), []
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        bad: Any
+        for name, width in (("p_WB", 3), ("q_WB", 4), ("v_WB", 3), ("w_WB", 3)):
+            for what, bad in (
+                ("one body short", np.zeros((1, width))),
+                ("one body too long", np.zeros((3, width))),
+                ("flat", np.zeros(_BODIES * width)),
+                ("of float32", np.zeros((_BODIES, width), dtype=np.float32)),
+            ):
+                out = replace(good, **{name: bad})
+                comparisons.append(_refused(simulation, name, f"{name} {what}", lambda s, out=out: s.state(out)))  # type: ignore[misc]
+    return judge(*comparisons)
+
 
 _BODIES = 2
 
@@ -47,7 +64,12 @@ def _bad_vectors() -> dict[str, Any]:
     }
 
 
-def _bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Are forces and torques of a wrong shape, type or content refused by name, and nothing of them kept?",
+    Feature.WRENCH,
+    firm=True,
+)
+def bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     """Each bad array as force and as torque; afterwards the bodies fly on as if nothing had been said."""
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)), free("other", p=(5.0, 0.0, 0.0)))
     good, comparisons = np.zeros((_BODIES, 3)), []
@@ -63,7 +85,8 @@ def _bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are rays of a wrong shape, type, content or length refused by name, and a reach that is none?", Feature.RAYS, firm=True)
+def bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     shape = Box(half_extents=(0.5, 0.5, 0.5)) if Feature.BOX in adapter.features else Sphere(radius=0.5)
     scene = Scene(bodies=(static("target", shape),))
     o, d = np.tile((5.0, 0.0, 0.0), (_BODIES, 1)), np.tile((-1.0, 0.0, 0.0), (_BODIES, 1))
@@ -88,7 +111,12 @@ def _bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Are targets of joints without a drive and targets that are no finite number refused by name?",
+    Feature.PRISMATIC | Feature.DRIVES,
+    firm=True,
+)
+def bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     drive = Drive(stiffness=50.0, damping=20.0)
     driven = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0), drive=drive)
     loose = replace(driven, name="loose", child="other", drive=None)
@@ -106,51 +134,3 @@ def _bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
         end = state_of(simulation, scene)
     comparisons.append(near("x of the driven body afterwards [m]", end.p_WB[0, 0], 0.0, 1e-6, "its target is still 0"))
     return judge(*comparisons)
-
-
-def _bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
-    scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
-    good, comparisons = State.empty(_BODIES), []
-    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
-        bad: Any
-        for name, width in (("p_WB", 3), ("q_WB", 4), ("v_WB", 3), ("w_WB", 3)):
-            for what, bad in (
-                ("one body short", np.zeros((1, width))),
-                ("one body too long", np.zeros((3, width))),
-                ("flat", np.zeros(_BODIES * width)),
-                ("of float32", np.zeros((_BODIES, width), dtype=np.float32)),
-            ):
-                out = replace(good, **{name: bad})
-                comparisons.append(_refused(simulation, name, f"{name} {what}", lambda s, out=out: s.state(out)))  # type: ignore[misc]
-    return judge(*comparisons)
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="bad_states_are_refused",
-        question="Are arrays that a state does not fit into refused by name?",
-        run=_bad_states_are_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="bad_wrenches_are_refused",
-        question="Are forces and torques of a wrong shape, type or content refused by name, and nothing of them kept?",
-        run=_bad_wrenches_are_refused,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="bad_rays_are_refused",
-        question="Are rays of a wrong shape, type, content or length refused by name, and a reach that is none?",
-        run=_bad_rays_are_refused,
-        needs=Feature.RAYS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="bad_targets_are_refused",
-        question="Are targets of joints without a drive and targets that are no finite number refused by name?",
-        run=_bad_targets_are_refused,
-        needs=Feature.PRISMATIC | Feature.DRIVES,
-        excusable=False,
-    ),
-)

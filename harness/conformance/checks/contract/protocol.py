@@ -10,18 +10,34 @@ from pathlib import Path
 import numpy as np
 
 from harness.adapter import Adapter, Notice, Settings, SettingsError
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import CHECKS, Finding, check, judge, near, that
 from harness.conformance.runs import COARSE, built, state_of
 from harness.conformance.scenes import TURNED, free, without_gravity
 from harness.scene import Scene
-
-__all__ = ["CHECKS", "loaded_at_once"]
 
 _LIGHT = {"numpy", "scipy", "harness"}
 """What an adapter file may import when it is loaded, beside the standard library and its own package."""
 
 
-def _version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
+@check("Are both tracks there, and does every declared failure name a check that may be excused, with a reason?", firm=True)
+def declarations_are_well_formed(adapter: Adapter, _settings: Settings) -> Finding:
+    known = {f"{track}/{one.name}" for track in adapter.tracks for one in CHECKS}
+    firm = {f"{track}/{one.name}" for track in adapter.tracks for one in CHECKS if not one.excusable}
+    declared = set(adapter.known_failures)
+    return judge(
+        that({"default", "tuned"} <= set(adapter.tracks), f"tracks: got {sorted(adapter.tracks)}, expected default and tuned"),
+        that(declared <= known, f"known_failures names no check: {sorted(declared - known)}"),
+        that(not declared & firm, f"known_failures excuses what must hold on every track: {sorted(declared & firm)}"),
+        that(
+            all(reason.strip() for reason in adapter.known_failures.values()),
+            f"known_failures without a reason: {sorted(k for k, v in adapter.known_failures.items() if not v.strip())}",
+        ),
+        that(bool(adapter.name and adapter.title and adapter.distribution), "name, title and distribution are given"),
+    )
+
+
+@check("Is the version a string?", firm=True)
+def version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
     version = adapter.version()
     return judge(
         that(isinstance(version, str) and bool(version.strip()), f"version: got {version!r}, expected a non-empty string")
@@ -45,7 +61,8 @@ def loaded_at_once(tree: ast.AST) -> Iterator[str]:
             yield from loaded_at_once(node)
 
 
-def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
+@check("Is the vendor's package imported inside functions only?", firm=True)
+def imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
     source = inspect.getsourcefile(type(adapter))
     if source is None:
         return Finding("failed", f"{type(adapter).__qualname__}: no source file to read its imports from")
@@ -61,7 +78,8 @@ def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Findin
     )
 
 
-def _resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does the simulation say which step, integrator and solver it really uses?", firm=True)
+def resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Finding:
     asked = settings.with_dt(1 / 500)
     with built(adapter, Scene(bodies=(free(),)), asked) as simulation:
         got = simulation.resolved
@@ -85,19 +103,23 @@ def _refusal_of(adapter: Adapter, settings: Settings, name: str) -> Finding:
     return Finding("failed", f"{name}: got a simulation, expected SettingsError")
 
 
-def _unknown_option_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is an option that the adapter does not know an error that names it?", firm=True)
+def unknown_option_is_refused(adapter: Adapter, settings: Settings) -> Finding:
     return _refusal_of(adapter, replace(settings, options={**settings.options, "no_such_option": 1}), "no_such_option")
 
 
-def _unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is an integrator that the engine does not have an error that names it?", firm=True)
+def unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> Finding:
     return _refusal_of(adapter, replace(settings, integrator="no_such_integrator"), "no_such_integrator")
 
 
-def _unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a solver that the engine does not have an error that names it?", firm=True)
+def unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> Finding:
     return _refusal_of(adapter, replace(settings, solver="no_such_solver"), "no_such_solver")
 
 
-def _close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
+@check("May close be called twice?", firm=True)
+def close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
     simulation = adapter.build(Scene(bodies=(free(),)), settings)
     simulation.step()
     simulation.close()
@@ -105,7 +127,8 @@ def _close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
     return Finding("passed", "closed twice without an exception")
 
 
-def _warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are warnings a tuple of strings or notices?", firm=True)
+def warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
     with built(adapter, Scene(bodies=(free(),)), settings) as simulation:
         simulation.step(2)
         got = simulation.warnings()
@@ -117,7 +140,8 @@ def _warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the whole state copied into the caller's arrays, so that it stays as it was?", firm=True)
+def state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> Finding:
     scene = without_gravity(free("a", q=TURNED, w=(1.0, 2.0, 3.0)), free("b", p=(3.0, 0.0, 0.0), v=(1.0, 0.0, 0.0)))
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         first = state_of(simulation, scene)
@@ -130,55 +154,3 @@ def _state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings
         near("earlier orientation after later steps", first.q_WB, kept[1], 0.0),
         near("norm of the quaternions", np.linalg.norm(second.q_WB, axis=1), np.ones(2), 1e-6, "unit quaternions"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="version_is_a_string", question="Is the version a string?", run=_version_is_a_string, excusable=False
-    ),
-    ConformanceCheck(
-        name="imports_without_its_vendor",
-        question="Is the vendor's package imported inside functions only?",
-        run=_imports_without_its_vendor,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="resolved_settings_are_complete",
-        question="Does the simulation say which step, integrator and solver it really uses?",
-        run=_resolved_settings_are_complete,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unknown_option_is_refused",
-        question="Is an option that the adapter does not know an error that names it?",
-        run=_unknown_option_is_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unknown_integrator_is_refused",
-        question="Is an integrator that the engine does not have an error that names it?",
-        run=_unknown_integrator_is_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unknown_solver_is_refused",
-        question="Is a solver that the engine does not have an error that names it?",
-        run=_unknown_solver_is_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="close_may_be_called_twice", question="May close be called twice?", run=_close_may_be_called_twice, excusable=False
-    ),
-    ConformanceCheck(
-        name="warnings_are_strings",
-        question="Are warnings a tuple of strings or notices?",
-        run=_warnings_are_strings,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="state_is_written_into_the_given_arrays",
-        question="Is the whole state copied into the caller's arrays, so that it stays as it was?",
-        run=_state_is_written_into_the_given_arrays,
-        excusable=False,
-    ),
-)

@@ -3,13 +3,11 @@
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Simulation
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.runs import COARSE, FINE, built, state_of
 from harness.conformance.scenes import free, without_gravity
 from harness.scene import WORLD, Drive, Prismatic, Scene
 from harness.trajectory import Floats
-
-__all__ = ["CHECKS"]
 
 
 def _after(simulation: Simulation, scene: Scene, steps: int = 20) -> Floats:
@@ -17,7 +15,8 @@ def _after(simulation: Simulation, scene: Scene, steps: int = 20) -> Floats:
     return state_of(simulation, scene).p_WB
 
 
-def _restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does restore bring back the forces that were told when it was saved, and no others?", Feature.SAVE | Feature.WRENCH)
+def restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> Finding:
     """A push told after a save is forgotten with it; one told before it acts again."""
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
     push, none = np.zeros((2, 3)), np.zeros((2, 3))
@@ -41,7 +40,8 @@ def _restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> Fin
     )
 
 
-def _restore_brings_back_the_targets(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does restore bring back the targets of the drives?", Feature.SAVE | Feature.PRISMATIC | Feature.DRIVES)
+def restore_brings_back_the_targets(adapter: Adapter, settings: Settings) -> Finding:
     drive = Drive(stiffness=50.0, damping=20.0)
     slide = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0), drive=drive)
     scene = Scene(bodies=(free(),), joints=(slide,), gravity=(0.0, 0.0, 0.0))
@@ -55,19 +55,3 @@ def _restore_brings_back_the_targets(adapter: Adapter, settings: Settings) -> Fi
         simulation.restore(saved)
         got = _after(simulation, scene, 200)
     return judge(near("p_WB on the way to the target of the save [m]", got, expected, 0.0, "the same bits"))
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="restore_brings_back_the_wrench",
-        question="Does restore bring back the forces that were told when it was saved, and no others?",
-        run=_restore_brings_back_the_wrench,
-        needs=Feature.SAVE | Feature.WRENCH,
-    ),
-    ConformanceCheck(
-        name="restore_brings_back_the_targets",
-        question="Does restore bring back the targets of the drives?",
-        run=_restore_brings_back_the_targets,
-        needs=Feature.SAVE | Feature.PRISMATIC | Feature.DRIVES,
-    ),
-)

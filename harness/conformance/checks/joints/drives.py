@@ -3,12 +3,10 @@
 from math import exp
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.runs import FINE, built, final, state_of
 from harness.conformance.scenes import TURNED, free
 from harness.scene import WORLD, Drive, Prismatic, Revolute, Scene
-
-__all__ = ["CHECKS"]
 
 
 def _driven(*drives: Drive) -> Scene:
@@ -30,7 +28,8 @@ def _driven(*drives: Drive) -> Scene:
     )
 
 
-def _target_velocity_acts(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a drive's target velocity act, alone and beside its target?", Feature.PRISMATIC | Feature.DRIVES)
+def target_velocity_acts(adapter: Adapter, settings: Settings) -> Finding:
     """Without stiffness v = u (1 - e^(-c t/m)); with stiffness k as well, the body rests at target + c u/k."""
     c, u, t, m = 8.0, 0.5, 0.3, 2.0
     rest = Drive(stiffness=200.0, damping=60.0, target=0.1, target_velocity=u)
@@ -43,7 +42,8 @@ def _target_velocity_acts(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a command reach every drive that it names, and no other?", Feature.PRISMATIC | Feature.DRIVES, firm=True)
+def command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Finding:
     """Three drives at 0; the last two are sent off, then the first alone."""
     scene = _driven(*(Drive(stiffness=200.0, damping=40.0) for _ in range(3)))
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
@@ -59,7 +59,11 @@ def _command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-def _feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a constant force in a drive's law act, alone, beside the PD law and within the limit?",
+    Feature.PRISMATIC | Feature.DRIVES | Feature.FEEDFORWARD,
+)
+def feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
     """Motors of 1.5 N, one of them cut off at 1 N; one beside a damper; one beside a PD law, before and after a command."""
     t, m, c = 0.3, 2.0, 8.0
     scene = _driven(
@@ -84,7 +88,11 @@ def _feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a motor between two bodies turn both, about the joint's axis and against each other?",
+    Feature.REVOLUTE | Feature.DRIVES | Feature.FEEDFORWARD,
+)
+def motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> Finding:
     """A motor between two wheels about a slanted axis: opposite turns about that axis, each of tau t/I; the hub rests."""
     axis, tau, t = (2.0 / 3, -1.0 / 3, 2.0 / 3), 0.6, 0.3
     bodies = (free("stator", moments=(0.6, 0.6, 0.6)), free("rotor", moments=(0.3, 0.3, 0.3), q=TURNED))
@@ -97,32 +105,3 @@ def _motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> Finding:
         near("angular velocities [rad/s]", end.w_WB, expected, 0.02, "tau t/I and no more; 3 % for default damping"),
         near("places of both [m]", end.p_WB, [[0.0] * 3] * 2, 1e-6, "a couple moves no centre of mass"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="target_velocity_acts",
-        question="Does a drive's target velocity act, alone and beside its target?",
-        run=_target_velocity_acts,
-        needs=Feature.PRISMATIC | Feature.DRIVES,
-    ),
-    ConformanceCheck(
-        name="command_reaches_every_drive",
-        question="Does a command reach every drive that it names, and no other?",
-        run=_command_reaches_every_drive,
-        needs=Feature.PRISMATIC | Feature.DRIVES,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="feedforward_acts",
-        question="Does a constant force in a drive's law act, alone, beside the PD law and within the limit?",
-        run=_feedforward_acts,
-        needs=Feature.PRISMATIC | Feature.DRIVES | Feature.FEEDFORWARD,
-    ),
-    ConformanceCheck(
-        name="motor_turns_two_bodies",
-        question="Does a motor between two bodies turn both, about the joint's axis and against each other?",
-        run=_motor_turns_two_bodies,
-        needs=Feature.REVOLUTE | Feature.DRIVES | Feature.FEEDFORWARD,
-    ),
-)

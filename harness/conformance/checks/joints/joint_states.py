@@ -6,13 +6,11 @@ import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.adapter.joints import joints_of
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.check import Finding, NotApplicable, check, judge, near, that
 from harness.conformance.runs import FINE, ROUNDING, built, state_of
 from harness.conformance.scenes import TURNED, free
 from harness.scene import WORLD, Fixed, Prismatic, Revolute, Scene, Spring, Vector3
 from harness.trajectory.joint_states import JointStates, joint_states
-
-__all__ = ["CHECKS"]
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 
@@ -33,7 +31,11 @@ def _v(a: object) -> Vector3:
     return (x, y, z)
 
 
-def _coordinates_agree_with_the_poses(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Are the coordinates and rates that the engine tells those of its bodies?",
+    Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS,
+)
+def joint_states_agree_with_the_poses(adapter: Adapter, settings: Settings) -> Finding:
     """A wheel that turns more than once, a slide on it, and a hinge whose child carries its parent, all off their zeros."""
     axis, hub, w = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.2, 0.1, 0.0]), 30.0
     spin = w * axis
@@ -83,13 +85,3 @@ def _coordinates_agree_with_the_poses(adapter: Adapter, settings: Settings) -> F
         ),
         near("what the harness reads", filled.coordinate[moving], states.coordinate[moving], 0.0, "the engine's own"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="joint_states_agree_with_the_poses",
-        question="Are the coordinates and rates that the engine tells those of its bodies?",
-        run=_coordinates_agree_with_the_poses,
-        needs=Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS,
-    ),
-)

@@ -6,13 +6,11 @@ from typing import Any
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.runs import FINE, built
 from harness.conformance.scenes import TURNED, G, floor, free, ground
 from harness.scene import WORLD, Ball, Fixed, PlacedShape, Revolute, Scene, Sphere, Spring, Vector3
 from harness.trajectory import Floats
-
-__all__ = ["CHECKS"]
 
 _SETTLED = 1e-3
 """Share of the weights that what rests may still move by, after so many steps."""
@@ -35,7 +33,11 @@ def _told(adapter: Adapter, scene: Scene, settings: Settings, steps: int) -> Flo
     return reaction
 
 
-def _reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Are the forces and torques that the engine tells of joints those that hold up what hangs on them?",
+    Feature.REVOLUTE | Feature.FIXED | Feature.SPRINGS,
+)
+def joint_reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
     """A bracket welded to the wall with a boom on a hinge, held level by its spring: weights and their moments, at rest."""
     bracket, boom = free("bracket", mass=2.0, p=(0.5, 0.0, 1.0)), free("boom", mass=1.0, p=(1.4, 0.2, 1.0), q=TURNED)
     moment = 1.0 * G * 0.4
@@ -60,7 +62,8 @@ def _reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _reactions_at_the_bottom_of_a_swing(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does what a joint carries hold a swinging body in its circle, beside its weight?", Feature.REVOLUTE)
+def joint_reactions_at_the_bottom_of_a_swing(adapter: Adapter, settings: Settings) -> Finding:
     """A ball of 2 kg, .7 m below its hinge and askew in its own frame, at 3 rad/s: m (g + w^2 l) as it passes the bottom."""
     mass, length, w, steps = 2.0, 0.7, 3.0, 4
     axis, across = np.array([0.6, 0.8, 0.0]), np.array([0.8, -0.6, 0.0])
@@ -84,7 +87,8 @@ def _reactions_at_the_bottom_of_a_swing(adapter: Adapter, settings: Settings) ->
     )
 
 
-def _reactions_add_up_along_a_chain(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does each joint of a chain at rest carry the weight of all that hangs below it?", Feature.BALL)
+def joint_reactions_add_up_along_a_chain(adapter: Adapter, settings: Settings) -> Finding:
     """Bodies of 1, 2 and 3 kg under each other on ball joints, gravity askew: each joint bears what hangs below it."""
     down = np.array([0.36, 0.48, -0.8])
     masses = (1.0, 2.0, 3.0)
@@ -98,7 +102,8 @@ def _reactions_add_up_along_a_chain(adapter: Adapter, settings: Settings) -> Fin
     return judge(near("forces and torques along the chain [N, N m]", told, wanted, _SETTLED * G, "the weight of all below"))
 
 
-def _reactions_share_the_load_with_contacts(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is what a contact bears left out of what the engine tells of a joint?", Feature.REVOLUTE | Feature.SPHERE)
+def joint_reactions_beside_contacts(adapter: Adapter, settings: Settings) -> Finding:
     """A beam with one end on a hinge and a ball under the other that lies on the ground: each bears half of it."""
     foot = PlacedShape(shape=Sphere(radius=0.1), p_BS=(0.5, 0.0, 0.0))
     beam = replace(free("beam", mass=2.0, moments=(0.1, 0.2, 0.2), p=(0.0, 0.0, 0.1)), collision=(foot,), material="block")
@@ -115,31 +120,3 @@ def _reactions_share_the_load_with_contacts(adapter: Adapter, settings: Settings
 def _v(a: object) -> Vector3:
     x, y, z = (float(c) for c in np.asarray(a))
     return (x, y, z)
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="joint_reactions_bear_what_hangs",
-        question="Are the forces and torques that the engine tells of joints those that hold up what hangs on them?",
-        run=_reactions_bear_what_hangs,
-        needs=Feature.REVOLUTE | Feature.FIXED | Feature.SPRINGS,
-    ),
-    ConformanceCheck(
-        name="joint_reactions_at_the_bottom_of_a_swing",
-        question="Does what a joint carries hold a swinging body in its circle, beside its weight?",
-        run=_reactions_at_the_bottom_of_a_swing,
-        needs=Feature.REVOLUTE,
-    ),
-    ConformanceCheck(
-        name="joint_reactions_add_up_along_a_chain",
-        question="Does each joint of a chain at rest carry the weight of all that hangs below it?",
-        run=_reactions_add_up_along_a_chain,
-        needs=Feature.BALL,
-    ),
-    ConformanceCheck(
-        name="joint_reactions_beside_contacts",
-        question="Is what a contact bears left out of what the engine tells of a joint?",
-        run=_reactions_share_the_load_with_contacts,
-        needs=Feature.REVOLUTE | Feature.SPHERE,
-    ),
-)

@@ -3,12 +3,10 @@
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.runs import COARSE, ROUNDING, built, record, state_of
 from harness.conformance.scenes import TURNED, G, free
 from harness.scene import Scene
-
-__all__ = ["CHECKS"]
 
 
 def _falling() -> Scene:
@@ -16,7 +14,8 @@ def _falling() -> Scene:
     return Scene(bodies=(free(), free("other", p=(5.0, 0.0, 0.0), q=TURNED, v=(3.0, 0.0, 0.0), w=(1.0, 2.0, -1.0))))
 
 
-def _no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does step(0) leave the state as it is, bit for bit?", firm=True)
+def no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
     comparisons, scene = [], _falling()
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         for when in ("right after build", "after 5 steps"):
@@ -32,7 +31,8 @@ def _no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _steps_are_even(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is every single step dt long, not only the mean of many?", firm=True)
+def steps_are_even(adapter: Adapter, settings: Settings) -> Finding:
     """Each step adds g dt to the speed of what falls and v dt to the way of what flies, not only all of them together."""
     run = record(adapter, _falling(), settings.with_dt(COARSE), 8 * COARSE)
     dv, dx = np.diff(run.v_WB[:, 0, 2]), np.diff(run.p_WB[:, 1, 0])
@@ -47,7 +47,8 @@ LENGTHS = (1.0, 0.5, 2.0, 1.25, 0.75, 0.5)
 """Of steps, in dt: each may be shorter or longer than the one before; their mean is 1."""
 
 
-def _step_lengths_are_kept(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is every step as long as was told for it, where lengths are uneven?", Feature.STEP_LENGTHS, firm=True)
+def step_lengths_are_kept(adapter: Adapter, settings: Settings) -> Finding:
     """Step h adds g h to the speed of what falls and v h to the way of what flies, and the fall is the sum of all of them.
 
     Semi-implicit Euler falls by g sum(h_k (h_1 + .. + h_k)), g sum(h_k^2)/2 more than g t^2/2; explicit Euler by as much less,
@@ -70,26 +71,3 @@ def _step_lengths_are_kept(adapter: Adapter, settings: Settings) -> Finding:
         near("way gained in each of 6 steps [m]", np.diff(x), 3.0 * lengths, 0.01 * 3.0 * COARSE, because),
         near("way fallen [m]", fallen, G * t * t / 2, staggered, "g sum(h^2)/2 of a scheme of first order"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="no_step_is_no_step",
-        question="Does step(0) leave the state as it is, bit for bit?",
-        run=_no_step_is_no_step,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="steps_are_even",
-        question="Is every single step dt long, not only the mean of many?",
-        run=_steps_are_even,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="step_lengths_are_kept",
-        question="Is every step as long as was told for it, where lengths are uneven?",
-        run=_step_lengths_are_kept,
-        needs=Feature.STEP_LENGTHS,
-        excusable=False,
-    ),
-)

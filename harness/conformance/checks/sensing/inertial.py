@@ -5,16 +5,19 @@ from typing import Any
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.exact import rotation
 from harness.conformance.runs import COARSE, built, state_of
 from harness.conformance.scenes import TURNED, G, free
 from harness.scene import Imu, Scene, multiply
 
-__all__ = ["CHECKS"]
 
-
-def _inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
+    Feature.WRENCH,
+    firm=True,
+)
+def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> Finding:
     """A body that a torque spins up in free fall carries a sensor on a lever, askew.
 
     Equation: f_S = R_SW (a + alpha x r + w x (w x r) - g); in free fall a = g, and a sphere has alpha = tau/I, all in W.
@@ -43,7 +46,8 @@ def _inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -
     )
 
 
-def _inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH, firm=True)
+def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> Finding:
     """Pushed upwards by its weight a body hangs still, and its accelerometer says +g upwards, in the sensor's frame."""
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)
     scene = Scene(bodies=(free(q=TURNED),), sensors=(imu,))
@@ -59,21 +63,3 @@ def _inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -
         near("specific force in S [m/s2]", force, up, 1e-6 * G, "the force that bears it, over its mass"),
         near("angular velocity in S [rad/s]", rate, (0.0, 0.0, 0.0), 1e-9),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="inertial_sensors_say_what_they_feel",
-        question="Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
-        run=_inertial_sensors_say_what_they_feel,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="inertial_sensors_feel_their_support",
-        question="Does the engine's own accelerometer feel what bears it?",
-        run=_inertial_sensors_feel_their_support,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-)

@@ -3,12 +3,10 @@
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Finding, check, judge, near, that
 from harness.conformance.runs import built
 from harness.conformance.scenes import static
 from harness.scene import WORLD, Body, Box, Camera, PlacedShape, Scene, Shape, Sphere
-
-__all__ = ["CHECKS"]
 
 _DT, _SPEED = 0.01, 10.0
 
@@ -27,7 +25,12 @@ def _coming(motion: str) -> Scene:
     return Scene(bodies=(behind, body), apart=(("far", body.material),), gravity=(0.0, 0.0, 0.0))
 
 
-def _rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do rays meet kinematic bodies, and where they are now?",
+    Feature.RAYS | Feature.KINEMATIC | Feature.BOX | Feature.SPHERE,
+    firm=True,
+)
+def rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> Finding:
     o, d = np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])
     with built(adapter, _coming("kinematic"), settings.with_dt(_DT)) as simulation:
         first = simulation.cast(o, d, 50.0)
@@ -47,7 +50,8 @@ def _rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> Finding
     )
 
 
-def _pictures_show_the_present(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a picture show where bodies are now, not a step ago?", Feature.RENDER | Feature.BOX | Feature.SPHERE, firm=True)
+def pictures_show_the_present(adapter: Adapter, settings: Settings) -> Finding:
     camera = Camera(name="camera", body=WORLD, rate=1.0, width=16, height=16, focal_x=20, focal_y=20, centre_x=8, centre_y=8)
     with built(adapter, _coming("dynamic"), settings.with_dt(_DT)) as simulation:
         depths = [float(simulation.render(camera).depth[8, 8])]
@@ -56,21 +60,3 @@ def _pictures_show_the_present(adapter: Adapter, settings: Settings) -> Finding:
             depths.append(float(simulation.render(camera).depth[8, 8]))
     because = "a step is .1 m; depth buffers have a few millimetres"
     return judge(near("depth of a box that comes at .1 m a step [m]", depths, (5.5, 5.4, 5.1), 0.02, because))
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="rays_meet_kinematic_bodies",
-        question="Do rays meet kinematic bodies, and where they are now?",
-        run=_rays_meet_kinematic_bodies,
-        needs=Feature.RAYS | Feature.KINEMATIC | Feature.BOX | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="pictures_show_the_present",
-        question="Does a picture show where bodies are now, not a step ago?",
-        run=_pictures_show_the_present,
-        needs=Feature.RENDER | Feature.BOX | Feature.SPHERE,
-        excusable=False,
-    ),
-)

@@ -26,7 +26,7 @@ A feature that the adapter does not claim makes the checks that need it not appl
 
 from harness.conformance.catalogue import CHECKS
 from harness.conformance.check import ConformanceCheck, Finding
-from harness.conformance.checks.sensing.noise import noise_axes_are_independent
+from harness.conformance.checks.sensing.inertial import noise_axes_are_independent
 from harness.conformance.faults.catalogue import CONTROLS
 from harness.conformance.faults.control import Control
 from harness.conformance.outcomes import Outcome, gate, run_check, run_conformance

@@ -1,4 +1,4 @@
-"""Checks of an engine's own accelerometer and gyroscope: at the end of a lever, in the sensor's frame, at this instant."""
+"""Checks of an engine's own accelerometer and gyroscope, on a lever, in the sensor's frame, at this instant; and of noise."""
 
 from typing import Any
 
@@ -10,6 +10,7 @@ from harness.conformance.exact import rotation
 from harness.conformance.runs import COARSE, built, state_of
 from harness.conformance.scenes import TURNED, G, free
 from harness.scene import Imu, Scene, multiply
+from harness.trajectory import Trajectory
 
 
 @check(
@@ -63,3 +64,23 @@ def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) ->
         near("specific force in S [m/s2]", force, up, 1e-6 * G, "the force that bears it, over its mass"),
         near("angular velocity in S [rad/s]", rate, (0.0, 0.0, 0.0), 1e-9),
     )
+
+
+__all__ = ["noise_axes_are_independent"]
+
+
+def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
+    """Are the channels of each stream (k, c) uncorrelated about their means, as separately seeded noise is?
+
+    Equation: the correlation of k independent pairs has the standard deviation 1/sqrt(k); five of them are granted.
+    """
+    comparisons = []
+    for name, signal in trajectory.streams.items():
+        if name.endswith("/time") or signal.ndim != 2 or len(signal) < 100:
+            continue
+        moving = signal[:, signal.std(axis=0) > 0]
+        for a in range(moving.shape[1]):
+            for b in range(a + 1, moving.shape[1]):
+                r = float(np.corrcoef(moving[:, a], moving[:, b])[0, 1])
+                comparisons.append(near(f"correlation of axes {a} and {b} of {name}", r, 0.0, 5 / np.sqrt(len(signal))))
+    return judge(*comparisons) if comparisons else Finding("not_applicable", "no stream with two noisy channels of 100 samples")

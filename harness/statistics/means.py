@@ -7,8 +7,6 @@ import numpy as np
 
 from harness.statistics.student import percentile
 
-__all__ = ["Mean", "mean_of"]
-
 CONFIDENCE = 0.99
 """Of an interval: of ten that are compared pair by pair, half a pair is told apart by chance at 99 %, and two at 95 %."""
 

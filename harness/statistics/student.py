@@ -3,8 +3,6 @@
 Source: Student, Biometrika 6 (1908) 1.
 """
 
-__all__ = ["percentile", "tail"]
-
 
 def percentile(share: float, freedom: float) -> float:
     """What a share of all values lies below. Args: freedom: degrees of freedom, above 0."""

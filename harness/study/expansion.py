@@ -22,8 +22,6 @@ from harness.study.trial import Trial, question_of, scene_of
 if TYPE_CHECKING:
     from harness.study.study import Study
 
-__all__ = ["AGAIN", "in_parts", "parameters_of", "trials_of"]
-
 
 def trials_of(
     study: "Study",

@@ -16,8 +16,6 @@ from harness.intake.typed_fields import FieldError, filled
 from harness.scene.values import FROZEN, Name
 from harness.study.refinement import Refinement
 
-__all__ = ["Change", "Each", "Experiment", "FolderName", "Limit", "Some", "StudyError", "Track", "Variant", "experiment_from"]
-
 Track = Literal["default", "tuned"]
 Change = Literal["iterations", "law"]
 Value: TypeAlias = bool | int | float | str

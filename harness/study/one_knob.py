@@ -6,8 +6,6 @@ from typing import Any
 
 from harness.adapter import Settings
 
-__all__ = ["OPTION", "Turn", "position", "turn_between", "turned", "turns"]
-
 OPTION = "options."
 """How a knob begins that is one of `Settings.options`."""
 

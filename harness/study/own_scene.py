@@ -6,8 +6,6 @@ from harness.study.experiment import Experiment
 from harness.study.refinement import Refinement
 from harness.study.study import Study
 
-__all__ = ["study_of"]
-
 HALVED = 16
 """What part of the first step the ladder is halved down to at least."""
 BUDGET = 90.0

@@ -7,8 +7,6 @@ from harness.intake.safe_text import quoted
 from harness.study.experiment import StudyError
 from harness.study.study import Study
 
-__all__ = ["call_roll", "twice"]
-
 
 def twice(names: Iterable[str]) -> str:
     """The first name that stands more than once; '' where each stands once."""

@@ -18,8 +18,6 @@ from harness.study.expansion import trials_of
 from harness.study.experiment import Experiment, FolderName, Some, StudyError, Variant
 from harness.study.trial import Trial
 
-__all__ = ["Study", "load_study"]
-
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Study:

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable
 
-__all__ = ["label_of"]
-
 _BETWEEN = ", "
 
 

@@ -66,9 +66,6 @@ def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) ->
     )
 
 
-__all__ = ["noise_axes_are_independent"]
-
-
 def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
     """Are the channels of each stream (k, c) uncorrelated about their means, as separately seeded noise is?
 

@@ -2,8 +2,7 @@
 for."""
 
 from harness.case import Case
-from harness.study.experiment import Experiment
-from harness.study.refinement import Refinement
+from harness.study.experiment import Experiment, Refinement
 from harness.study.study import Study
 
 HALVED = 16

@@ -163,7 +163,7 @@ class sleeping(Rewritten):
         self._quiet = np.zeros(len(self.scene.bodies))
 
     def _step_inside(self) -> None:
-        pushed = self._push is not None and any(part.any() for part in self._push)
+        pushed = self._push is not None and any(load.any() for load in self._push)
         if pushed or not (self._quiet > 0.1).all():
             super()._step_inside()
 

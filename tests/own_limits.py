@@ -3,11 +3,10 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any, cast
 
 from harness.adapter import Adapter, Diverged, Settings, Simulation
-from harness.conformance.faults.broken_scenes import every_body, gravity
 from harness.findings.agreement import Agreement, judged
 from harness.scene import (
     Body,
@@ -28,6 +27,7 @@ from harness.study import plugins
 from harness.trajectory.pace import Pace
 from harness.trajectory.parting import extent
 from harness.trial.simulate import simulate
+from tests.planted_faults.planting import every_body, gravity_times, plant
 
 __all__ = [
     "G",
@@ -131,7 +131,7 @@ def heavier_to_turn(factor: float = 1.2) -> Callable[[Adapter], Adapter]:
         inertia = tuple(tuple(factor * value for value in row) for row in body.inertia)
         return replace(body, inertia=inertia) if body.movable else body
 
-    return every_body(change)
+    return partial(plant, scene=every_body(change))
 
 
 class _Exploding:
@@ -190,7 +190,8 @@ class _Restless(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         rung = round(math.log2(1 / 240 / settings.dt))
-        return gravity((1.0, 1.07, 0.96, 1.04, 0.97, 1.06, 0.95)[rung % 7])(self.inner).build(scene, settings)
+        factor = (1.0, 1.07, 0.96, 1.04, 0.97, 1.06, 0.95)[rung % 7]
+        return self.inner.build(gravity_times(scene, factor), settings)
 
 
 def restless(adapter: Adapter) -> Adapter:

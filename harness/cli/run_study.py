@@ -40,7 +40,7 @@ def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str
 
 def _once(name: str, given: "Sequence[str]") -> None:
     """Refuse an option's value that is given twice."""
-    from harness.study.roll_call import twice
+    from harness.study.study import twice
 
     if double := twice(given):
         raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
@@ -63,8 +63,7 @@ def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str
     from fnmatch import fnmatchcase
 
     from harness.study import plugins
-    from harness.study.roll_call import call_roll
-    from harness.study.study import load_study
+    from harness.study.study import call_roll, load_study
 
     study = load_study(name)
     _once("--case", globs)

@@ -20,22 +20,16 @@
 
 A feature that the adapter does not claim makes the checks that need it not applicable, provided that the engine refuses it by
 `Unsupported`. What a vendor's defaults do to the physics is declared in `Adapter.known_failures` and must then really fail.
-
-`CONTROLS` are planted faults: each wraps any adapter and must be caught by the checks that it names.
 """
 
 from harness.conformance.catalogue import CHECKS
 from harness.conformance.check import ConformanceCheck, Finding
-from harness.conformance.checks.sensing.noise import noise_axes_are_independent
-from harness.conformance.faults.catalogue import CONTROLS
-from harness.conformance.faults.control import Control
+from harness.conformance.checks.sensing.inertial import noise_axes_are_independent
 from harness.conformance.outcomes import Outcome, gate, run_check, run_conformance
 
 __all__ = [
     "CHECKS",
-    "CONTROLS",
     "ConformanceCheck",
-    "Control",
     "Finding",
     "Outcome",
     "gate",

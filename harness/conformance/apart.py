@@ -19,8 +19,6 @@ from harness.run.child import named_signal
 from harness.study import plugins
 from harness.study.environments import Environment, project_folders
 
-__all__ = ["outcomes_in"]
-
 LONGEST = 3600.0
 """Seconds that the kit may take: some minutes on engines that are fast."""
 

@@ -1,56 +1,22 @@
-"""The list of all checks, in the order in which they are run and shown."""
+"""All checks, in the order in which they are run and shown."""
 
-from harness.conformance.check import ConformanceCheck
-from harness.conformance.checks.contact import balance, compounds, contacts, friction, pairs, resting, rocking, shapes
-from harness.conformance.checks.contract import arguments, effects, features, protocol, robustness, saves
-from harness.conformance.checks.contract.declarations import declarations_check
-from harness.conformance.checks.joints import (
-    along_coordinates,
-    constraints,
-    coordinates,
-    distance_springs,
-    drives,
-    joint_states,
-    reactions,
-)
-from harness.conformance.checks.motion import dynamics, frames, mass_points, precision, prescribed, stepping
-from harness.conformance.checks.sensing import images, inertial, present, rays
+from importlib import import_module
 
-__all__ = ["CHECKS"]
+from harness.conformance import check
 
-_ASKED: tuple[ConformanceCheck, ...] = (
-    *protocol.CHECKS,
-    *arguments.CHECKS,
-    *features.CHECKS,
-    *frames.CHECKS,
-    *dynamics.CHECKS,
-    *stepping.CHECKS,
-    *precision.CHECKS,
-    *mass_points.CHECKS,
-    *shapes.CHECKS,
-    *compounds.CHECKS,
-    *resting.CHECKS,
-    *rocking.CHECKS,
-    *contacts.CHECKS,
-    *prescribed.CHECKS,
-    *pairs.CHECKS,
-    *balance.CHECKS,
-    *friction.CHECKS,
-    *constraints.CHECKS,
-    *coordinates.CHECKS,
-    *distance_springs.CHECKS,
-    *drives.CHECKS,
-    *along_coordinates.CHECKS,
-    *joint_states.CHECKS,
-    *reactions.CHECKS,
-    *rays.CHECKS,
-    *images.CHECKS,
-    *present.CHECKS,
-    *inertial.CHECKS,
-    *effects.CHECKS,
-    *robustness.CHECKS,
-    *saves.CHECKS,
-)
+SUBJECTS = (
+    "contract.protocol", "contract.features",
+    "motion.frames", "motion.dynamics", "motion.precision", "motion.mass_points",
+    "contact.shapes", "contact.compounds", "contact.resting", "contact.contacts",
+    "motion.prescribed", "contact.forces", "contact.friction",
+    "joints.constraints", "joints.coordinates", "joints.distance_springs", "joints.along_coordinates", "joints.joint_states",
+    "sensing.rays", "sensing.images", "sensing.inertial",
+    "contract.effects", "contract.robustness",
+)  # fmt: skip
+"""The files of checks in the order of a reader: what is declared, how a body moves, touches, is joined and is seen."""
 
-CHECKS: tuple[ConformanceCheck, ...] = (declarations_check(_ASKED), *_ASKED)
+for subject in SUBJECTS:
+    import_module(f"harness.conformance.checks.{subject}")
+
+CHECKS = tuple(check.CHECKS)
 """Every check; names are stable identifiers."""

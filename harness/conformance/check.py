@@ -2,14 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from harness.adapter import Adapter, Feature, Settings
-
-__all__ = ["Comparison", "ConformanceCheck", "Finding", "NotApplicable", "judge", "near", "that"]
 
 
 class NotApplicable(Exception):
@@ -40,6 +38,25 @@ class ConformanceCheck:
     run: Callable[[Adapter, Settings], Finding]
     needs: Feature = Feature.NONE
     excusable: bool = True
+
+
+CHECKS: list[ConformanceCheck] = []
+"""Every check that is defined so far, in the order of definition; `harness.conformance.CHECKS` are all of them."""
+
+Run = TypeVar("Run", bound=Callable[[Adapter, Settings], Finding])
+
+
+def check(question: str, needs: Feature = Feature.NONE, *, firm: bool = False, name: str = "") -> Callable[[Run], Run]:
+    """Define a function as the check of this question.
+
+    Args: firm: it must hold on every track and may not be excused. name: of the check; by default that of the function.
+    """
+
+    def define(run: Run) -> Run:
+        CHECKS.append(ConformanceCheck(name=name or run.__name__, question=question, run=run, needs=needs, excusable=not firm))
+        return run
+
+    return define
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,6 @@ from scipy.integrate import solve_ivp
 from harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Quaternion, Shape, Sphere, multiply, rotation_matrix
 from harness.trajectory import Floats, kinematics
 
-__all__ = ["angle_between", "first_hit", "rotation", "turned_by", "turning"]
-
 
 def rotation(q: Any) -> Floats:
     """The matrix R_WB of a quaternion (w, x, y, z), shape (3, 3)."""

@@ -9,8 +9,6 @@ from harness.conformance.catalogue import CHECKS
 from harness.conformance.check import ConformanceCheck, Finding, NotApplicable
 from harness.conformance.checks.contract.features import refusal
 
-__all__ = ["Outcome", "gate", "run_check", "run_conformance"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:

@@ -9,8 +9,6 @@ from harness.adapter import Adapter, Settings, Simulation
 from harness.scene import Scene
 from harness.trajectory import State, Trajectory
 
-__all__ = ["COARSE", "FINE", "ROUNDING", "built", "final", "record", "state_of"]
-
 COARSE = 1 / 240
 """Time step of checks on free motion [s]."""
 FINE = 1e-3

@@ -22,20 +22,6 @@ from harness.scene import (
     sphere_inertia,
 )
 
-__all__ = [
-    "G",
-    "TURNED",
-    "ball",
-    "block",
-    "damped",
-    "floor",
-    "free",
-    "ground",
-    "on_ground",
-    "static",
-    "without_gravity",
-]
-
 G = 9.81
 """Size of the gravity of the scenes here [m/s2]."""
 

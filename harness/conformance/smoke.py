@@ -13,8 +13,6 @@ from harness.conformance.catalogue import CHECKS
 from harness.conformance.outcomes import run_check
 from harness.study import plugins
 
-__all__ = ["SMOKE", "smoke"]
-
 SMOKE = (
     "resolved_settings_are_complete",
     "initial_state_comes_back",

@@ -23,8 +23,7 @@ from harness.search.better import Comparison, Question, compared, run_of_record
 from harness.store.record import Record
 from harness.study.experiment import Experiment
 from harness.study.foreseen_cost import NoScene, scene_at, too_much
-from harness.study.one_knob import Turn, turn_between, turned, turns
-from harness.study.track_label import label_of
+from harness.study.one_knob import Turn, label_of, turn_between, turned, turns
 from harness.study.trial import Trial
 
 __all__ = ["FACTORS", "changes_of", "drawn_parameters", "due_for_clock", "kept_parameters", "next_trials"]

@@ -29,8 +29,7 @@ from harness.case import Case
 from harness.search.settings_key import key_of
 from harness.statistics.pareto import near_front
 from harness.store.record import Record
-from harness.study.one_knob import OPTION, position, turned
-from harness.study.track_label import label_of
+from harness.study.one_knob import OPTION, label_of, position, turned
 from harness.study.trial import Trial
 
 __all__ = ["CLOCKED", "PER_ROUND", "RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "groups", "next_trials",

@@ -23,7 +23,7 @@ from harness.case.undropped import kinds_left_out
 from harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
 from harness.store.record import Record
 from harness.store.store import Store
-from harness.study.refinement import Refinement
+from harness.study.experiment import Refinement
 from harness.study.trial import Trial, question_of
 from harness.trajectory.parting import Extent, extent
 

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from harness.statistics.student import percentile
 
-__all__ = ["drawn_in_groups", "interval_of_drawn", "interval_of_median", "medians", "widening"]
-
 DRAWS = 2000
 ENDS = (2.5, 97.5)
 """Percentiles of an interval of 95 %."""

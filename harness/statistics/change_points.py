@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from harness.statistics.student import tail
 
-__all__ = ["CHANCE", "FEWEST", "ChangePoint", "Level", "change_points", "common_mode", "levelled", "levels", "without_outliers"]
-
 Floats: TypeAlias = NDArray[np.float64]
 
 CHANCE = 1e-3

@@ -22,8 +22,6 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Convergence", "Ended", "convergence", "horizon", "slopes"]
-
 Floats: TypeAlias = NDArray[np.float64]
 Ended: TypeAlias = Literal["end", "horizon", "no shrinking"]
 

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from harness.statistics.change_points import FEWEST, without_outliers
 
-__all__ = ["one_drift"]
-
 Floats: TypeAlias = NDArray[np.float64]
 
 MARGIN = 6.0

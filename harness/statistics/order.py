@@ -8,8 +8,6 @@ import numpy as np
 
 from harness.statistics.student import percentile
 
-__all__ = ["Order", "Slope", "falls_short", "fit_order", "fit_slope"]
-
 FEWEST = 3
 """Points on the slope: two give a line without an interval."""
 

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["near_front", "on_front", "price", "prices_of_draws"]
-
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 STEEPEST = 8.5

@@ -2,8 +2,6 @@
 
 import math
 
-__all__ = ["Z_95", "wilson_interval"]
-
 Z_95 = 1.959963984540054
 """The 97.5 % quantile of the standard normal distribution."""
 

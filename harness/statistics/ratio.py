@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from harness.statistics.bootstrap import interval_of_median
 
-__all__ = ["Ratio", "ratio"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ratio:

@@ -28,8 +28,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Extrapolation", "Limit", "extrapolate", "limit", "observed_order"]
-
 Floats: TypeAlias = NDArray[np.float64]
 Size: TypeAlias = Callable[[Floats], Floats]
 """From values (t, ...) to their sizes (t,)."""

@@ -1,9 +1,17 @@
-"""Student's t: percentiles and tails, from `scipy.special` alone; `scipy.stats` hands on the same and costs half a second more.
+"""Student's t: percentiles, tails, and the means of small samples with their intervals.
+
+From `scipy.special` alone; `scipy.stats` hands on the same and costs half a second more.
 
 Source: Student, Biometrika 6 (1908) 1.
 """
 
-__all__ = ["percentile", "tail"]
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+CONFIDENCE = 0.99
+"""Of an interval: of ten that are compared pair by pair, half a pair is told apart by chance at 99 %, and two at 95 %."""
 
 
 def percentile(share: float, freedom: float) -> float:
@@ -18,3 +26,25 @@ def tail(value: float, freedom: float) -> float:
     from scipy.special import stdtr  # late, too
 
     return float(stdtr(freedom, -value))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mean:
+    """Terms: value; half: half of its interval at `CONFIDENCE`, infinite for less than two samples; count."""
+
+    value: float
+    half: float
+    count: int
+
+
+def mean_of(samples: Sequence[float]) -> Mean:
+    """The mean with Student's interval; of samples that are not finite it is NaN.
+
+    Source: Student, Biometrika 6 (1908) 1.
+    """
+    values = np.array(samples, float)
+    n = len(values)
+    if n < 2:
+        return Mean(value=float(values.mean()) if n else float("nan"), half=float("inf"), count=n)
+    error = float(values.std(ddof=1)) / n**0.5
+    return Mean(value=float(values.mean()), half=percentile(0.5 + CONFIDENCE / 2, n - 1) * error, count=n)

@@ -7,8 +7,6 @@ from typing import Any
 from harness.case import Axis, Case
 from harness.study.experiment import Experiment, Limit, StudyError
 
-__all__ = ["axis_among", "axis_of", "steps_of"]
-
 BEYOND = 4.0
 """A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""
 

@@ -8,8 +8,6 @@ from harness.adapter.features import features_of
 from harness.case import Case
 from harness.study.plugins import version_of
 
-__all__ = ["describe_case", "describe_engine"]
-
 
 def describe_case(case: Case) -> dict[str, Any]:
     """A case as a JSON-ready row: question, truth, effects, source, parameters, checks with their derivations."""

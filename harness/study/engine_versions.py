@@ -9,8 +9,6 @@ from pathlib import Path
 from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 
-__all__ = ["EngineVersion", "VersionError", "asked", "engine_of", "named_by", "version_asked", "version_wanted"]
-
 _VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.!+_-]{0,49}")
 _WHEEL = re.compile(r"(?P<distribution>[^-]+)-(?P<version>[^-]+)(-\d[^-]*)?-[^-]+-[^-]+-[^-]+\.whl")
 """Source: Python Packaging User Guide, 'Binary distribution format': file name convention."""

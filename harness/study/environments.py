@@ -21,18 +21,6 @@ from harness.store import disk
 from harness.study.engine_versions import version_asked
 from harness.study.sources import libraries
 
-__all__ = [
-    "Environment",
-    "elsewhere",
-    "environment_of",
-    "folder_of",
-    "inside",
-    "installed_folders",
-    "keep",
-    "project_folders",
-    "root",
-]
-
 _FILE = "environment.json"
 
 

@@ -14,9 +14,6 @@ from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
 from harness.scene.values import FROZEN, Name
-from harness.study.refinement import Refinement
-
-__all__ = ["Change", "Each", "Experiment", "FolderName", "Limit", "Some", "StudyError", "Track", "Variant", "experiment_from"]
 
 Track = Literal["default", "tuned"]
 Change = Literal["iterations", "law"]
@@ -115,6 +112,26 @@ class Limit:
     members: int = Field(default=16, ge=2, le=100_000)
     remedies: Annotated[tuple[Track, ...], Each] = ()
     parts: Annotated[tuple[Annotated[int, Field(ge=1, le=1000)], ...], Each] = ()
+
+
+@validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Refinement:
+    """How far a ladder of time steps goes on below the steps that an experiment names, and what is run where that ends.
+
+    See `harness.search.refined_ladder`.
+
+    Terms:
+        finest [s]: the time step that every engine's ladder is halved down to. further: halvings beyond it, for an engine whose
+        limit is not known to the end yet. budget [s]: CPU time of all runs of the experiment, shared alike by its engines and
+        tracks. members: perturbed starts that are run where no two engines' limits are known to the end, at the time step
+        `member_dt` [s].
+    """
+
+    finest: Step = 1 / 3840
+    further: Annotated[int, Field(ge=0, le=10)] = 2
+    budget: Annotated[float, Field(ge=0, le=1e7)] = 120.0
+    members: Annotated[int, Field(ge=0, le=1000)] = 8
+    member_dt: Step = 1 / 960
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)

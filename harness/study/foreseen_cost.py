@@ -9,8 +9,6 @@ from harness.intake.allowance import beyond
 from harness.intake.safe_text import quoted, readable
 from harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
 
-__all__ = ["NoScene", "misfit", "scene_at", "too_much"]
-
 
 class NoScene(ValueError):
     """Parameters at which a case has no scene; the message names the case, the parameters and the reason."""

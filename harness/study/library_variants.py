@@ -21,8 +21,6 @@ from threadpoolctl import threadpool_info
 from harness.case.alteration import Variables
 from harness.intake.safe_text import quoted
 
-__all__ = ["LIBRARY_VARIANTS", "LibraryVariant", "obstacle"]
-
 _NAMED_SINCE = (2, 33)
 """The release of glibc from which on its features have the names that stand below."""
 

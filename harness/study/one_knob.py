@@ -6,8 +6,6 @@ from typing import Any
 
 from harness.adapter import Settings
 
-__all__ = ["OPTION", "Turn", "position", "turn_between", "turned", "turns"]
-
 OPTION = "options."
 """How a knob begins that is one of `Settings.options`."""
 
@@ -60,3 +58,11 @@ def turn_between(before: Mapping[str, Any], after: Mapping[str, Any]) -> Turn | 
     ]
     moved = [name for name in dict.fromkeys([*flat[0], *flat[1]]) if flat[0].get(name) != flat[1].get(name)]
     return Turn(moved[0], flat[1].get(moved[0])) if len(moved) == 1 else None
+
+
+def label_of(track: str, turned: Iterable[tuple[str, object]]) -> str:
+    """'tuned, iterations 40': what trials, tables and pages call the settings that a search went on to from a track.
+
+    Args: turned: the knobs with their values.
+    """
+    return ", ".join((track, *(f"{knob} {value}" for knob, value in turned)))

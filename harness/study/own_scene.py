@@ -2,11 +2,8 @@
 for."""
 
 from harness.case import Case
-from harness.study.experiment import Experiment
-from harness.study.refinement import Refinement
+from harness.study.experiment import Experiment, Refinement
 from harness.study.study import Study
-
-__all__ = ["study_of"]
 
 HALVED = 16
 """What part of the first step the ladder is halved down to at least."""

@@ -24,20 +24,6 @@ from harness.scene import Scene
 from harness.study import environments
 from harness.study.engine_versions import asked, engine_of, version_asked
 
-__all__ = [
-    "SCENE_PREFIX",
-    "PluginError",
-    "adapter",
-    "adapters",
-    "case",
-    "cases",
-    "left_out",
-    "metrics",
-    "module_of",
-    "names",
-    "version_of",
-]
-
 _LONGEST_VERSION = 100
 SCENE_PREFIX = OWN
 

@@ -11,8 +11,6 @@ from pathlib import Path
 from harness.scene.importers.companion import beside
 from harness.study import plugins, sources
 
-__all__ = ["files_of", "sources_of", "what_changed"]
-
 _ANSWERING = ("harness.trial.accuracy", "harness.trial.ensemble", "harness.case.alteration")
 """From scene to record: what they import steps, samples, alters and measures."""
 _WORDS = {

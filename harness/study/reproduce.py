@@ -10,8 +10,6 @@ from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
 from harness.study.trial import Trial
 
-__all__ = ["trial_of"]
-
 
 def trial_of(store: Store, name: str) -> Trial:
     """The trial whose name starts with `name`, with the settings that were requested and the limits that were set then.

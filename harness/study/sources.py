@@ -15,8 +15,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from textwrap import dedent
 
-__all__ = ["closure", "digest_of", "file_digests", "keeps", "libraries", "library_versions", "named", "short_name"]
-
 _OURS = ("adapters", "cases", "engine", "harness")
 _WHOLE = "engine"
 """A package that counts as one: its modules load each other on first use."""

@@ -7,8 +7,6 @@ from harness.store.older_schemas import change_in_name
 from harness.store.store import Store, StoreError
 from harness.study.experiment import Experiment, StudyError, experiment_from
 
-__all__ = ["Departure", "departures_of", "experiments_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class Departure:

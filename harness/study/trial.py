@@ -16,8 +16,6 @@ from harness.study.experiment import Experiment, StudyError
 from harness.study.foreseen_cost import NoScene, scene_at
 from harness.trajectory import State
 
-__all__ = ["Trial", "question_of", "scene_of"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:

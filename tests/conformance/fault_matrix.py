@@ -1,10 +1,10 @@
-"""Which check of which case catches which planted fault: every negative control on every case that it applies to.
+"""Which check of which case catches which planted fault: every fault on every case that it applies to.
 
 The reference engine answers each case soundly, then once with each fault. The page `docs/planted_faults.md` is the answer;
 
     python -m tests.conformance.fault_matrix
 
-writes it anew, after a case or a control has changed.
+writes it anew, after a case or a fault has changed.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -15,11 +15,11 @@ from pathlib import Path
 
 from harness.adapter import Adapter
 from harness.case import Case
-from harness.conformance import CONTROLS, Control
 from harness.scene import Scene
 from harness.study import plugins
 from harness.trajectory import Trajectory
 from tests.conformance.put import put
+from tests.planted_faults import FAULTS, Fault
 
 __all__ = ["FILE", "NAMED", "Catch", "applied", "broken_checks", "caught", "known", "steps", "sound_failures"]
 
@@ -89,10 +89,10 @@ def broken_checks(
     return {name: f"{m.value:.2g} / {m.at_most:.2g}" for name, m in answer.broken.items()}
 
 
-def applied(control: Control) -> Iterator[Case]:
+def applied(fault: Fault) -> Iterator[Case]:
     """The cases that should notice a fault."""
     for case in plugins.cases().values():
-        if any(fnmatchcase(case.name, pattern) for pattern in control.applies_to_cases):
+        if any(fnmatchcase(case.name, pattern) for pattern in fault.cases):
             yield case
 
 
@@ -107,12 +107,12 @@ def sound_failures(case: str, dt: float) -> Mapping[str, str]:
     return broken_checks(plugins.case(case), plugins.adapter("reference"), dt)
 
 
-def caught(control: Control, case: Case, only: float | None = None) -> Catch | None:
+def caught(fault: Fault, case: Case, only: float | None = None) -> Catch | None:
     """How a case notices a fault, at the first step where it does; None where it does not, or where a sound engine fails."""
     for dt in steps(case) if only is None else (only,):
         if sound_failures(case.name, dt):
             return None
-        if found := broken_checks(case, control.plant(plugins.adapter("reference")), dt, control.spoil, control.sensors):
+        if found := broken_checks(case, fault.plant(plugins.adapter("reference")), dt, fault.spoil, fault.sensors):
             return Catch(dt, found)
     return None
 
@@ -129,17 +129,17 @@ def known() -> dict[tuple[str, str], tuple[float, frozenset[str]]]:
 def page() -> Iterator[str]:
     """The lines of the page."""
     rows = []
-    for control in CONTROLS:
-        namers = ", ".join(f"`{name}`" for name in control.caught_by or control.applies_to_cases)
-        rows.append(f"| {control.fault} | `{control.name}` | {namers} |")
-    yield from HEAD.format(count=len(CONTROLS), rows="\n".join(rows)).splitlines()
-    for control in CONTROLS:
-        for case in applied(control):
-            found = caught(control, case)
+    for fault in FAULTS:
+        namers = ", ".join(f"`{name}`" for name in fault.seen_by or fault.cases)
+        rows.append(f"| {fault.words} | `{fault.name}` | {namers} |")
+    yield from HEAD.format(count=len(FAULTS), rows="\n".join(rows)).splitlines()
+    for fault in FAULTS:
+        for case in applied(fault):
+            found = caught(fault, case)
             told = "nothing" if found is None else "; ".join(f"{name} {what}" for name, what in found.checks.items())
-            print(f"{control.name:40} {case.name:30} {told}")
+            print(f"{fault.name:40} {case.name:30} {told}")
             if found is not None:
-                yield f"| `{control.name}` | `{case.name}` | {1 / found.dt:g} | {told} |"
+                yield f"| `{fault.name}` | `{case.name}` | {1 / found.dt:g} | {told} |"
 
 
 if __name__ == "__main__":

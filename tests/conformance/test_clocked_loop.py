@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 
 from harness.adapter import Adapter, Settings, Simulation
-from harness.conformance.faults.plant import plant
 from harness.scene import Scene
 from harness.study import plugins
 from harness.trajectory import State
 from tests.conformance.clocked_loop import Called, clocked_calls, growth, made
+from tests.planted_faults.planting import plant
 
 READING = {"state", "contacts", "cast", "render", "save", "warnings", "resolved"}
 """What the harness asks of a simulation beside `step`."""

@@ -5,12 +5,14 @@ import re
 from collections import Counter
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance import CHECKS, ConformanceCheck, Finding, gate, run_check, run_conformance
+from harness.conformance import CHECKS, ConformanceCheck, Finding, checks, gate, run_check, run_conformance
+from harness.conformance.catalogue import SUBJECTS
 from harness.conformance.checks.contract.features import PROBED
 from harness.conformance.checks.contract.protocol import loaded_at_once
 from harness.scene import Scene
@@ -85,6 +87,12 @@ def test_names_of_checks_are_unique_and_snake_case() -> None:
     assert not [name for name, count in counts.items() if count > 1]
     # Frames keep their capitals: angular_velocity_is_in_W.
     assert all(re.fullmatch(r"[a-z][a-z0-9]*(_([a-z0-9]+|[ABW]))*", name) for name in counts)
+
+
+def test_every_file_of_checks_is_asked() -> None:
+    folder = Path(checks.__path__[0])
+    files = {".".join(path.relative_to(folder).with_suffix("").parts) for path in folder.glob("*/*.py")}
+    assert {name for name in files if not name.endswith("__init__")} == set(SUBJECTS)
 
 
 def test_every_feature_is_needed_by_a_check_or_tried_by_the_probe_of_features() -> None:

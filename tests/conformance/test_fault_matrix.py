@@ -4,12 +4,13 @@ from fnmatch import fnmatchcase
 
 import pytest
 
-from harness.conformance import CONTROLS, Control
-from harness.conformance.faults.plant import Rewritten, plant
 from harness.study import plugins
+from harness.trajectory import State
 from tests.conformance.fault_matrix import FILE, NAMED, applied, broken_checks, caught, known, sound_failures, steps
+from tests.planted_faults import FAULTS, Fault
+from tests.planted_faults.planting import Rewritten, plant
 
-CONTROL = {control.name: control for control in CONTROLS}
+FAULT = {fault.name: fault for fault in FAULTS}
 QUICK = (
     ("gravity_upside_down", "flight_projectile"),
     ("gravity_upside_down", "rest_penetration"),
@@ -39,16 +40,16 @@ DEAR = {("sleeping", "friction_threshold"), ("noise_from_one_seed", "sensor_imu_
 
 def test_the_page_counts_and_names_every_planted_fault() -> None:
     text = FILE.read_text(encoding="utf-8")
-    assert f"in one way, {len(CONTROLS)} ways in all" in text
-    assert not [name for name in CONTROL if f"| `{name}` |" not in text]
+    assert f"in one way, {len(FAULTS)} ways in all" in text
+    assert not [name for name in FAULT if f"| `{name}` |" not in text]
 
 
-def _look(control: Control, case: str) -> None:
-    dt, checks = known()[control.name, case]
+def _look(fault: Fault, case: str) -> None:
+    dt, checks = known()[fault.name, case]
     rung = next(step for step in steps(plugins.case(case)) if step == pytest.approx(dt, rel=1e-5))
     assert not sound_failures(case, rung), f"the sound engine fails {sound_failures(case, rung)}"
-    found = caught(control, plugins.case(case), rung)
-    assert found is not None, f"{case} no longer notices {control.fault}"
+    found = caught(fault, plugins.case(case), rung)
+    assert found is not None, f"{case} no longer notices {fault.words}"
     assert checks & set(found.checks), f"{sorted(found.checks)} noticed instead of {sorted(checks)}"
 
 
@@ -56,7 +57,7 @@ def _look(control: Control, case: str) -> None:
     ("fault", "case"), [pytest.param(*two, marks=pytest.mark.slow if two in DEAR else ()) for two in QUICK]
 )
 def test_two_cases_notice_each_of_the_ten_faults(fault: str, case: str) -> None:
-    _look(CONTROL[fault], case)
+    _look(FAULT[fault], case)
 
 
 def test_the_ten_faults_are_looked_for_twice_each() -> None:
@@ -68,31 +69,33 @@ def test_the_page_holds_every_fault_twice_and_knows_its_controls_and_cases() -> 
     rows = known()
     for fault in NAMED:
         assert sum(row[0] == fault for row in rows) >= 2, fault
-    assert {fault for fault, _ in rows} <= set(CONTROL)
+    assert {fault for fault, _ in rows} <= set(FAULT)
     assert {case for _, case in rows} <= set(plugins.cases())
 
 
 def test_patterns_name_cases_that_exist() -> None:
-    for control in CONTROLS:
-        for pattern in control.applies_to_cases:
-            assert any(fnmatchcase(case, pattern) for case in plugins.cases()), (control.name, pattern)
+    for fault in FAULTS:
+        for pattern in fault.cases:
+            assert any(fnmatchcase(case, pattern) for case in plugins.cases()), (fault.name, pattern)
 
 
 @pytest.mark.parametrize("case", ["friction_wall_pinch", pytest.param("friction_threshold", marks=pytest.mark.slow)])
 def test_an_engine_that_is_built_anew_in_each_step_without_a_fault_fails_nothing(case: str) -> None:
     """Sleep is planted by building anew: what the cases notice has to be the sleep, not the planting."""
     question = plugins.case(case)
-    rebuilt = plant(
-        plugins.adapter("reference"),
-        simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, lambda *_: True),
-    )
+
+    class Rebuilt(Rewritten):
+        def edit(self, before: State, after: State, dt: float) -> bool:
+            return True
+
+    rebuilt = plant(plugins.adapter("reference"), simulation=Rebuilt)
     assert not broken_checks(question, rebuilt, question.dt)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("control", [c for c in CONTROLS if c.applies_to_cases], ids=lambda control: control.name)
-def test_every_case_notices_the_faults_that_it_should(control: Control) -> None:
-    missed = [case.name for case in applied(control) if (control.name, case.name) not in known()]
-    assert not missed, f"{control.fault} is not on the page for {missed}"
-    for case in applied(control):
-        _look(control, case.name)
+@pytest.mark.parametrize("fault", [fault for fault in FAULTS if fault.cases], ids=lambda fault: fault.name)
+def test_every_case_notices_the_faults_that_it_should(fault: Fault) -> None:
+    missed = [case.name for case in applied(fault) if (fault.name, case.name) not in known()]
+    assert not missed, f"{fault.words} is not on the page for {missed}"
+    for case in applied(fault):
+        _look(fault, case.name)

@@ -2,25 +2,27 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import count
 
 import numpy as np
 import pytest
 
 from harness.adapter import Adapter, Feature
-from harness.conformance import CHECKS, CONTROLS, Control, noise_axes_are_independent, run_check
-from harness.conformance.faults.plant import Rewritten, Wrapped, plant
-from harness.conformance.faults.sound_engines import any_order, either_sign
+from harness.conformance import CHECKS, noise_axes_are_independent, run_check
 from harness.scene import AxisNoise
 from harness.sensors.imu_noise import three_axes
 from harness.study import plugins
-from harness.trajectory import Trajectory
+from harness.trajectory import State, Trajectory
 from tests.conformance import fault_matrix
 from tests.conformance.engines import NAMES, adapter, outcome_of, why_unavailable
+from tests.planted_faults import FAULTS, Fault
+from tests.planted_faults.planting import Rewritten, Wrapped, plant
+from tests.planted_faults.sound_engines import AnyOrder, EitherSign
 
-ON_ENGINES = tuple(control for control in CONTROLS if not control.on_trajectory)
-ON_TRAJECTORIES = tuple(control for control in CONTROLS if control.on_trajectory and control.caught_by)
-ON_READINGS = tuple(control for control in CONTROLS if control.on_trajectory and not control.caught_by)
+ON_ENGINES = tuple(fault for fault in FAULTS if not fault.on_trajectory)
+ON_TRAJECTORIES = tuple(fault for fault in FAULTS if fault.on_trajectory and fault.seen_by)
+ON_READINGS = tuple(fault for fault in FAULTS if fault.on_trajectory and not fault.seen_by)
 """Faults that only cases of sensors can see: those that the control names."""
 CHECK = {check.name: check for check in CHECKS}
 
@@ -31,51 +33,49 @@ def caught() -> set[str]:
     return set()
 
 
-def _candidates(control: Control) -> list[Adapter]:
+def _candidates(fault: Fault) -> list[Adapter]:
     """The engines on which the fault can show: none of its checks is a failure that they declare. MuJoCo comes first."""
     order = sorted(NAMES, key=lambda name: (name not in {"mujoco", "reference"}, name))
     present = [adapter(name) for name in order if not why_unavailable(name)]
-    excused = {f"tuned/{check}" for check in control.caught_by}
-    return [one for one in present if control.needs in one.features and not excused & set(one.known_failures)]
+    excused = {f"tuned/{check}" for check in fault.seen_by}
+    return [one for one in present if fault.needs in one.features and not excused & set(one.known_failures)]
 
 
-@pytest.mark.parametrize("control", ON_ENGINES, ids=lambda control: control.name)
-def test_a_planted_fault_is_caught_and_named(control: Control, caught: set[str]) -> None:
-    candidates = _candidates(control)
-    assert candidates, f"no installed engine has {control.needs.names}"
+@pytest.mark.parametrize("fault", ON_ENGINES, ids=lambda fault: fault.name)
+def test_a_planted_fault_is_caught_and_named(fault: Fault, caught: set[str]) -> None:
+    candidates = _candidates(fault)
+    assert candidates, f"no installed engine has {fault.needs.names}"
     engine = candidates[0]
-    checks = [CHECK[name] for name in control.caught_by]
-    sound = {name: outcome_of(engine.name, "tuned", name) for name in control.caught_by}
+    checks = [CHECK[name] for name in fault.seen_by]
+    sound = {name: outcome_of(engine.name, "tuned", name) for name in fault.seen_by}
     assert {o.status for o in sound.values()} == {"passed"}, [(n, o.status, o.message) for n, o in sound.items()]
-    broken = {check.name: run_check(control.plant(engine), "tuned", check) for check in checks}
+    broken = {check.name: run_check(fault.plant(engine), "tuned", check) for check in checks}
     missed = [(name, outcome.status, outcome.message) for name, outcome in broken.items() if outcome.status != "failed"]
-    assert not missed, f"{control.fault} on {engine.name} went unnoticed by {missed}"
-    caught.add(control.name)
+    assert not missed, f"{fault.words} on {engine.name} went unnoticed by {missed}"
+    caught.add(fault.name)
 
 
-@pytest.mark.parametrize("control", ON_TRAJECTORIES, ids=lambda control: control.name)
-def test_a_fault_in_recorded_streams_is_caught_and_named(control: Control, caught: set[str]) -> None:
+@pytest.mark.parametrize("fault", ON_TRAJECTORIES, ids=lambda fault: fault.name)
+def test_a_fault_in_recorded_streams_is_caught_and_named(fault: Fault, caught: set[str]) -> None:
     time = np.arange(4000) / 400.0
     noise = three_axes(AxisNoise(density=2e-3), len(time), 1 / 400, 7, "imu", "accelerometer")
     streams = {"imu/accelerometer": np.array([0.0, 0.0, 9.81]) + noise, "imu/accelerometer/time": time}
     sound = replace(Trajectory.of(np.zeros(1), 1), streams=streams)
-    assert control.caught_by == ("noise_axes_are_independent",)
+    assert fault.seen_by == ("noise_axes_are_independent",)
     assert noise_axes_are_independent(sound).status == "passed"
-    assert noise_axes_are_independent(control.spoil(sound)).status == "failed"
-    caught.add(control.name)
+    assert noise_axes_are_independent(fault.spoil(sound)).status == "failed"
+    caught.add(fault.name)
 
 
 @pytest.mark.parametrize(
-    ("control", "case"),
-    [(c, name) for c in ON_READINGS for name in c.applies_to_cases],
+    ("fault", "case"),
+    [(fault, name) for fault in ON_READINGS for name in fault.cases],
     ids=lambda one: getattr(one, "name", one),
 )
-def test_a_fault_in_readings_is_caught_by_every_case_that_the_control_names(
-    control: Control, case: str, caught: set[str]
-) -> None:
-    found = fault_matrix.caught(control, plugins.case(case), plugins.case(case).dt)
-    assert found is not None, f"{control.fault} went unnoticed by {case}, or the sound engine fails it"
-    caught.add(control.name)
+def test_a_fault_in_readings_is_caught_by_every_case_that_the_control_names(fault: Fault, case: str, caught: set[str]) -> None:
+    found = fault_matrix.caught(fault, plugins.case(case), plugins.case(case).dt)
+    assert found is not None, f"{fault.words} went unnoticed by {case}, or the sound engine fails it"
+    caught.add(fault.name)
 
 
 def test_every_control_is_caught(caught: set[str], capsys: pytest.CaptureFixture[str]) -> None:
@@ -83,8 +83,8 @@ def test_every_control_is_caught(caught: set[str], capsys: pytest.CaptureFixture
     if not caught:
         pytest.skip("run with the whole file: it counts what the tests before it caught")
     with capsys.disabled():
-        print(f"\nnegative controls: caught {len(caught)} of {len(CONTROLS)}")
-    assert caught == {control.name for control in CONTROLS}
+        print(f"\nnegative controls: caught {len(caught)} of {len(FAULTS)}")
+    assert caught == {fault.name for fault in FAULTS}
 
 
 @pytest.mark.slow
@@ -94,27 +94,27 @@ def test_every_check_can_fail() -> None:
     # Read off the adapter's own file or class, which no wrapper changes; each has a test of its own in test_conformance.
     elsewhere = {"imports_without_its_vendor", "declarations_are_well_formed", "version_is_a_string", "warnings_are_strings"}
     waiting = {c.name for c in CHECKS if c.needs in engine.features} - elsewhere
-    for control in ON_ENGINES:
-        if control.needs in engine.features and control.name not in {"hidden_damping", "sleeping"}:
-            broken = control.plant(engine)
+    for fault in ON_ENGINES:
+        if fault.needs in engine.features and fault.name not in {"hidden_damping", "sleeping"}:
+            broken = fault.plant(engine)
             waiting -= {name for name in waiting if run_check(broken, "tuned", CHECK[name]).status == "failed"}
     assert not waiting
 
 
 def test_controls_have_unique_names_and_name_real_checks() -> None:
-    names = [control.name for control in CONTROLS]
+    names = [fault.name for fault in FAULTS]
     assert len(set(names)) == len(names) >= 90
-    for control in ON_ENGINES:
-        assert set(control.caught_by) <= set(CHECK), control.name
-        assert control.caught_by
+    for fault in ON_ENGINES:
+        assert set(fault.seen_by) <= set(CHECK), fault.name
+        assert fault.seen_by
 
 
 def both(engine: Adapter) -> Adapter:
     """It tells q or -q, and its contacts in another order."""
-    return either_sign(any_order(engine))
+    return plant(plant(engine, simulation=AnyOrder), simulation=EitherSign)
 
 
-ONE_BY_ONE = [pytest.param(either_sign, marks=pytest.mark.slow), pytest.param(any_order, marks=pytest.mark.slow)]
+ONE_BY_ONE = [pytest.param(partial(plant, simulation=kind), marks=pytest.mark.slow) for kind in (EitherSign, AnyOrder)]
 
 
 @pytest.mark.parametrize("sound", [both, *ONE_BY_ONE], ids=["both", "either_sign", "any_order"])
@@ -135,14 +135,11 @@ def test_a_wrapped_engine_without_a_fault_behaves_as_the_engine_inside() -> None
     """The wrapper itself must not be what the checks catch: one that builds anew does so after every tenth step."""
     engine, steps = _candidates(ON_ENGINES[0])[0], count(1)
 
-    def tenth(*_: object) -> bool:
-        return next(steps) % 10 == 0
+    class Tenth(Rewritten):
+        def edit(self, before: State, after: State, dt: float) -> bool:
+            return next(steps) % 10 == 0
 
-    for wrapped in (
-        plant(engine),
-        plant(engine, simulation=lambda inner, _, scene, settings: Wrapped(inner, scene, settings)),
-        plant(engine, simulation=lambda inner, one, scene, settings: Rewritten(inner, one, scene, settings, tenth)),
-    ):
+    for wrapped in (plant(engine), plant(engine, simulation=Wrapped), plant(engine, simulation=Tenth)):
         for name in ("initial_state_comes_back", "hidden_damping_is_off", "velocity_is_not_clamped", "sleeping_is_off"):
             outcome = run_check(wrapped, "tuned", CHECK[name])
             assert outcome.status == "passed", (name, outcome.message)

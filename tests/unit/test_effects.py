@@ -3,18 +3,19 @@
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Diverged, Settings, Simulation
+from harness.adapter import Adapter, Diverged
 from harness.case import Case, Check
 from harness.case.alteration import EVERYTHING, FINER, Alteration
 from harness.case.own_titles import called
 from harness.cli.minimal_scene import write_minimal
-from harness.conformance.faults.plant import Wrapped, plant
 from harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
 from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
 from harness.metrics.divergence import DIVERGENCE
@@ -33,6 +34,7 @@ from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.accuracy import run_trial
 from reports.pages.effects import PAGE
+from tests.planted_faults.planting import Wrapped, plant
 
 HALF = (0.1, 0.15, 0.2)
 
@@ -261,7 +263,7 @@ def test_the_doubt_says_by_how_much_halving_the_step_moves_a_body() -> None:
 def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
     """Neither the whole scene, where it diverges as it is, nor an effect without which it gives no answer."""
     sound = plugins.adapter("reference")
-    lost = plant(sound, simulation=lambda inner, _, scene, asked: Lost(inner, scene, asked))
+    lost = plant(sound, simulation=Lost)
     told = rows(studied(case_of("slide_made", sliding()), lost))
     assert audit(told).judged == ()
     assert sentences(told) == [
@@ -288,18 +290,18 @@ class Lost(Wrapped):
 class Wrong(Wrapped):
     """An engine whose bodies drift aside at a speed [m/s] of its own, that depends on the time step and not on the scene."""
 
-    def __init__(self, inner: Simulation, scene: Scene, settings: Settings, aside: Callable[[float], float]) -> None:
-        super().__init__(inner, scene, settings)
-        self.speed, self.steps = aside(settings.dt), 0
+    def __init__(self, *built: Any, aside: Callable[[float], float]) -> None:
+        super().__init__(*built)
+        self.speed, self.steps = aside(self.asked.dt), 0
 
     def step(self, count: int = 1) -> None:
         """As inside, counted."""
         self.steps += count
-        super().step(count)
+        self.inner.step(count)
 
     def state(self, out: State) -> None:
         """Where bodies are inside, and the drift."""
-        super().state(out)
+        self.inner.state(out)
         out.p_WB[1:, 1] += self.speed * self.steps * self.asked.dt
 
 
@@ -330,7 +332,7 @@ def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
     Gyroscopic terms of a ball do nothing at all: a sound judge proposes to leave them out.
     """
     sound = plugins.adapter("reference")
-    wrong = replace(plant(sound, simulation=lambda inner, _, scene, asked: Wrong(inner, scene, asked, aside)), name=name)
+    wrong = replace(plant(sound, simulation=partial(Wrong, aside=aside)), name=name)
     store = studied(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)), wrong)
     told = {row["effect"]: row for row in rows(store)}
     assert told["friction"]["verdict"] == NOT_JUDGED

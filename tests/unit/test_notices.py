@@ -11,8 +11,7 @@ import pytest
 from harness.adapter import Notice, Settings, Simulation
 from harness.adapter.notice import as_notices
 from harness.adapter.what_comes_out import Answering, BrokenContract
-from harness.conformance.checks.contract.effects import CHECKS
-from harness.conformance.faults.plant import plant
+from harness.conformance import CHECKS
 from harness.scene import Body, Effect, Scene
 from harness.store.journal import Journal, read_journal
 from harness.store.notices import StoredNotice
@@ -21,6 +20,7 @@ from harness.store.store import Store, write_tables
 from harness.study import plugins
 from harness.study.study import Experiment, Trial
 from harness.trial.accuracy import run_trial
+from tests.planted_faults.planting import plant
 
 SURPLUS = StoredNotice("gyroscopic (no switch)", "surplus", "gyroscopic")
 MISSING = StoredNotice("continuous_collision: dartpy's step has none", "missing", "continuous_collision")

@@ -10,11 +10,9 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from harness.adapter import Adapter, Settings, Simulation
+from harness.adapter import Adapter, Settings
 from harness.cli.main import main
-from harness.conformance.faults.plant import Wrapped, plant
 from harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
-from harness.scene import Scene
 from harness.store.journal import Journal
 from harness.store.record import Measurement, Record
 from harness.store.store import Store
@@ -24,6 +22,7 @@ from harness.study.experiment import Experiment
 from harness.study.study import Study
 from harness.trial.accuracy import run_trial
 from tests.links import texts_of
+from tests.planted_faults.planting import Wrapped, plant
 from tests.run_folder import write_run_folder
 
 LADDER = [1 / 60 / 2**k for k in range(6)]
@@ -149,11 +148,7 @@ class _Claims(Wrapped):
 
 def _slower(adapter: Adapter) -> Adapter:
     """Runge and Kutta are asked for, Euler answers."""
-
-    def claims(inner: Simulation, _: Adapter, scene: Scene, settings: Settings) -> Simulation:
-        return _Claims(inner, scene, settings)
-
-    return plant(adapter, settings=lambda one: replace(one, integrator="semi_implicit_euler"), simulation=claims)
+    return plant(adapter, settings=lambda asked: replace(asked, integrator="semi_implicit_euler"), simulation=_Claims)
 
 
 @pytest.mark.parametrize(("kind", "told"), [(lambda adapter: adapter, "kept"), (_slower, "broken")])

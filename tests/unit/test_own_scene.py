@@ -23,8 +23,8 @@ from harness.scene import Body, Scene, sphere_inertia
 from harness.scene.file import dump_toml
 from harness.store.store import Store
 from harness.study import plugins
+from harness.study.experiment import Refinement
 from harness.study.own_scene import study_of
-from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports import build, html, write_recordings
 from reports.page import pages

@@ -14,8 +14,7 @@ from harness.case.starts import perturbed
 from harness.scene import Body, Scene, sphere_inertia
 from harness.search.refined_ladder import next_trials, start_name
 from harness.store.record import Record
-from harness.study.experiment import Experiment
-from harness.study.refinement import Refinement
+from harness.study.experiment import Experiment, Refinement
 from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome

@@ -8,8 +8,7 @@ import pytest
 
 from harness.study import plugins
 from harness.study.experiment import Experiment, StudyError, Variant
-from harness.study.roll_call import call_roll
-from harness.study.study import Study, load_study
+from harness.study.study import Study, call_roll, load_study
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 

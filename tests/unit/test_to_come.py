@@ -9,8 +9,7 @@ from harness.search.first_break import next_trials
 from harness.search.front import PER_ROUND, SCREENING
 from harness.search.to_come import to_come
 from harness.store.record import Record
-from harness.study.experiment import Experiment, Limit
-from harness.study.refinement import Refinement
+from harness.study.experiment import Experiment, Limit, Refinement
 from harness.study.study import Study
 from harness.study.trial import Trial
 from harness.trial.ensemble import endure

@@ -20,8 +20,8 @@ from harness.scene.importers.companion import Companion, JointWish
 from harness.store.imported_scenes import keep, unsound
 from harness.store.store import Store
 from harness.study import plugins
+from harness.study.experiment import Refinement
 from harness.study.own_scene import study_of
-from harness.study.refinement import Refinement
 from harness.study.study import Study
 from reports.pages.scene import PAGE
 from reports.text import powers

@@ -18,7 +18,7 @@ from harness.scene import Scene
 from harness.scene.file import parse
 from harness.search.own_limits import ANSWERED, TOLERANCE, place_of
 from harness.search.refined_ladder import start_name
-from harness.statistics.means import Mean, mean_of
+from harness.statistics.student import Mean, mean_of
 from harness.store.store import Store
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import movable, rotate_back

@@ -6,7 +6,7 @@ from math import pi, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import COARSE, FINE, built, final, state_of
 from harness.conformance.scenes import TURNED, ball, on_ground
@@ -24,12 +24,11 @@ from harness.scene import (
     principal_inertia,
 )
 
-__all__ = ["CHECKS"]
-
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-def _compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a body of three shapes touch with each of them, the last one too?", Feature.COMPOUND | Feature.SPHERE, firm=True)
+def compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Finding:
     """Tables whose centre of mass hangs over one leg each: whichever leg of the three is missing, one of them tips at once."""
     corners = [(0.3, 0.0), (-0.15, 0.26), (-0.15, -0.26)]
     tables = []
@@ -56,7 +55,12 @@ def _compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Fin
     )
 
 
-def _compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is each shape of a body turned by its own q_BS, the later ones too?",
+    Feature.COMPOUND | Feature.SPHERE | Feature.BOX,
+    firm=True,
+)
+def compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings) -> Finding:
     """A frame on a ball and two long boxes, the first laid along y and the second stood upright by their q_BS.
 
     Its centre of mass hangs 5 cm beside the line of the places of its shapes: 40 cm of box hold it, 6 cm do not.
@@ -82,7 +86,10 @@ def _compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings
     )
 
 
-def _plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a plane stand where p_BS and q_BS place it in its body, or is it refused?", Feature.PLANE | Feature.SPHERE, firm=True
+)
+def plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Finding:
     """A plane raised by p_BS and turned by q_BS in a body that is turned itself holds a ball; or it is refused."""
     slope = axis_angle((0.0, 1.0, 0.0), 0.5)
     wall = Body(
@@ -113,7 +120,8 @@ def _plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-def _push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a force act at the centre of mass, wherever the shapes are?", Feature.WRENCH, firm=True)
+def push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Finding:
     """A force on a body whose only shape is off its centre of mass moves the centre of mass and turns nothing."""
     if not adapter.features & (Feature.SPHERE | Feature.BOX):
         raise NotApplicable("the engine claims neither a sphere nor a box that could be off the centre of mass")
@@ -136,35 +144,3 @@ def _push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Fi
         near("v_WB after a push [m/s]", end.v_WB[0], f[0] * t / 2.0, 0.01 * size, "F t/m; 1 % for default damping"),
         near("w_WB after a push [rad/s]", end.w_WB[0], (0.0, 0.0, 0.0), 1e-6, "at the shape it would turn at 1 rad/s"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="compound_stands_on_every_shape",
-        question="Does a body of three shapes touch with each of them, the last one too?",
-        run=_compound_stands_on_every_shape,
-        needs=Feature.COMPOUND | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="compound_keeps_the_turn_of_every_shape",
-        question="Is each shape of a body turned by its own q_BS, the later ones too?",
-        run=_compound_keeps_the_turn_of_every_shape,
-        needs=Feature.COMPOUND | Feature.SPHERE | Feature.BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="plane_is_placed_in_its_body",
-        question="Does a plane stand where p_BS and q_BS place it in its body, or is it refused?",
-        run=_plane_is_placed_in_its_body,
-        needs=Feature.PLANE | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="push_acts_at_the_centre_of_mass",
-        question="Does a force act at the centre of mass, wherever the shapes are?",
-        run=_push_acts_at_the_centre_of_mass,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-)

@@ -3,14 +3,12 @@
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Comparison, ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Comparison, Finding, check, judge, near, that
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
 from harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle
 from harness.trajectory import Contacts
-
-__all__ = ["CHECKS"]
 
 SOFT_REBOUND = 0.16
 """What a critically damped contact that cannot pull gives back of the speed: e^-2 = .135, rounded up.
@@ -28,7 +26,12 @@ def _supported(adapter: Adapter, settings: Settings, *, ground_first: bool, mass
         return simulation.contacts()
 
 
-def _contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do the contact forces on a resting box add up to its weight, upwards on the box, downwards on the ground?",
+    Feature.BOX | Feature.CONTACTS | Feature.CONTACT_FORCES,
+    firm=True,
+)
+def contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> Finding:
     weight, because = 3.0 * G, "2 %: the box has settled"
     above = _supported(adapter, settings, ground_first=True, mass=3.0).force_W.sum(axis=0)
     below = _supported(adapter, settings, ground_first=False, mass=3.0).force_W.sum(axis=0)
@@ -38,7 +41,8 @@ def _contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> Fi
     )
 
 
-def _contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does the normal point from the earlier body of the scene to the later one?", Feature.BOX | Feature.CONTACTS, firm=True)
+def contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> Finding:
     comparisons: list[Comparison] = []
     for how, first, up in (("ground first", True, 1.0), ("ground last", False, -1.0)):
         got = _supported(adapter, settings, ground_first=first)
@@ -55,7 +59,12 @@ def _contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> 
     return judge(*comparisons)
 
 
-def _gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is the gap below zero in penetration, in metres, and the point where the bodies meet?",
+    Feature.SPHERE | Feature.CONTACTS,
+    firm=True,
+)
+def gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Finding:
     deep = 0.005
     scene = Scene(bodies=(floor(adapter), ball(p=(0.7, -0.4, 0.1 - deep))), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0))
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
@@ -79,7 +88,10 @@ def _gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Fin
     )
 
 
-def _separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is a contact that is reported before the bodies meet without force, its gap above zero?", Feature.SPHERE | Feature.CONTACTS
+)
+def separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Finding:
     scene = Scene(bodies=(floor(adapter), ball(p=(0.0, 0.0, 0.15))), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0))
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
         simulation.step(5)
@@ -91,7 +103,21 @@ def _separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-def _restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do two bodies that pass at 4 mm leave each other alone?", Feature.SPHERE)
+def near_miss_leaves_no_trace(adapter: Adapter, settings: Settings) -> Finding:
+    """Two balls that pass each other at a distance of 4 mm do not feel each other."""
+    a = ball("a", p=(-0.5, 0.0, 0.0), v=(2.0, 0.0, 0.0))
+    b = ball("b", p=(0.0, 0.204, 0.0))
+    scene = Scene(bodies=(a, b), surfaces=(Surface(between=("block", "block")),), gravity=(0.0, 0.0, 0.0))
+    end = final(adapter, scene, settings.with_dt(COARSE), 0.4)
+    return judge(
+        near("velocity of the one passed at 4 mm [m/s]", end.v_WB[1], (0, 0, 0), 1e-6, "no margin may push"),
+        near("sideways velocity of the one passing [m/s]", end.v_WB[0, 1:], (0, 0), 1e-6, "no margin may push"),
+    )
+
+
+@check("Is the rebound of each pair the scene's, whatever the engine's combination rule?", Feature.SPHERE | Feature.RESTITUTION)
+def restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
     speed, comparisons = 2.0, []
     for e in (0.5, 0.8):
         dropped = ball(p=(0.0, 0.0, 0.2), v=(0.0, 0.0, -speed))
@@ -102,7 +128,8 @@ def _restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the rebound in the mean over the phases of a step the scene's, to .5 %?", Feature.SPHERE | Feature.RESTITUTION)
+def mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
     """Sixteen balls meet the ground at as many phases of the step, without gravity: what they rebound by in the mean.
 
     A stiff spring scatters with the phase, by 1 % at e = .8 and by 4 % at .5 where it was tried; the mean of 16 by a quarter.
@@ -121,7 +148,8 @@ def _mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding
     return judge(*comparisons)
 
 
-def _no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a ball without restitution stay on the ground?", Feature.SPHERE)
+def no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> Finding:
     speed = 2.0
     scene = Scene(bodies=(floor(adapter), ball(p=(0.0, 0.0, 0.2), v=(0.0, 0.0, -speed))), surfaces=(ground(),))
     v = record(adapter, scene, settings.with_dt(FINE), 0.2).v_WB[:, 1, 2]
@@ -132,7 +160,36 @@ def _no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> Fin
     )
 
 
-def _action_equals_reaction(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a stack of four boxes stand?", Feature.BOX)
+def stack_stays_up(adapter: Adapter, settings: Settings) -> Finding:
+    half, count = 0.1, 4
+    boxes = tuple(block(f"box{k}", half=(half, half, half), p=(0.0, 0.0, half * (2 * k + 1))) for k in range(count))
+    end = final(adapter, on_ground(adapter, *boxes, friction=0.0), settings.with_dt(COARSE), 1.5)
+    expected = [half * (2 * k + 1) for k in range(count)]
+    because = "compliance below 3 mm a contact, four of them, no friction to hold or hide anything"
+    return judge(near("heights of a stack of four after 1.5 s [m]", end.p_WB[1:, 2], expected, 0.012, because))
+
+
+@check(
+    "Where the scene asks for continuous collision, does a thin wall stop a fast ball?",
+    Feature.SPHERE | Feature.BOX | Feature.CONTINUOUS_COLLISION,
+)
+def continuous_collision_stops_a_fast_ball(adapter: Adapter, settings: Settings) -> Finding:
+    """A ball of 5 cm at 100 m/s against a wall of 1 cm, at five phases of the step of .42 m."""
+    comparisons = []
+    for phase in range(5):
+        wall = static("wall", Box(half_extents=(0.005, 1.0, 1.0)))
+        shot = ball(radius=0.05, p=(-2.0 - 0.083 * phase, 0.0, 0.0), v=(100.0, 0.0, 0.0))
+        scene = Scene(bodies=(wall, shot), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0), widen=Effect.CONTINUOUS_COLLISION)
+        x = float(final(adapter, scene, settings.with_dt(COARSE), 0.1).p_WB[1, 0])
+        comparisons.append(
+            that(x < 0, f"x of the ball after .1 s at phase {phase}: got {x:.4g} m, expected below 0: the wall stops it")
+        )
+    return judge(*comparisons)
+
+
+@check("Is the momentum of two colliding bodies of different mass kept?", Feature.SPHERE)
+def action_equals_reaction(adapter: Adapter, settings: Settings) -> Finding:
     scene = Scene(
         bodies=(
             ball("light", mass=1.0, p=(-0.3, 0.0, 0.0), v=(2.0, 0.0, 0.0)),
@@ -152,7 +209,8 @@ def _action_equals_reaction(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _static_body_never_moves(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a static body stay where it is, whatever falls on it?", Feature.BOX | Feature.SPHERE, firm=True)
+def static_body_never_moves(adapter: Adapter, settings: Settings) -> Finding:
     wall = Body(
         name="wall",
         motion="static",
@@ -171,7 +229,12 @@ def _static_body_never_moves(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _kinematic_body_keeps_its_velocity(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a kinematic body keep its velocity under load, and take along what lies on it?",
+    Feature.BOX | Feature.KINEMATIC,
+    firm=True,
+)
+def kinematic_body_keeps_its_velocity(adapter: Adapter, settings: Settings) -> Finding:
     v, w, t = np.array([0.2, -0.1, 0.05]), (0.0, 0.0, 0.5), 0.3
     belt = Body(
         name="belt",
@@ -191,125 +254,3 @@ def _kinematic_body_keeps_its_velocity(adapter: Adapter, settings: Settings) -> 
         near("height of the load [m]", end.p_WB[1, 2], 0.15 + 0.05 * t, 0.01, "it rides on it"),
         near("v_WB of the load [m/s]", end.v_WB[1], v, 0.1, "friction of .8 takes it along within 30 ms"),
     )
-
-
-def _stack_stays_up(adapter: Adapter, settings: Settings) -> Finding:
-    half, count = 0.1, 4
-    boxes = tuple(block(f"box{k}", half=(half, half, half), p=(0.0, 0.0, half * (2 * k + 1))) for k in range(count))
-    end = final(adapter, on_ground(adapter, *boxes, friction=0.0), settings.with_dt(COARSE), 1.5)
-    expected = [half * (2 * k + 1) for k in range(count)]
-    because = "compliance below 3 mm a contact, four of them, no friction to hold or hide anything"
-    return judge(near("heights of a stack of four after 1.5 s [m]", end.p_WB[1:, 2], expected, 0.012, because))
-
-
-def _continuous_collision(adapter: Adapter, settings: Settings) -> Finding:
-    """A ball of 5 cm at 100 m/s against a wall of 1 cm, at five phases of the step of .42 m."""
-    comparisons = []
-    for phase in range(5):
-        wall = static("wall", Box(half_extents=(0.005, 1.0, 1.0)))
-        shot = ball(radius=0.05, p=(-2.0 - 0.083 * phase, 0.0, 0.0), v=(100.0, 0.0, 0.0))
-        scene = Scene(bodies=(wall, shot), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0), widen=Effect.CONTINUOUS_COLLISION)
-        x = float(final(adapter, scene, settings.with_dt(COARSE), 0.1).p_WB[1, 0])
-        comparisons.append(
-            that(x < 0, f"x of the ball after .1 s at phase {phase}: got {x:.4g} m, expected below 0: the wall stops it")
-        )
-    return judge(*comparisons)
-
-
-def _free_pairs_without_contact(adapter: Adapter, settings: Settings) -> Finding:
-    """Two balls that pass each other at a distance of 4 mm do not feel each other."""
-    a = ball("a", p=(-0.5, 0.0, 0.0), v=(2.0, 0.0, 0.0))
-    b = ball("b", p=(0.0, 0.204, 0.0))
-    scene = Scene(bodies=(a, b), surfaces=(Surface(between=("block", "block")),), gravity=(0.0, 0.0, 0.0))
-    end = final(adapter, scene, settings.with_dt(COARSE), 0.4)
-    return judge(
-        near("velocity of the one passed at 4 mm [m/s]", end.v_WB[1], (0, 0, 0), 1e-6, "no margin may push"),
-        near("sideways velocity of the one passing [m/s]", end.v_WB[0, 1:], (0, 0), 1e-6, "no margin may push"),
-    )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="contact_forces_carry_the_weight",
-        question="Do the contact forces on a resting box add up to its weight, upwards on the box, downwards on the ground?",
-        run=_contact_forces_carry_the_weight,
-        needs=Feature.BOX | Feature.CONTACTS | Feature.CONTACT_FORCES,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="contact_normal_points_from_A_to_B",
-        question="Does the normal point from the earlier body of the scene to the later one?",
-        run=_contact_normal_points_from_A_to_B,
-        needs=Feature.BOX | Feature.CONTACTS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="gap_is_negative_in_penetration",
-        question="Is the gap below zero in penetration, in metres, and the point where the bodies meet?",
-        run=_gap_is_negative_in_penetration,
-        needs=Feature.SPHERE | Feature.CONTACTS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="separated_bodies_do_not_push",
-        question="Is a contact that is reported before the bodies meet without force, its gap above zero?",
-        run=_separated_bodies_do_not_push,
-        needs=Feature.SPHERE | Feature.CONTACTS,
-    ),
-    ConformanceCheck(
-        name="near_miss_leaves_no_trace",
-        question="Do two bodies that pass at 4 mm leave each other alone?",
-        run=_free_pairs_without_contact,
-        needs=Feature.SPHERE,
-    ),
-    ConformanceCheck(
-        name="restitution_of_a_pair",
-        question="Is the rebound of each pair the scene's, whatever the engine's combination rule?",
-        run=_restitution_of_a_pair,
-        needs=Feature.SPHERE | Feature.RESTITUTION,
-    ),
-    ConformanceCheck(
-        name="mean_restitution_of_a_pair",
-        question="Is the rebound in the mean over the phases of a step the scene's, to .5 %?",
-        run=_mean_restitution_of_a_pair,
-        needs=Feature.SPHERE | Feature.RESTITUTION,
-    ),
-    ConformanceCheck(
-        name="no_restitution_does_not_bounce",
-        question="Does a ball without restitution stay on the ground?",
-        run=_no_restitution_does_not_bounce,
-        needs=Feature.SPHERE,
-    ),
-    ConformanceCheck(
-        name="stack_stays_up",
-        question="Does a stack of four boxes stand?",
-        run=_stack_stays_up,
-        needs=Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="continuous_collision_stops_a_fast_ball",
-        question="Where the scene asks for continuous collision, does a thin wall stop a fast ball?",
-        run=_continuous_collision,
-        needs=Feature.SPHERE | Feature.BOX | Feature.CONTINUOUS_COLLISION,
-    ),
-    ConformanceCheck(
-        name="action_equals_reaction",
-        question="Is the momentum of two colliding bodies of different mass kept?",
-        run=_action_equals_reaction,
-        needs=Feature.SPHERE,
-    ),
-    ConformanceCheck(
-        name="static_body_never_moves",
-        question="Does a static body stay where it is, whatever falls on it?",
-        run=_static_body_never_moves,
-        needs=Feature.BOX | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="kinematic_body_keeps_its_velocity",
-        question="Does a kinematic body keep its velocity under load, and take along what lies on it?",
-        run=_kinematic_body_keeps_its_velocity,
-        needs=Feature.BOX | Feature.KINEMATIC,
-        excusable=False,
-    ),
-)

@@ -6,13 +6,11 @@ from math import cos, pi, radians, sin, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Finding, check, judge, near, that
 from harness.conformance.runs import FINE, built, final, record, state_of
 from harness.conformance.scenes import G, ball, block, floor, free, ground, on_ground
 from harness.scene import Body, Scene, Surface, Vector3
 from harness.trajectory import Floats
-
-__all__ = ["CHECKS"]
 
 _WITHIN = 0.025
 """Relative error granted to the size of kinetic friction: half of the fault of 5 % that the check has to see; compliant and
@@ -41,7 +39,12 @@ def _braking(adapter: Adapter, settings: Settings, scene: Scene, start: float = 
         return along / (G * t + braked[:, 2]), braked[:, :2] / along[:, None]
 
 
-def _pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is the friction of each pair the scene's (.2, .8, .5 on one ground), whatever the combination rule?",
+    Feature.BOX,
+    firm=True,
+)
+def pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) -> Finding:
     """Three materials on one ground at .2, .8 and .5: product, least, greatest and mean rule all give other values."""
     pairs = {"ice": 0.2, "rubber": 0.8, "wood": 0.5}
     blocks = tuple(block(m, p=(0.0, 2.0 * k, 0.05), v=(3.0, 0.0, 0.0), material=m) for k, m in enumerate(pairs))
@@ -62,7 +65,8 @@ def _pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) -
     )
 
 
-def _friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is kinetic friction mu times the normal force, to 2.5 %, at .2 and at .8?", Feature.BOX)
+def friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
     """One material on two grounds at .2 and .8: the law belongs to the pair, not to the sliding body."""
     comparisons = []
     for mu in (0.2, 0.8):
@@ -73,7 +77,20 @@ def _friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _pairs_of_moving_bodies(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a sliding box stay on the ground?", Feature.BOX)
+def sliding_box_stays_down(adapter: Adapter, settings: Settings) -> Finding:
+    """Friction must not lift: a stiff contact that couples both can throw a sliding box into the air."""
+    scene = on_ground(adapter, block(v=(3.0, 0.0, 0.0)), friction=0.5)
+    height = record(adapter, scene, settings.with_dt(FINE), 0.4, every=10).p_WB[:, 1, 2]
+    return judge(near("greatest height of the sliding box [m]", height.max(), 0.05, 3e-3, "it slides on its face"))
+
+
+@check(
+    "Are pair values that no combination rule gives (0, .4, .8) those that act, between moving bodies too?",
+    Feature.BOX | Feature.PAIR_FRICTION,
+    firm=True,
+)
+def pair_friction_of_moving_bodies(adapter: Adapter, settings: Settings) -> Finding:
     """A block on a slab (.4) on ice (0), beside a block on the ground (.8): no rule of one number per material gives that."""
     pairs = {("ground", "slab"): 0.0, ("ground", "block"): 0.8, ("slab", "block"): 0.4, ("block", "block"): 0.0}
     slab = block("slab", half=(1.0, 0.5, 0.05), mass=5.0, material="slab")
@@ -100,7 +117,8 @@ def _pairs_of_moving_bodies(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is friction the same in all directions of sliding, and against the motion?", Feature.BOX)
+def friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
     angles, sizes, comparisons = (0.0, 22.5, 45.0, 90.0, 200.0), [], []
     for angle in angles:
         ahead = np.array([cos(radians(angle)), sin(radians(angle))])
@@ -115,7 +133,8 @@ def _friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
     return judge(near(f"friction towards {angles} degrees", sizes, np.full(5, mean), _WITHIN * mean, because), *comparisons)
 
 
-def _friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a box stick on a slope below mu and slide above it by the difference?", Feature.BOX)
+def friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Finding:
     mu, t, comparisons = 0.5, 0.5, []
     for slope, slides in ((0.4, False), (0.6, True)):
         lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
@@ -128,19 +147,26 @@ def _friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Find
     return judge(*comparisons)
 
 
-def _sliding_box_stays_down(adapter: Adapter, settings: Settings) -> Finding:
-    """Friction must not lift: a stiff contact that couples both can throw a sliding box into the air."""
-    scene = on_ground(adapter, block(v=(3.0, 0.0, 0.0)), friction=0.5)
-    height = record(adapter, scene, settings.with_dt(FINE), 0.4, every=10).p_WB[:, 1, 2]
-    return judge(near("greatest height of the sliding box [m]", height.max(), 0.05, 3e-3, "it slides on its face"))
-
-
-def _frictionless_is_frictionless(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a surface without friction brake nothing?", Feature.BOX)
+def frictionless_is_frictionless(adapter: Adapter, settings: Settings) -> Finding:
     end = final(adapter, on_ground(adapter, block(v=(2.0, 1.0, 0.0)), friction=0.0), settings.with_dt(FINE), 0.3)
     return judge(near("velocity of a box on ice [m/s]", end.v_WB[1, :2], (2.0, 1.0), 5e-3, "nothing brakes it"))
 
 
-def _static_friction_above_kinetic(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a ball roll and spin on where the scene asks for no rolling or torsional friction?", Feature.SPHERE)
+def rolling_is_free_without_rolling_friction(adapter: Adapter, settings: Settings) -> Finding:
+    r, v = 0.1, 1.0
+    rolling = on_ground(adapter, ball(radius=r, v=(v, 0.0, 0.0), w=(0.0, v / r, 0.0)), friction=0.5)
+    spinning = on_ground(adapter, ball(radius=r, w=(0.0, 0.0, 2 * pi)), friction=0.5)
+    on, round_ = (final(adapter, scene, settings.with_dt(FINE), 0.5) for scene in (rolling, spinning))
+    return judge(
+        near("speed of a rolling ball [m/s]", on.v_WB[1, 0], v, 0.01 * v, "rolling without slip loses nothing"),
+        near("spin of a ball on the spot [rad/s]", round_.w_WB[1, 2], 2 * pi, 0.02 * pi, "a point has no torsional friction"),
+    )
+
+
+@check("Does static friction hold where kinetic friction would not?", Feature.BOX | Feature.STATIC_FRICTION)
+def static_friction_above_kinetic(adapter: Adapter, settings: Settings) -> Finding:
     slope = 0.5
     lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
     law = Surface(between=("ground", "block"), static_friction=0.7, kinetic_friction=0.3)
@@ -154,7 +180,8 @@ def _static_friction_above_kinetic(adapter: Adapter, settings: Settings) -> Find
     )
 
 
-def _rolling_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the moment of rolling friction its length in m times the normal force?", Feature.SPHERE | Feature.ROLLING_FRICTION)
+def rolling_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
     """A rolling ball: m a = -F, I alpha = F r - M with M = rolling_friction m g, so a = -5/7 (rolling_friction / r) g."""
     r, b, v, t = 0.1, 0.005, 2.0, 0.5
     law = Surface(between=("ground", "block"), static_friction=0.8, kinetic_friction=0.8, rolling_friction=b)
@@ -164,7 +191,10 @@ def _rolling_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
     return judge(near("speed lost by a rolling ball [m/s]", v - end.v_WB[1, 0], loss, 0.1 * loss, "10 % of 5/7 (b/r) g t"))
 
 
-def _torsional_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is the moment of torsional friction its length in m times the normal force?", Feature.SPHERE | Feature.TORSIONAL_FRICTION
+)
+def torsional_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
     """A ball spinning about the normal: I alpha = -torsional_friction m g."""
     r, b, w, t = 0.1, 0.004, 20.0, 0.3
     law = Surface(between=("ground", "block"), static_friction=0.8, kinetic_friction=0.8, torsional_friction=b)
@@ -172,88 +202,3 @@ def _torsional_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
     end = final(adapter, Scene(bodies=(floor(adapter), spinning), surfaces=(law,)), settings.with_dt(FINE), t)
     loss = b * G / (0.4 * r * r) * t
     return judge(near("spin lost by a ball on the spot [rad/s]", w - end.w_WB[1, 2], loss, 0.1 * loss, "10 % of b m g t / I"))
-
-
-def _rolling_is_free_without_rolling_friction(adapter: Adapter, settings: Settings) -> Finding:
-    r, v = 0.1, 1.0
-    rolling = on_ground(adapter, ball(radius=r, v=(v, 0.0, 0.0), w=(0.0, v / r, 0.0)), friction=0.5)
-    spinning = on_ground(adapter, ball(radius=r, w=(0.0, 0.0, 2 * pi)), friction=0.5)
-    on, round_ = (final(adapter, scene, settings.with_dt(FINE), 0.5) for scene in (rolling, spinning))
-    return judge(
-        near("speed of a rolling ball [m/s]", on.v_WB[1, 0], v, 0.01 * v, "rolling without slip loses nothing"),
-        near("spin of a ball on the spot [rad/s]", round_.w_WB[1, 2], 2 * pi, 0.02 * pi, "a point has no torsional friction"),
-    )
-
-
-_BOX = Feature.BOX
-
-CHECKS = (
-    ConformanceCheck(
-        name="pair_surface_is_what_the_scene_says",
-        question="Is the friction of each pair the scene's (.2, .8, .5 on one ground), whatever the combination rule?",
-        run=_pair_surface_is_what_the_scene_says,
-        needs=_BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="friction_has_its_size",
-        question="Is kinetic friction mu times the normal force, to 2.5 %, at .2 and at .8?",
-        run=_friction_has_its_size,
-        needs=_BOX,
-    ),
-    ConformanceCheck(
-        name="sliding_box_stays_down",
-        question="Does a sliding box stay on the ground?",
-        run=_sliding_box_stays_down,
-        needs=_BOX,
-    ),
-    ConformanceCheck(
-        name="pair_friction_of_moving_bodies",
-        question="Are pair values that no combination rule gives (0, .4, .8) those that act, between moving bodies too?",
-        run=_pairs_of_moving_bodies,
-        needs=_BOX | Feature.PAIR_FRICTION,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="friction_is_isotropic",
-        question="Is friction the same in all directions of sliding, and against the motion?",
-        run=_friction_is_isotropic,
-        needs=_BOX,
-    ),
-    ConformanceCheck(
-        name="friction_holds_below_the_cone",
-        question="Does a box stick on a slope below mu and slide above it by the difference?",
-        run=_friction_holds_below_the_cone,
-        needs=_BOX,
-    ),
-    ConformanceCheck(
-        name="frictionless_is_frictionless",
-        question="Does a surface without friction brake nothing?",
-        run=_frictionless_is_frictionless,
-        needs=_BOX,
-    ),
-    ConformanceCheck(
-        name="rolling_is_free_without_rolling_friction",
-        question="Does a ball roll and spin on where the scene asks for no rolling or torsional friction?",
-        run=_rolling_is_free_without_rolling_friction,
-        needs=Feature.SPHERE,
-    ),
-    ConformanceCheck(
-        name="static_friction_above_kinetic",
-        question="Does static friction hold where kinetic friction would not?",
-        run=_static_friction_above_kinetic,
-        needs=_BOX | Feature.STATIC_FRICTION,
-    ),
-    ConformanceCheck(
-        name="rolling_friction_brakes",
-        question="Is the moment of rolling friction its length in m times the normal force?",
-        run=_rolling_friction_brakes,
-        needs=Feature.SPHERE | Feature.ROLLING_FRICTION,
-    ),
-    ConformanceCheck(
-        name="torsional_friction_brakes",
-        question="Is the moment of torsional friction its length in m times the normal force?",
-        run=_torsional_friction_brakes,
-        needs=Feature.SPHERE | Feature.TORSIONAL_FRICTION,
-    ),
-)

@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import FINE, final
@@ -30,8 +30,6 @@ from harness.scene import (
     principal_inertia,
 )
 from harness.trajectory import Floats
-
-__all__ = ["CHECKS"]
 
 _GIVES = "contacts give way by less than 3 mm; a wrong size is off by centimetres"
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -73,16 +71,19 @@ def _resting(adapter: Adapter, settings: Settings, shape: Shape, ways: tuple[tup
     )
 
 
-def _sphere_radius(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a sphere's size its radius?", Feature.SPHERE, firm=True)
+def sphere_radius_is_a_radius(adapter: Adapter, settings: Settings) -> Finding:
     return _resting(adapter, settings, Sphere(radius=0.15), ((_UPRIGHT, 0.15),))
 
 
-def _box_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are a box's extents half, each along its own axis?", Feature.BOX, firm=True)
+def box_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
     shape = Box(half_extents=(0.1, 0.2, 0.3))
     return _resting(adapter, settings, shape, ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2)))
 
 
-def _box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are the extents of a static box half as well, and is there nothing beside it?", Feature.BOX | Feature.SPHERE, firm=True)
+def box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
     table = static("ground", Box(half_extents=(0.5, 0.5, 0.25)), p=(0.0, 0.0, 1.0))
     inside, outside = ball("inside", p=(0.4, 0.0, 1.35)), ball("outside", p=(0.0, 0.7, 1.35))
     scene = Scene(bodies=(table, inside, outside), surfaces=(ground(), Surface(between=("block", "block"))))
@@ -93,15 +94,18 @@ def _box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-def _capsule_is_a_capsule(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a capsule held on its cap and on its side, by half_length + radius and by radius?", Feature.CAPSULE, firm=True)
+def capsule_is_a_capsule(adapter: Adapter, settings: Settings) -> Finding:
     return _resting(adapter, settings, Capsule(radius=0.06, half_length=0.25), ((_UPRIGHT, 0.31), (_X_UP, 0.06)))
 
 
-def _cylinder_is_a_cylinder(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a cylinder held on its end and on its side, by half_length and by radius?", Feature.CYLINDER, firm=True)
+def cylinder_is_a_cylinder(adapter: Adapter, settings: Settings) -> Finding:
     return _resting(adapter, settings, Cylinder(radius=0.12, half_length=0.25), ((_UPRIGHT, 0.25), (_X_UP, 0.12)))
 
 
-def _ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is an ellipsoid held on the end of each axis, by that semi-axis?", Feature.ELLIPSOID, firm=True)
+def ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> Finding:
     """It rests on each end of its axes; on the longer two it stands as a pencil does, and has no time to fall.
 
     Each in a scene of its own: an engine may know ellipsoids, and no two of them together.
@@ -111,7 +115,8 @@ def _ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> Finding:
     return next((finding for finding in findings if finding.status == "failed"), findings[0])
 
 
-def _convex_hull(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a convex hull reach to its vertices and no further?", Feature.CONVEX_HULL, firm=True)
+def convex_hull_is_its_vertices(adapter: Adapter, settings: Settings) -> Finding:
     return _resting(adapter, settings, ConvexHull(vertices=CORNERS), ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2)))
 
 
@@ -122,7 +127,8 @@ def _on_mesh(adapter: Adapter, settings: Settings, mesh: TriangleMesh, places: t
     return final(adapter, scene, settings.with_dt(FINE), 0.15).p_WB[1:, 2]
 
 
-def _triangle_mesh(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a triangle mesh hold what lies on it, and nothing beside it?", Feature.TRIANGLE_MESH | Feature.SPHERE, firm=True)
+def triangle_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     z = _on_mesh(adapter, settings, TriangleMesh(vertices=CORNERS, faces=SIDES), ((-0.03, -0.1), (0.6, 0.6)))
     return judge(
         near("height of the ball on the mesh [m]", z[0], 0.4, 3e-3, _GIVES),
@@ -130,7 +136,26 @@ def _triangle_mesh(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _moving_mesh(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a mesh that is not convex either what it is, or refused?", Feature.TRIANGLE_MESH | Feature.SPHERE, firm=True)
+def triangle_mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Finding:
+    """One mesh of two blocks with a gap: a ball lies on each, one falls through the gap, which a convex hull would close."""
+    mesh = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
+    try:
+        z = _on_mesh(adapter, settings, mesh, ((-0.53, -0.1), (0.54, 0.07), (0.0, 0.0)))
+    except Unsupported as refusal:
+        return Finding("passed", f"refused: {refusal}")
+    return judge(
+        near("heights of the balls on the blocks of the mesh [m]", z[:2], (0.4, 0.4), 3e-3, _GIVES),
+        near("height of the ball in the gap [m]", z[2], 0.4 - G * 0.15**2 / 2, 5e-3, "a mesh is not its convex hull"),
+    )
+
+
+@check(
+    "Does a body of one mesh that is not convex stand on its faces, whatever its hull would stand on?",
+    Feature.MOVING_MESH | Feature.PLANE | Feature.BOX,
+    firm=True,
+)
+def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     """Two blocks with a gap, one mesh and one body, set down astride a post that their hull would stand on.
 
     Once on a plane with a post that is a box, once on one mesh of slab and post.
@@ -156,20 +181,8 @@ def _moving_mesh(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*found)
 
 
-def _mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Finding:
-    """One mesh of two blocks with a gap: a ball lies on each, one falls through the gap, which a convex hull would close."""
-    mesh = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
-    try:
-        z = _on_mesh(adapter, settings, mesh, ((-0.53, -0.1), (0.54, 0.07), (0.0, 0.0)))
-    except Unsupported as refusal:
-        return Finding("passed", f"refused: {refusal}")
-    return judge(
-        near("heights of the balls on the blocks of the mesh [m]", z[:2], (0.4, 0.4), 3e-3, _GIVES),
-        near("height of the ball in the gap [m]", z[2], 0.4 - G * 0.15**2 / 2, 5e-3, "a mesh is not its convex hull"),
-    )
-
-
-def _plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a plane solid below its normal, given in its own frame?", Feature.PLANE | Feature.SPHERE, firm=True)
+def plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
     """Gravity along -x holds a ball against a plane with the normal +x, given in S and by turning the body."""
     comparisons = []
     for how, wall in (
@@ -182,7 +195,8 @@ def _plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a body of several shapes touch with each of them?", Feature.COMPOUND | Feature.SPHERE, firm=True)
+def compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:
     """A dumbbell lies on both its balls; with one of them missing it would tip over at once."""
     balls = tuple(PlacedShape(shape=Sphere(radius=r), p_BS=(x, 0.0, r - 0.1)) for x, r in ((-0.3, 0.1), (0.3, 0.05)))
     body = Body(
@@ -201,29 +215,8 @@ def _compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _tipped(adapter: Adapter, settings: Settings, support: Body) -> Finding:
-    """A cube on a slope of 1:2 with much friction: its weight passes through its face, one contact point cannot hold it."""
-    slope = 0.5
-    lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
-    cube = block("cube", half=(0.2, 0.2, 0.2), p=(0.0, 0.0, 0.2))
-    scene = Scene(bodies=(support, cube), surfaces=(ground(1.0),), gravity=lean)
-    end = final(adapter, scene, settings.with_dt(FINE), 0.4)
-    because = "the tipping torque is half of m g w/2; on one contact point it would turn by 1 rad"
-    return judge(
-        near("tilt of the cube [rad]", angle_between(end.q_WB[1], _UPRIGHT), 0.0, 0.02, because),
-        near("its height [m]", end.p_WB[1, 2], 0.2, 3e-3, _GIVES),
-    )
-
-
-def _box_on_plane(adapter: Adapter, settings: Settings) -> Finding:
-    return _tipped(adapter, settings, static("ground", Plane()))
-
-
-def _box_on_box(adapter: Adapter, settings: Settings) -> Finding:
-    return _tipped(adapter, settings, static("ground", Box(half_extents=(5.0, 5.0, 0.5)), p=(0.0, 0.0, -0.5)))
-
-
-def _shapes_are_placed(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a shape stand in its body where p_BS and q_BS say?", Feature.BOX, firm=True)
+def shapes_are_placed_in_B(adapter: Adapter, settings: Settings) -> Finding:
     """A long box turned by q_BS and moved by p_BS within its body stands upright on the ground."""
     placed = PlacedShape(shape=Box(half_extents=(0.3, 0.1, 0.1)), p_BS=(0.0, 0.0, 0.05), q_BS=axis_angle((0.0, 1.0, 0.0), 0.4))
     # The body is turned back by the same angle less a quarter turn, so that the box's long axis points up.
@@ -245,110 +238,25 @@ def _shapes_are_placed(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-CHECKS = (
-    ConformanceCheck(
-        name="sphere_radius_is_a_radius",
-        question="Is a sphere's size its radius?",
-        run=_sphere_radius,
-        needs=Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="box_extents_are_half",
-        question="Are a box's extents half, each along its own axis?",
-        run=_box_extents_are_half,
-        needs=Feature.BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="box_ground_extents_are_half",
-        question="Are the extents of a static box half as well, and is there nothing beside it?",
-        run=_box_ground_extents_are_half,
-        needs=Feature.BOX | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="capsule_is_a_capsule",
-        question="Is a capsule held on its cap and on its side, by half_length + radius and by radius?",
-        run=_capsule_is_a_capsule,
-        needs=Feature.CAPSULE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="cylinder_is_a_cylinder",
-        question="Is a cylinder held on its end and on its side, by half_length and by radius?",
-        run=_cylinder_is_a_cylinder,
-        needs=Feature.CYLINDER,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="ellipsoid_is_an_ellipsoid",
-        question="Is an ellipsoid held on the end of each axis, by that semi-axis?",
-        run=_ellipsoid_is_an_ellipsoid,
-        needs=Feature.ELLIPSOID,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="convex_hull_is_its_vertices",
-        question="Does a convex hull reach to its vertices and no further?",
-        run=_convex_hull,
-        needs=Feature.CONVEX_HULL,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="triangle_mesh_is_its_faces",
-        question="Does a triangle mesh hold what lies on it, and nothing beside it?",
-        run=_triangle_mesh,
-        needs=Feature.TRIANGLE_MESH | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="triangle_mesh_is_not_its_hull",
-        question="Is a mesh that is not convex either what it is, or refused?",
-        run=_mesh_is_not_its_hull,
-        needs=Feature.TRIANGLE_MESH | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="moving_mesh_is_its_faces",
-        question="Does a body of one mesh that is not convex stand on its faces, whatever its hull would stand on?",
-        run=_moving_mesh,
-        needs=Feature.MOVING_MESH | Feature.PLANE | Feature.BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="plane_normal_points_out",
-        question="Is a plane solid below its normal, given in its own frame?",
-        run=_plane_normal_points_out,
-        needs=Feature.PLANE | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="compound_keeps_all_shapes",
-        question="Does a body of several shapes touch with each of them?",
-        run=_compound_keeps_all_shapes,
-        needs=Feature.COMPOUND | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="shapes_are_placed_in_B",
-        question="Does a shape stand in its body where p_BS and q_BS say?",
-        run=_shapes_are_placed,
-        needs=Feature.BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="box_on_plane_has_a_face_contact",
-        question="Does a box on a plane resist tipping, as a face does and a point does not?",
-        run=_box_on_plane,
-        needs=Feature.BOX | Feature.PLANE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="box_on_box_has_a_face_contact",
-        question="Does a box on a box resist tipping?",
-        run=_box_on_box,
-        needs=Feature.BOX,
-        excusable=False,
-    ),
-)
+def _tipped(adapter: Adapter, settings: Settings, support: Body) -> Finding:
+    """A cube on a slope of 1:2 with much friction: its weight passes through its face, one contact point cannot hold it."""
+    slope = 0.5
+    lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
+    cube = block("cube", half=(0.2, 0.2, 0.2), p=(0.0, 0.0, 0.2))
+    scene = Scene(bodies=(support, cube), surfaces=(ground(1.0),), gravity=lean)
+    end = final(adapter, scene, settings.with_dt(FINE), 0.4)
+    because = "the tipping torque is half of m g w/2; on one contact point it would turn by 1 rad"
+    return judge(
+        near("tilt of the cube [rad]", angle_between(end.q_WB[1], _UPRIGHT), 0.0, 0.02, because),
+        near("its height [m]", end.p_WB[1, 2], 0.2, 3e-3, _GIVES),
+    )
+
+
+@check("Does a box on a plane resist tipping, as a face does and a point does not?", Feature.BOX | Feature.PLANE, firm=True)
+def box_on_plane_has_a_face_contact(adapter: Adapter, settings: Settings) -> Finding:
+    return _tipped(adapter, settings, static("ground", Plane()))
+
+
+@check("Does a box on a box resist tipping?", Feature.BOX, firm=True)
+def box_on_box_has_a_face_contact(adapter: Adapter, settings: Settings) -> Finding:
+    return _tipped(adapter, settings, static("ground", Box(half_extents=(5.0, 5.0, 0.5)), p=(0.0, 0.0, -0.5)))

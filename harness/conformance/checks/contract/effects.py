@@ -1,15 +1,20 @@
 """Checks that an effect which a scene leaves out is not simulated, or is declared as surplus."""
 
+from collections.abc import Callable
+
 from harness.adapter import Adapter, Feature, Notice, Settings
 from harness.adapter.notice import as_notices
-from harness.conformance.check import Comparison, ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Comparison, Finding, Run, check, judge, near
 from harness.conformance.checks.contact.contacts import SOFT_REBOUND
 from harness.conformance.runs import COARSE, FINE, built, state_of
 from harness.conformance.scenes import TURNED, G, ball, block, damped, floor, free, ground
 from harness.scene import WORLD, Drive, Effect, Prismatic, Scene
 from harness.trajectory import State
 
-__all__ = ["CHECKS"]
+
+def _left_out(effect: str, needs: Feature = Feature.NONE) -> Callable[[Run], Run]:
+    """The check of a scene that leaves out an effect."""
+    return check(f"Where a scene leaves out {effect}, is it absent, or declared as surplus?", needs)
 
 
 def _run(adapter: Adapter, scene: Scene, settings: Settings, duration: float) -> tuple[State, tuple[Notice, ...]]:
@@ -31,24 +36,28 @@ def _or_surplus(comparison: Comparison, effect: Effect, notices: tuple[Notice, .
     return judge(comparison)
 
 
-def _gravity(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("gravity")
+def narrowed_gravity_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     end, warnings = _run(adapter, Scene(bodies=(free(),), narrow=Effect.GRAVITY), settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("v_WB without gravity [m/s]", end.v_WB[0], (0, 0, 0), 1e-6), Effect.GRAVITY, warnings)
 
 
-def _contact(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("contact", Feature.SPHERE)
+def narrowed_contact_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     scene = Scene(bodies=(floor(adapter), ball()), surfaces=(ground(0.5),), narrow=Effect.CONTACT)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.1)
     return _or_surplus(near("v_z of a ball that meets nothing [m/s]", end.v_WB[1, 2], -G * 0.1, 0.02), Effect.CONTACT, warnings)
 
 
-def _friction(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("friction", Feature.BOX)
+def narrowed_friction_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     scene = Scene(bodies=(floor(adapter), block(v=(2.0, 0.0, 0.0))), surfaces=(ground(0.5),), narrow=Effect.FRICTION)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.2)
     return _or_surplus(near("v_x of a box without friction [m/s]", end.v_WB[1, 0], 2.0, 0.15), Effect.FRICTION, warnings)
 
 
-def _restitution(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("restitution", Feature.SPHERE | Feature.RESTITUTION)
+def narrowed_restitution_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     dropped = ball(p=(0.0, 0.0, 0.11), v=(0.0, 0.0, -2.0))
     scene = Scene(bodies=(floor(adapter), dropped), surfaces=(ground(restitution=0.8),), narrow=Effect.RESTITUTION)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.08)
@@ -56,7 +65,8 @@ def _restitution(adapter: Adapter, settings: Settings) -> Finding:
     return _or_surplus(near("rebound without restitution", rebound, 0.0, SOFT_REBOUND), Effect.RESTITUTION, warnings)
 
 
-def _gyroscopic(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("gyroscopic")
+def narrowed_gyroscopic_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     body = free(moments=(0.1, 0.2, 0.25), q=TURNED, w=(3.0, 1.0, -2.0))
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.GYROSCOPIC)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.1)
@@ -65,13 +75,15 @@ def _gyroscopic(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _joints(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("joints", Feature.PRISMATIC)
+def narrowed_joints_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     joint = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0))
     end, warnings = _run(adapter, Scene(bodies=(free(),), joints=(joint,), narrow=Effect.JOINTS), settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("v_z of a body that nothing holds [m/s]", end.v_WB[0, 2], -G * 0.1, 0.02), Effect.JOINTS, warnings)
 
 
-def _drives(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("drives", Feature.PRISMATIC | Feature.DRIVES)
+def narrowed_drives_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     joint = Prismatic(
         name="slide",
         parent=WORLD,
@@ -84,21 +96,24 @@ def _drives(adapter: Adapter, settings: Settings) -> Finding:
     return _or_surplus(near("v_x of a body that nothing drives [m/s]", end.v_WB[0, 0], 0.0, 1e-4), Effect.DRIVES, warnings)
 
 
-def _linear_damping(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("linear damping", Feature.LINEAR_DAMPING)
+def narrowed_linear_damping_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     body = damped(free(v=(1.0, 0.0, 0.0)), linear=3.0)
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.LINEAR_DAMPING)
     end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("v_x without damping [m/s]", end.v_WB[0, 0], 1.0, 0.05), Effect.LINEAR_DAMPING, warnings)
 
 
-def _angular_damping(adapter: Adapter, settings: Settings) -> Finding:
+@_left_out("angular damping", Feature.ANGULAR_DAMPING)
+def narrowed_angular_damping_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
     body = damped(free(w=(0.0, 1.0, 0.0)), angular=3.0)
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.ANGULAR_DAMPING)
     end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("w_y without damping [rad/s]", end.w_WB[0, 1], 1.0, 0.05), Effect.ANGULAR_DAMPING, warnings)
 
 
-def _nothing_is_surplus(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does every notice of a surplus or missing effect name one effect?", firm=True)
+def surplus_names_effects(adapter: Adapter, settings: Settings) -> Finding:
     """A scene that asks for gravity alone, of a body with unequal moments at rest: the notices name what else is computed."""
     with built(adapter, Scene(bodies=(free(moments=(0.1, 0.2, 0.25)),)), settings) as simulation:
         simulation.step(5)
@@ -108,34 +123,3 @@ def _nothing_is_surplus(adapter: Adapter, settings: Settings) -> Finding:
         return Finding("failed", f"notices of surplus or missing effects without the one they are about: {nameless}")
     surplus = [str(notice) for notice in got if notice.kind == "surplus"]
     return Finding("passed", f"surplus effects declared: {surplus or 'none'}")
-
-
-_S = Feature.SPHERE
-
-CHECKS = (
-    *(
-        ConformanceCheck(
-            name=f"narrowed_{name}_is_left_out",
-            question=f"Where a scene leaves out {name.replace('_', ' ')}, is it absent, or declared as surplus?",
-            run=run,
-            needs=needs,
-        )
-        for name, run, needs in (
-            ("gravity", _gravity, Feature.NONE),
-            ("contact", _contact, _S),
-            ("friction", _friction, Feature.BOX),
-            ("restitution", _restitution, _S | Feature.RESTITUTION),
-            ("gyroscopic", _gyroscopic, Feature.NONE),
-            ("joints", _joints, Feature.PRISMATIC),
-            ("drives", _drives, Feature.PRISMATIC | Feature.DRIVES),
-            ("linear_damping", _linear_damping, Feature.LINEAR_DAMPING),
-            ("angular_damping", _angular_damping, Feature.ANGULAR_DAMPING),
-        )
-    ),
-    ConformanceCheck(
-        name="surplus_names_effects",
-        question="Does every notice of a surplus or missing effect name one effect?",
-        run=_nothing_is_surplus,
-        excusable=False,
-    ),
-)

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from harness.adapter.notice import as_notices
-from harness.conformance.check import ConformanceCheck, Finding, judge, that
+from harness.conformance.check import Finding, check, judge, that
 from harness.conformance.runs import built
 from harness.conformance.scenes import ball, block, damped, free, ground, static
 from harness.scene import (
@@ -45,8 +45,6 @@ from harness.scene import (
     TriangleMesh,
     Vector3,
 )
-
-__all__ = ["CHECKS", "CORNERS", "PROBED", "SIDES", "TWO_BLOCKS", "box_mesh", "refusal"]
 
 CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))
 """The corners of a box of half extents (.1, .2, .3) m."""
@@ -330,6 +328,7 @@ def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> Finding:
     return Finding("not_applicable", f"the engine does not claim {names} and refuses it")
 
 
+@check("Does every claimed feature build and step?", firm=True)
 def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
     """Each claimed feature builds and steps."""
     comparisons = []
@@ -348,6 +347,7 @@ def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
+@check("Is every feature that is not claimed refused by Unsupported, never approximated in silence?", firm=True)
 def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -> Finding:
     """Each feature that is not claimed raises Unsupported where a scene or a call asks for it."""
     missing = ~adapter.features
@@ -355,19 +355,3 @@ def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -
         return Finding("not_applicable", "the engine claims every feature")
     finding = refusal(adapter, settings, missing)
     return finding if finding.status == "failed" else Finding("passed", finding.message)
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="claimed_features_build",
-        question="Does every claimed feature build and step?",
-        run=claimed_features_build,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unclaimed_features_raise_unsupported",
-        question="Is every feature that is not claimed refused by Unsupported, never approximated in silence?",
-        run=unclaimed_features_raise_unsupported,
-        excusable=False,
-    ),
-)

@@ -1,27 +1,45 @@
-"""Checks of the contract that need no physics: settings, lazy imports, ownership of arrays."""
+"""Checks of the contract that need no physics: settings, lazy imports, ownership of arrays, bad arrays refused at the door."""
 
 import ast
 import inspect
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Notice, Settings, SettingsError
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
-from harness.conformance.runs import COARSE, built, state_of
-from harness.conformance.scenes import TURNED, free, without_gravity
-from harness.scene import Scene
-
-__all__ = ["CHECKS", "loaded_at_once"]
+from harness.adapter import Adapter, Feature, Notice, Settings, SettingsError, Simulation
+from harness.conformance.check import CHECKS, Comparison, Finding, check, judge, near, that
+from harness.conformance.runs import COARSE, FINE, built, state_of
+from harness.conformance.scenes import TURNED, free, static, without_gravity
+from harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
+from harness.trajectory import State
 
 _LIGHT = {"numpy", "scipy", "harness"}
 """What an adapter file may import when it is loaded, beside the standard library and its own package."""
 
 
-def _version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
+@check("Are both tracks there, and does every declared failure name a check that may be excused, with a reason?", firm=True)
+def declarations_are_well_formed(adapter: Adapter, _settings: Settings) -> Finding:
+    known = {f"{track}/{defined.name}" for track in adapter.tracks for defined in CHECKS}
+    firm = {f"{track}/{defined.name}" for track in adapter.tracks for defined in CHECKS if not defined.excusable}
+    declared = set(adapter.known_failures)
+    return judge(
+        that({"default", "tuned"} <= set(adapter.tracks), f"tracks: got {sorted(adapter.tracks)}, expected default and tuned"),
+        that(declared <= known, f"known_failures names no check: {sorted(declared - known)}"),
+        that(not declared & firm, f"known_failures excuses what must hold on every track: {sorted(declared & firm)}"),
+        that(
+            all(reason.strip() for reason in adapter.known_failures.values()),
+            f"known_failures without a reason: {sorted(k for k, v in adapter.known_failures.items() if not v.strip())}",
+        ),
+        that(bool(adapter.name and adapter.title and adapter.distribution), "name, title and distribution are given"),
+    )
+
+
+@check("Is the version a string?", firm=True)
+def version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
     version = adapter.version()
     return judge(
         that(isinstance(version, str) and bool(version.strip()), f"version: got {version!r}, expected a non-empty string")
@@ -45,7 +63,8 @@ def loaded_at_once(tree: ast.AST) -> Iterator[str]:
             yield from loaded_at_once(node)
 
 
-def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
+@check("Is the vendor's package imported inside functions only?", firm=True)
+def imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
     source = inspect.getsourcefile(type(adapter))
     if source is None:
         return Finding("failed", f"{type(adapter).__qualname__}: no source file to read its imports from")
@@ -61,7 +80,8 @@ def _imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Findin
     )
 
 
-def _resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does the simulation say which step, integrator and solver it really uses?", firm=True)
+def resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Finding:
     asked = settings.with_dt(1 / 500)
     with built(adapter, Scene(bodies=(free(),)), asked) as simulation:
         got = simulation.resolved
@@ -85,19 +105,23 @@ def _refusal_of(adapter: Adapter, settings: Settings, name: str) -> Finding:
     return Finding("failed", f"{name}: got a simulation, expected SettingsError")
 
 
-def _unknown_option_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is an option that the adapter does not know an error that names it?", firm=True)
+def unknown_option_is_refused(adapter: Adapter, settings: Settings) -> Finding:
     return _refusal_of(adapter, replace(settings, options={**settings.options, "no_such_option": 1}), "no_such_option")
 
 
-def _unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is an integrator that the engine does not have an error that names it?", firm=True)
+def unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> Finding:
     return _refusal_of(adapter, replace(settings, integrator="no_such_integrator"), "no_such_integrator")
 
 
-def _unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a solver that the engine does not have an error that names it?", firm=True)
+def unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> Finding:
     return _refusal_of(adapter, replace(settings, solver="no_such_solver"), "no_such_solver")
 
 
-def _close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
+@check("May close be called twice?", firm=True)
+def close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
     simulation = adapter.build(Scene(bodies=(free(),)), settings)
     simulation.step()
     simulation.close()
@@ -105,7 +129,8 @@ def _close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
     return Finding("passed", "closed twice without an exception")
 
 
-def _warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are warnings a tuple of strings or notices?", firm=True)
+def warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
     with built(adapter, Scene(bodies=(free(),)), settings) as simulation:
         simulation.step(2)
         got = simulation.warnings()
@@ -117,7 +142,8 @@ def _warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the whole state copied into the caller's arrays, so that it stays as it was?", firm=True)
+def state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> Finding:
     scene = without_gravity(free("a", q=TURNED, w=(1.0, 2.0, 3.0)), free("b", p=(3.0, 0.0, 0.0), v=(1.0, 0.0, 0.0)))
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         first = state_of(simulation, scene)
@@ -132,53 +158,123 @@ def _state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings
     )
 
 
-CHECKS = (
-    ConformanceCheck(
-        name="version_is_a_string", question="Is the version a string?", run=_version_is_a_string, excusable=False
-    ),
-    ConformanceCheck(
-        name="imports_without_its_vendor",
-        question="Is the vendor's package imported inside functions only?",
-        run=_imports_without_its_vendor,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="resolved_settings_are_complete",
-        question="Does the simulation say which step, integrator and solver it really uses?",
-        run=_resolved_settings_are_complete,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unknown_option_is_refused",
-        question="Is an option that the adapter does not know an error that names it?",
-        run=_unknown_option_is_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unknown_integrator_is_refused",
-        question="Is an integrator that the engine does not have an error that names it?",
-        run=_unknown_integrator_is_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="unknown_solver_is_refused",
-        question="Is a solver that the engine does not have an error that names it?",
-        run=_unknown_solver_is_refused,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="close_may_be_called_twice", question="May close be called twice?", run=_close_may_be_called_twice, excusable=False
-    ),
-    ConformanceCheck(
-        name="warnings_are_strings",
-        question="Are warnings a tuple of strings or notices?",
-        run=_warnings_are_strings,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="state_is_written_into_the_given_arrays",
-        question="Is the whole state copied into the caller's arrays, so that it stays as it was?",
-        run=_state_is_written_into_the_given_arrays,
-        excusable=False,
-    ),
+@check("Are arrays that a state does not fit into refused by name?", firm=True)
+def bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+    scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
+    good, comparisons = State.empty(_BODIES), []
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        bad: Any
+        for name, width in (("p_WB", 3), ("q_WB", 4), ("v_WB", 3), ("w_WB", 3)):
+            for what, bad in (
+                ("one body short", np.zeros((1, width))),
+                ("one body too long", np.zeros((3, width))),
+                ("flat", np.zeros(_BODIES * width)),
+                ("of float32", np.zeros((_BODIES, width), dtype=np.float32)),
+            ):
+                out = replace(good, **{name: bad})
+                comparisons.append(_refused(simulation, name, f"{name} {what}", lambda s, out=out: s.state(out)))  # type: ignore[misc]
+    return judge(*comparisons)
+
+
+_BODIES = 2
+
+
+def _refused(simulation: Simulation, named: str, what: str, call: Callable[[Simulation], object]) -> Comparison:
+    """Is the call a ValueError that names the argument? Anything else, an answer or another exception, is a failure."""
+    try:
+        call(simulation)
+    except ValueError as error:
+        return that(named in str(error), f"{what}: got ValueError {str(error)!r}, expected it to name {named!r}")
+    except Exception as error:
+        return that(False, f"{what}: got {type(error).__name__}: {error}, expected ValueError")
+    return that(False, f"{what}: got no error, expected ValueError")
+
+
+def _bad_vectors() -> dict[str, Any]:
+    """What is no (2, 3) array of finite numbers of double precision."""
+    holed = np.zeros((_BODIES, 3))
+    holed[1, 2] = np.nan
+    return {
+        "(3,)": np.zeros(3),
+        "(3, 3) for two bodies": np.zeros((3, 3)),
+        "(1, 3) for two bodies": np.zeros((1, 3)),
+        "(2, 2)": np.zeros((_BODIES, 2)),
+        "(0, 3)": np.zeros((0, 3)),
+        "NaN": holed,
+        "Inf": np.full((_BODIES, 3), np.inf),
+        "float32": np.zeros((_BODIES, 3), dtype=np.float32),
+        "whole numbers": np.zeros((_BODIES, 3), dtype=np.int64),
+        "a list": [[0.0, 0.0, 0.0]] * _BODIES,
+    }
+
+
+@check(
+    "Are forces and torques of a wrong shape, type or content refused by name, and nothing of them kept?",
+    Feature.WRENCH,
+    firm=True,
 )
+def bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+    """Each bad array as force and as torque; afterwards the bodies fly on as if nothing had been said."""
+    scene = without_gravity(free(v=(1.0, 0.0, 0.0)), free("other", p=(5.0, 0.0, 0.0)))
+    good, comparisons = np.zeros((_BODIES, 3)), []
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        for what, bad in _bad_vectors().items():
+            comparisons.append(_refused(simulation, "f_B_W", f"force {what}", lambda s, bad=bad: s.wrench(bad, good)))  # type: ignore[misc]
+            comparisons.append(_refused(simulation, "tau_B_W", f"torque {what}", lambda s, bad=bad: s.wrench(good, bad)))  # type: ignore[misc]
+        simulation.step(10)
+        end = state_of(simulation, scene)
+    comparisons.append(
+        near("p_WB afterwards [m]", end.p_WB, [(0.01, 0.0, 0.0), (5.0, 0.0, 0.0)], 1e-5, "v t: nothing bad was kept")
+    )
+    return judge(*comparisons)
+
+
+@check("Are rays of a wrong shape, type, content or length refused by name, and a reach that is none?", Feature.RAYS, firm=True)
+def bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+    shape = Box(half_extents=(0.5, 0.5, 0.5)) if Feature.BOX in adapter.features else Sphere(radius=0.5)
+    scene = Scene(bodies=(static("target", shape),))
+    o, d = np.tile((5.0, 0.0, 0.0), (_BODIES, 1)), np.tile((-1.0, 0.0, 0.0), (_BODIES, 1))
+    comparisons = []
+    with built(adapter, scene, settings) as simulation:
+        for what, bad in _bad_vectors().items():
+            comparisons.append(_refused(simulation, "origins", f"origins {what}", lambda s, bad=bad: s.cast(bad, d, 9.0)))  # type: ignore[misc]
+            if what not in {"(1, 3) for two bodies", "(3, 3) for two bodies", "(0, 3)"}:
+                comparisons.append(
+                    _refused(simulation, "directions", f"directions {what}", lambda s, bad=bad: s.cast(o, bad, 9.0))  # type: ignore[misc]
+                )
+        for what, long in (("of length 2", 2.0), ("of length 0", 0.0), ("of length 1.00001", 1.00001)):
+            comparisons.append(
+                _refused(simulation, "direction", f"directions {what}", lambda s, long=long: s.cast(o, long * d, 9.0))  # type: ignore[misc]
+            )
+        for reach in (0.0, -1.0, float("nan"), float("inf")):
+            comparisons.append(
+                _refused(simulation, "max_range", f"max_range {reach}", lambda s, reach=reach: s.cast(o, d, reach))  # type: ignore[misc]
+            )
+        ranges = simulation.cast(o, d, 9.0).distance
+    comparisons.append(near("ranges of good rays afterwards [m]", ranges, (4.5, 4.5), 1e-5, "rounding in single precision"))
+    return judge(*comparisons)
+
+
+@check(
+    "Are targets of joints without a drive and targets that are no finite number refused by name?",
+    Feature.PRISMATIC | Feature.DRIVES,
+    firm=True,
+)
+def bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+    drive = Drive(stiffness=50.0, damping=20.0)
+    driven = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0), drive=drive)
+    loose = replace(driven, name="loose", child="other", drive=None)
+    scene = Scene(bodies=(free(), free("other", p=(0.0, 5.0, 0.0))), joints=(driven, loose), gravity=(0.0, 0.0, 0.0))
+    bad: tuple[tuple[str, Any], ...] = (
+        *(("loose", 0.1), ("nobody", 0.1)),
+        *(("slide", target) for target in (float("nan"), float("inf"), np.zeros(2), "far")),
+    )
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        comparisons = [
+            _refused(simulation, name, f"target {target!r} of joint '{name}'", lambda s, n=name, t=target: s.command({n: t}))  # type: ignore[misc]
+            for name, target in bad
+        ]
+        simulation.step(10)
+        end = state_of(simulation, scene)
+    comparisons.append(near("x of the driven body afterwards [m]", end.p_WB[0, 0], 0.0, 1e-6, "its target is still 0"))
+    return judge(*comparisons)

@@ -1,17 +1,15 @@
-"""Checks of honesty: nothing non-finite is hidden, runs repeat bit for bit, simulations share nothing, saves are exact."""
+"""Checks of honesty: nothing non-finite is hidden, runs repeat bit for bit, simulations share nothing, saves are whole."""
 
 from hashlib import sha256
 
 import numpy as np
 
 from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Finding, check, judge, near, that
 from harness.conformance.runs import COARSE, FINE, built, state_of
 from harness.conformance.scenes import TURNED, ball, block, floor, free, ground, without_gravity
-from harness.scene import Scene, Surface
-from harness.trajectory import State
-
-__all__ = ["CHECKS"]
+from harness.scene import WORLD, Drive, Prismatic, Scene, Surface
+from harness.trajectory import Floats, State
 
 
 def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int = 20) -> Finding:
@@ -26,7 +24,8 @@ def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int
     return Finding("failed", f"{what}: got a finite state after {steps} steps, expected Diverged or a state that shows it")
 
 
-def _nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
+@check("After a NaN or an overflow, is there Diverged or a state that shows it, never a healthy one?", firm=True)
+def nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
     """By a NaN force where the engine takes forces; and by a spin whose square overflows."""
     findings = []
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)))
@@ -65,7 +64,8 @@ def _nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
     return Finding("failed", "; ".join(wrong)) if wrong else Finding("passed", "; ".join(f.message for f in findings))
 
 
-def _huge_state_is_not_reset(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a huge but finite velocity kept, or reported as Diverged, never reset in silence?")
+def huge_state_is_not_reset(adapter: Adapter, settings: Settings) -> Finding:
     """1e12 m/s is finite: either it is carried through rightly, or the engine's limit is reported as Diverged."""
     v, steps = 1e12, 20
     scene = without_gravity(free(v=(v, 0.0, 0.0)))
@@ -109,13 +109,15 @@ def _alone(adapter: Adapter, scene: Scene, settings: Settings, steps: int) -> st
         return _bits(state_of(simulation, scene))
 
 
-def _same_input_same_hash(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do two equal runs end in the same bits?")
+def same_input_same_hash(adapter: Adapter, settings: Settings) -> Finding:
     scene = _crowd(adapter)
     first, second = (_alone(adapter, scene, settings.with_dt(COARSE), 120) for _ in range(2))
     return judge(that(first == second, f"state hashes of two equal runs: got {first} and {second}, expected the same"))
 
 
-def _two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do two simulations taken in turns give what each gives alone?", firm=True)
+def two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Finding:
     """Two different scenes at different steps, taken in turns, each equal to the same run on its own."""
     first_scene, second_scene = _crowd(adapter), _crowd(adapter, 1.7)
     slow, fast = settings.with_dt(COARSE), settings.with_dt(FINE)
@@ -128,7 +130,8 @@ def _two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Fin
     return judge(that(got == expected, f"state hashes in turns: got {got}, expected those of each run alone, {expected}"))
 
 
-def _save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the future after restore the same, bit for bit, as after save?", Feature.SAVE)
+def save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> Finding:
     scene = _crowd(adapter)
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         simulation.step(40)
@@ -145,7 +148,8 @@ def _save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _inputs_are_left_alone(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does the adapter copy the arrays handed in, and leave them as they were?", Feature.WRENCH, firm=True)
+def inputs_are_left_alone(adapter: Adapter, settings: Settings) -> Finding:
     """What the caller hands in stays as it was, and is not kept by reference."""
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
     f, tau = np.zeros((2, 3)), np.zeros((2, 3))
@@ -168,7 +172,8 @@ def _inputs_are_left_alone(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _heavy_on_light_stays_finite(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a state that came out of a hard contact problem finite, or Diverged?", Feature.BOX, firm=True)
+def heavy_on_light_is_finite_or_diverged(adapter: Adapter, settings: Settings) -> Finding:
     """50 kg on 1 kg: nothing asks for accuracy here, only that the state is finite or Diverged says that it is not."""
     scene = Scene(
         bodies=(
@@ -190,47 +195,48 @@ def _heavy_on_light_stays_finite(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-CHECKS = (
-    ConformanceCheck(
-        name="nan_is_reported",
-        question="After a NaN or an overflow, is there Diverged or a state that shows it, never a healthy one?",
-        run=_nan_is_reported,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="huge_state_is_not_reset",
-        question="Is a huge but finite velocity kept, or reported as Diverged, never reset in silence?",
-        run=_huge_state_is_not_reset,
-    ),
-    ConformanceCheck(
-        name="same_input_same_hash",
-        question="Do two equal runs end in the same bits?",
-        run=_same_input_same_hash,
-    ),
-    ConformanceCheck(
-        name="two_simulations_share_no_state",
-        question="Do two simulations taken in turns give what each gives alone?",
-        run=_two_simulations_share_no_state,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="save_and_restore_is_exact",
-        question="Is the future after restore the same, bit for bit, as after save?",
-        run=_save_and_restore_is_exact,
-        needs=Feature.SAVE,
-    ),
-    ConformanceCheck(
-        name="inputs_are_left_alone",
-        question="Does the adapter copy the arrays handed in, and leave them as they were?",
-        run=_inputs_are_left_alone,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="heavy_on_light_is_finite_or_diverged",
-        question="Is a state that came out of a hard contact problem finite, or Diverged?",
-        run=_heavy_on_light_stays_finite,
-        needs=Feature.BOX,
-        excusable=False,
-    ),
-)
+def _after(simulation: Simulation, scene: Scene, steps: int = 20) -> Floats:
+    simulation.step(steps)
+    return state_of(simulation, scene).p_WB
+
+
+@check("Does restore bring back the forces that were told when it was saved, and no others?", Feature.SAVE | Feature.WRENCH)
+def restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> Finding:
+    """A push told after a save is forgotten with it; one told before it acts again."""
+    scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
+    push, none = np.zeros((2, 3)), np.zeros((2, 3))
+    push[0, 0] = 10.0
+    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+        simulation.step(5)
+        quiet = simulation.save()
+        unpushed = _after(simulation, scene)
+        simulation.wrench(push, none)
+        pushed_from = simulation.save()
+        pushed = _after(simulation, scene)
+        simulation.restore(quiet)
+        first = _after(simulation, scene)
+        simulation.wrench(none, none)
+        simulation.restore(pushed_from)
+        second = _after(simulation, scene)
+    return judge(
+        near("p_WB after restoring what nobody pushed [m]", first, unpushed, 0.0, "the same bits"),
+        near("p_WB after restoring what was pushed [m]", second, pushed, 0.0, "the same bits"),
+        near("way of what was pushed [m]", pushed[0, 0], 5.0 / 2 * (20 * COARSE) ** 2, 2e-3, "F t^2/2m, and half a step"),
+    )
+
+
+@check("Does restore bring back the targets of the drives?", Feature.SAVE | Feature.PRISMATIC | Feature.DRIVES)
+def restore_brings_back_the_targets(adapter: Adapter, settings: Settings) -> Finding:
+    drive = Drive(stiffness=50.0, damping=20.0)
+    slide = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0), drive=drive)
+    scene = Scene(bodies=(free(),), joints=(slide,), gravity=(0.0, 0.0, 0.0))
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        simulation.command({"slide": 0.1})
+        simulation.step(50)
+        saved = simulation.save()
+        expected = _after(simulation, scene, 200)
+        simulation.command({"slide": -0.4})
+        simulation.step(10)
+        simulation.restore(saved)
+        got = _after(simulation, scene, 200)
+    return judge(near("p_WB on the way to the target of the save [m]", got, expected, 0.0, "the same bits"))

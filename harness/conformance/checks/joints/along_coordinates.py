@@ -1,18 +1,115 @@
-"""Checks of what else acts along a joint's coordinate: rotor inertia, dry friction, speed limit, the tie to another one."""
+"""Checks of what acts along a joint's coordinate: drives, rotor inertia, dry friction, speed limit, the tie to another one."""
 
-from math import cos, sin
+from math import cos, exp, sin
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.exact import angle_between
-from harness.conformance.runs import FINE, final, record
-from harness.conformance.scenes import G, free
+from harness.conformance.runs import FINE, built, final, record, state_of
+from harness.conformance.scenes import TURNED, G, free
 from harness.scene import WORLD, Body, Coupling, Drive, Prismatic, Revolute, Scene, Vector3, axis_angle
 
-__all__ = ["CHECKS"]
+
+def _driven(*drives: Drive) -> Scene:
+    """Bodies of 2 kg beside each other, each on a slide along x with its drive, without gravity."""
+    return Scene(
+        bodies=tuple(free(f"body{k}", p=(0.0, 3.0 * k, 0.0)) for k in range(len(drives))),
+        joints=tuple(
+            Prismatic(
+                name=f"slide{k}",
+                parent=WORLD,
+                child=f"body{k}",
+                anchor_W=(0.0, 3.0 * k, 0.0),
+                axis_W=(1.0, 0.0, 0.0),
+                drive=drive,
+            )
+            for k, drive in enumerate(drives)
+        ),
+        gravity=(0.0, 0.0, 0.0),
+    )
+
+
+@check("Does a drive's target velocity act, alone and beside its target?", Feature.PRISMATIC | Feature.DRIVES)
+def target_velocity_acts(adapter: Adapter, settings: Settings) -> Finding:
+    """Without stiffness v = u (1 - e^(-c t/m)); with stiffness k as well, the body rests at target + c u/k."""
+    c, u, t, m = 8.0, 0.5, 0.3, 2.0
+    rest = Drive(stiffness=200.0, damping=60.0, target=0.1, target_velocity=u)
+    scene = _driven(Drive(damping=c, target_velocity=u), rest)
+    early, late = (final(adapter, scene, settings.with_dt(FINE), time) for time in (t, 3.0))
+    expected = u * (1 - exp(-c * t / m))
+    return judge(
+        near("speed under c (u - v) after .3 s [m/s]", early.v_WB[0, 0], expected, 5e-3, "c u/m dt, and default damping"),
+        near("place at rest under k (x0 - x) + c u [m]", late.p_WB[1, 0], 0.1 + 60.0 * u / 200.0, 2e-3, "both terms balance"),
+    )
+
+
+@check("Does a command reach every drive that it names, and no other?", Feature.PRISMATIC | Feature.DRIVES, firm=True)
+def command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Finding:
+    """Three drives at 0; the last two are sent off, then the first alone."""
+    scene = _driven(*(Drive(stiffness=200.0, damping=40.0) for _ in range(3)))
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        simulation.command({"slide2": 0.3, "slide1": -0.2})
+        simulation.step(1500)
+        first = state_of(simulation, scene).p_WB[:, 0]
+        simulation.command({"slide0": 0.1})
+        simulation.step(1500)
+        second = state_of(simulation, scene).p_WB[:, 0]
+    return judge(
+        near("places after a command to the last two [m]", first, (0.0, -0.2, 0.3), 2e-3, "e^(-10 t) has died out"),
+        near("places after a command to the first [m]", second, (0.1, -0.2, 0.3), 2e-3, "the others keep their targets"),
+    )
+
+
+@check(
+    "Does a constant force in a drive's law act, alone, beside the PD law and within the limit?",
+    Feature.PRISMATIC | Feature.DRIVES | Feature.FEEDFORWARD,
+)
+def feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
+    """Motors of 1.5 N, one of them cut off at 1 N; one beside a damper; one beside a PD law, before and after a command."""
+    t, m, c = 0.3, 2.0, 8.0
+    scene = _driven(
+        Drive(feedforward=1.5),
+        Drive(feedforward=-1.5, limit=1.0),
+        Drive(damping=c, target_velocity=0.2, feedforward=1.5),
+        Drive(stiffness=200.0, damping=40.0, target=0.1, feedforward=6.0),
+    )
+    with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+        simulation.step(300)
+        early = state_of(simulation, scene).v_WB[:3, 0]
+        simulation.step(1200)
+        first = float(state_of(simulation, scene).p_WB[3, 0])
+        simulation.command({"slide3": -0.1})
+        simulation.step(1500)
+        second = float(state_of(simulation, scene).p_WB[3, 0])
+    speeds = (1.5 * t / m, -1.0 * t / m, (0.2 + 1.5 / c) * (1 - exp(-c * t / m)))
+    return judge(
+        near("speeds after .3 s under a motor, a limited one and a damped one [m/s]", early, speeds, 5e-3, "f t/m, 2 %"),
+        near("place at rest under k (x0 - x) + b [m]", first, 0.1 + 6.0 / 200.0, 2e-3, "e^(-10 t) has died out"),
+        near("place after the command to -.1 [m]", second, -0.1 + 6.0 / 200.0, 2e-3, "a command leaves the push as it is"),
+    )
+
+
+@check(
+    "Does a motor between two bodies turn both, about the joint's axis and against each other?",
+    Feature.REVOLUTE | Feature.DRIVES | Feature.FEEDFORWARD,
+)
+def motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> Finding:
+    """A motor between two wheels about a slanted axis: opposite turns about that axis, each of tau t/I; the hub rests."""
+    axis, tau, t = (2.0 / 3, -1.0 / 3, 2.0 / 3), 0.6, 0.3
+    bodies = (free("stator", moments=(0.6, 0.6, 0.6)), free("rotor", moments=(0.3, 0.3, 0.3), q=TURNED))
+    hub = Revolute(
+        name="hub", parent="stator", child="rotor", anchor_W=(0.0, 0.0, 0.0), axis_W=axis, drive=Drive(feedforward=tau)
+    )
+    end = final(adapter, Scene(bodies=bodies, joints=(hub,), gravity=(0.0, 0.0, 0.0)), settings.with_dt(FINE), t)
+    expected = [[-tau * t / 0.6 * c for c in axis], [tau * t / 0.3 * c for c in axis]]
+    return judge(
+        near("angular velocities [rad/s]", end.w_WB, expected, 0.02, "tau t/I and no more; 3 % for default damping"),
+        near("places of both [m]", end.p_WB, [[0.0] * 3] * 2, 1e-6, "a couple moves no centre of mass"),
+    )
+
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _Y: Vector3 = (0.0, 1.0, 0.0)
@@ -30,7 +127,11 @@ def _slide(body: Body, axis: Vector3 = (1.0, 0.0, 0.0), **extra: object) -> Pris
     return Prismatic(name=f"slide {body.name}", parent=WORLD, child=body.name, anchor_W=_NOWHERE, axis_W=axis, **extra)  # type: ignore[arg-type]
 
 
-def _armature_adds_inertia(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a rotor add its inertia to a joint's coordinate, and no weight?",
+    Feature.REVOLUTE | Feature.PRISMATIC | Feature.ARMATURE,
+)
+def armature_adds_inertia(adapter: Adapter, settings: Settings) -> Finding:
     """(I + m l^2 + A) a'' = -m g l sin a of a pendulum, and (m + A) x'' = m g of a slide, whose rotor has no weight."""
     t, rotor = 1.0, 3.0
     swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / (2.2 + rotor)), (0, t), (1.0, 0.0), rtol=1e-10, atol=1e-10)
@@ -47,7 +148,11 @@ def _armature_adds_inertia(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a rotor between two moving bodies turn with the angle between them, and react on both?",
+    Feature.REVOLUTE | Feature.ARMATURE,
+)
+def armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Finding:
     """Two rods on each other, a rotor at the elbow alone: it turns with the angle between them, and reacts on both.
 
     With absolute angles a, b, m = 2 kg, l = 1 m, I = .2 kg m2 and rotor A:
@@ -78,7 +183,10 @@ def _armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-def _dry_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does dry friction in a joint take as much from any speed?", Feature.REVOLUTE | Feature.PRISMATIC | Feature.FRICTION_LOSS
+)
+def dry_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
     """m x'' = -f: 2 kg at 2 m/s stop under 3 N after m v^2 / 2 f; a hinge at -2 rad/s after I w^2 / 2 f."""
     carriage = free("carriage", v=(2.0, 0.0, 0.0))
     wheel = free("wheel", p=(0.0, 5.0, 0.0), moments=(0.3, 0.3, 0.3), w=(0.0, 0.0, -2.0))
@@ -94,7 +202,8 @@ def _dry_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _dry_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does dry friction hold a joint up to its bound, and let it go above?", Feature.PRISMATIC | Feature.FRICTION_LOSS)
+def dry_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
     """Under .9 of its bound a slide stays; under 1.1 of it, it is pulled by the tenth that is left."""
     t, loss, pull = 1.0, 4.0, 2.0
     stuck, loose = free("stuck", mass=0.9 * loss / pull), free("loose", mass=1.1 * loss / pull, p=(0.0, 5.0, 0.0))
@@ -107,7 +216,10 @@ def _dry_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do a drive and dry friction in one joint both keep their laws?", Feature.PRISMATIC | Feature.FRICTION_LOSS | Feature.DRIVES
+)
+def dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Finding:
     """Drives of 100 N/m at a bound of 3 N: a push of 2 N moves nothing; one of 10 N moves, and stops within 3 N of its target.
 
     A drive c = 60 N s/m slow enough creeps on until its pull is f: at t -> oo, x = target - f/k, from below.
@@ -122,7 +234,11 @@ def _dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-def _speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a joint under a constant force reach its speed limit as without one, and stay at it?",
+    Feature.REVOLUTE | Feature.PRISMATIC | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
+)
+def speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> Finding:
     """A slide of 2 kg under 4 N and a hinge of .3 kg m2 under -.6 N m: x' = a t up to the limit s, then x = s t - s^2 / 2 a.
 
     A third slide starts above its limit, at 2 m/s: an impulse brings it to it at once.
@@ -152,7 +268,11 @@ def _speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> Fi
     )
 
 
-def _speed_limit_reacts_on_both(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is what keeps a joint at its speed limit a force between its two bodies?",
+    Feature.PRISMATIC | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
+)
+def speed_limit_reacts_on_both_bodies(adapter: Adapter, settings: Settings) -> Finding:
     """2 and 3 kg on one slide, pushed apart by 6 N in space: their momenta cancel, their speeds part by the limit s.
 
     What holds the rate is a force between the two: the motor's reaction on the first is that of the second. A rate that is
@@ -174,7 +294,11 @@ def _speed_limit_reacts_on_both(adapter: Adapter, settings: Settings) -> Finding
     return judge(near("velocities along the rail [m/s]", end.v_WB[:, 0], (-0.6 * limit, 0.4 * limit), 2e-3, because))
 
 
-def _coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Are two coordinates tied by ratio and offset, and does each feel the other's inertia?",
+    Feature.REVOLUTE | Feature.PRISMATIC | Feature.COUPLING,
+)
+def coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> Finding:
     """x = r y + b: a pendulum that drives a wheel, (I + m l^2 + J/r^2) a'' = -m g l sin a; a weight on a drum, (m + J/r^2)."""
     t, ratio, wheel_moment = 0.8, -2.0, 4.0
     inertia = 2.2 + wheel_moment / ratio**2
@@ -209,57 +333,3 @@ def _coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> Fi
             "the tie; one that is soft gives way by a step of its acceleration",
         ),
     )
-
-
-_R, _P = Feature.REVOLUTE, Feature.PRISMATIC
-
-CHECKS = (
-    ConformanceCheck(
-        name="armature_adds_inertia",
-        question="Does a rotor add its inertia to a joint's coordinate, and no weight?",
-        run=_armature_adds_inertia,
-        needs=_R | _P | Feature.ARMATURE,
-    ),
-    ConformanceCheck(
-        name="armature_acts_between_bodies",
-        question="Does a rotor between two moving bodies turn with the angle between them, and react on both?",
-        run=_armature_acts_between_bodies,
-        needs=_R | Feature.ARMATURE,
-    ),
-    ConformanceCheck(
-        name="dry_friction_brakes",
-        question="Does dry friction in a joint take as much from any speed?",
-        run=_dry_friction_brakes,
-        needs=_R | _P | Feature.FRICTION_LOSS,
-    ),
-    ConformanceCheck(
-        name="dry_friction_holds",
-        question="Does dry friction hold a joint up to its bound, and let it go above?",
-        run=_dry_friction_holds,
-        needs=_P | Feature.FRICTION_LOSS,
-    ),
-    ConformanceCheck(
-        name="dry_friction_beside_a_drive",
-        question="Do a drive and dry friction in one joint both keep their laws?",
-        run=_dry_friction_beside_a_drive,
-        needs=_P | Feature.FRICTION_LOSS | Feature.DRIVES,
-    ),
-    ConformanceCheck(
-        name="speed_limit_is_reached_and_kept",
-        question="Does a joint under a constant force reach its speed limit as without one, and stay at it?",
-        run=_speed_limit_is_reached_and_kept,
-        needs=_R | _P | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
-    ),
-    ConformanceCheck(
-        name="speed_limit_reacts_on_both_bodies",
-        question="Is what keeps a joint at its speed limit a force between its two bodies?",
-        run=_speed_limit_reacts_on_both,
-        needs=_P | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
-    ),
-    ConformanceCheck(
-        name="coupled_coordinates_move_as_one",
-        question="Are two coordinates tied by ratio and offset, and does each feel the other's inertia?",
-        run=_coupled_coordinates_move_as_one,
-        needs=_R | _P | Feature.COUPLING,
-    ),
-)

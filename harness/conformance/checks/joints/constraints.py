@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.check import Finding, NotApplicable, check, judge, near, that
 from harness.conformance.exact import angle_between, rotation
 from harness.conformance.runs import COARSE, FINE, final, record
 from harness.conformance.scenes import TURNED, G, block, free
@@ -25,8 +25,6 @@ from harness.scene import (
     multiply,
     rotate,
 )
-
-__all__ = ["CHECKS"]
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _HELD = 5e-3
@@ -47,7 +45,8 @@ def _pendulum(angle: float, *, length: float = 1.0, moment: float = 0.2, mass: f
     return Scene(bodies=(bob,), joints=(pin,))
 
 
-def _pendulum_period(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a rigid pendulum swing at its rate, inertia about the axis included?", Feature.REVOLUTE)
+def joint_pendulum_period(adapter: Adapter, settings: Settings) -> Finding:
     """(I + m l^2) a'' = -m g l sin a, from 1 rad for 1 s: nearly half a period."""
     start, t, inertia = 1.0, 1.0, 0.2 + 2.0
     swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / inertia), (0, t), (start, 0.0), rtol=1e-10, atol=1e-10).y[
@@ -62,7 +61,8 @@ def _pendulum_period(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _joint_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a pendulum keep its energy where the scene asks for no damping?", Feature.REVOLUTE)
+def joint_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
     run = record(adapter, _pendulum(pi / 2), settings.with_dt(COARSE), 3.0, every=4)
     # The energy of a staggered scheme oscillates by 6e-3 m g l; damping of .04 at the joint takes ten times that.
     energy = run.v_WB[:, 0] ** 2 @ np.ones(3) + 0.1 * (run.w_WB[:, 0] ** 2 @ np.ones(3)) + 2.0 * G * run.p_WB[:, 0, 2]
@@ -72,7 +72,8 @@ def _joint_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _revolute_turns_about_its_axis(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are anchor and axis in W, and the initial velocity kept?", Feature.REVOLUTE, firm=True)
+def revolute_turns_about_its_axis(adapter: Adapter, settings: Settings) -> Finding:
     """A turned body runs round a slanted axis away from its centre, without gravity: at constant rate."""
     axis, anchor, arm = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.5, -0.3, 0.2]), np.array([0.6, 0.3, -0.6])
     w, t = 2.0, 0.15
@@ -96,7 +97,8 @@ def _v(a: object) -> Vector3:
     return (x, y, z)
 
 
-def _prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a slide move along its axis alone, in W?", Feature.PRISMATIC, firm=True)
+def prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> Finding:
     axis, t = np.array([2.0, -1.0, 2.0]) / 3, 0.4
     body = free("body", p=(0.3, 0.2, 0.1), q=TURNED)
     slide = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=_NOWHERE, axis_W=_v(axis))
@@ -115,7 +117,8 @@ def _prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> Fi
     )
 
 
-def _fixed_joint_holds(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a fixed joint hold place and orientation, to the world and between bodies?", Feature.FIXED)
+def fixed_joint_holds(adapter: Adapter, settings: Settings) -> Finding:
     post, arm = free("post", p=(0.0, 0.0, 1.0)), free("arm", p=(0.8, 0.0, 1.2), q=TURNED)
     joints = (Fixed(name="foot", parent=WORLD, child="post"), Fixed(name="weld", parent="post", child="arm"))
     end = final(adapter, Scene(bodies=(post, arm), joints=joints), settings.with_dt(FINE), 0.3)
@@ -125,7 +128,8 @@ def _fixed_joint_holds(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _ball_joint_holds_its_anchor(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a ball joint hold its anchor and nothing else?", Feature.BALL)
+def ball_joint_holds_its_anchor(adapter: Adapter, settings: Settings) -> Finding:
     """Two links on ball joints, thrown sideways: anchors stay together, all rotations go on."""
     upper = free("upper", p=(0.0, 0.0, -0.5), moments=(0.1, 0.2, 0.25), w=(0.0, 0.0, 2.0))
     lower = free("lower", p=(0.5, 0.0, -1.0), q=TURNED, moments=(0.1, 0.2, 0.25))
@@ -151,7 +155,8 @@ def _inverse(q: Quaternion) -> Quaternion:
     return (q[0], -q[1], -q[2], -q[3])
 
 
-def _distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a rod keep its length, in pull and push, without doing work?", Feature.DISTANCE)
+def distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> Finding:
     """A bob on a rod, thrown across: the distance stays, the rod carries push as well as pull."""
     rod = Distance(name="rod", parent=WORLD, child="bob", anchor_W=_NOWHERE, child_anchor_W=(0.0, 0.8, 0.6))
     bob = free("bob", p=(0.0, 0.8, 0.6), v=(1.0, 0.0, 0.0))
@@ -166,7 +171,8 @@ def _distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> Fi
     )
 
 
-def _closed_loop_stays_closed(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a loop of joints stay closed in motion?", Feature.REVOLUTE | Feature.CLOSED_LOOP)
+def closed_loop_stays_closed(adapter: Adapter, settings: Settings) -> Finding:
     """A parallelogram of three bars falls to one side: its coupler stays level, its four pins together."""
     w = 1.0
     left = free("left", p=(0.0, 0.0, 0.5), v=(0.5 * w, 0.0, 0.0), w=(0.0, w, 0.0), mass=1.0, moments=(0.1, 0.1, 0.1))
@@ -209,7 +215,8 @@ def _leaves(apart: float, w: float, collide: bool) -> Scene:
     return Scene(bodies=(below, leaf), joints=(pin,), surfaces=(Surface(between=("block", "block")),), gravity=_NOWHERE)
 
 
-def _joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do bodies that a joint keeps from colliding overlap in peace?", Feature.REVOLUTE | Feature.BOX)
+def joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Finding:
     end = final(adapter, _leaves(-0.005, 0.0, False), settings.with_dt(FINE), 0.1)
     because = "a joint keeps them from colliding"
     return judge(
@@ -218,7 +225,8 @@ def _joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-def _joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do bodies collide whose joint says that they do?", Feature.REVOLUTE | Feature.BOX)
+def joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Finding:
     """The same hinge, closing at .2 rad/s over a gap of 2 mm: the boxes meet and stop, or the engine refuses such a joint."""
     try:
         end = final(adapter, _leaves(0.002, -0.2, True), settings.with_dt(FINE), 0.15)
@@ -226,72 +234,3 @@ def _joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Fi
         raise NotApplicable(f"refused: {refusal}") from refusal
     rate = float(end.w_WB[1, 1] - end.w_WB[0, 1])
     return judge(that(rate > -0.05, f"rate of the hinge: got {rate:.4g} rad/s, expected above -.05: the boxes meet and stop"))
-
-
-_R, _P = Feature.REVOLUTE, Feature.PRISMATIC
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="joint_pendulum_period",
-        question="Does a rigid pendulum swing at its rate, inertia about the axis included?",
-        run=_pendulum_period,
-        needs=_R,
-    ),
-    ConformanceCheck(
-        name="joint_damping_is_off",
-        question="Does a pendulum keep its energy where the scene asks for no damping?",
-        run=_joint_damping_is_off,
-        needs=_R,
-    ),
-    ConformanceCheck(
-        name="revolute_turns_about_its_axis",
-        question="Are anchor and axis in W, and the initial velocity kept?",
-        run=_revolute_turns_about_its_axis,
-        needs=_R,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="prismatic_slides_along_its_axis",
-        question="Does a slide move along its axis alone, in W?",
-        run=_prismatic_slides_along_its_axis,
-        needs=_P,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="fixed_joint_holds",
-        question="Does a fixed joint hold place and orientation, to the world and between bodies?",
-        run=_fixed_joint_holds,
-        needs=Feature.FIXED,
-    ),
-    ConformanceCheck(
-        name="ball_joint_holds_its_anchor",
-        question="Does a ball joint hold its anchor and nothing else?",
-        run=_ball_joint_holds_its_anchor,
-        needs=Feature.BALL,
-    ),
-    ConformanceCheck(
-        name="distance_joint_keeps_its_length",
-        question="Does a rod keep its length, in pull and push, without doing work?",
-        run=_distance_joint_keeps_its_length,
-        needs=Feature.DISTANCE,
-    ),
-    ConformanceCheck(
-        name="closed_loop_stays_closed",
-        question="Does a loop of joints stay closed in motion?",
-        run=_closed_loop_stays_closed,
-        needs=_R | Feature.CLOSED_LOOP,
-    ),
-    ConformanceCheck(
-        name="joined_bodies_do_not_collide",
-        question="Do bodies that a joint keeps from colliding overlap in peace?",
-        run=_joined_bodies_do_not_collide,
-        needs=_R | Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="joined_bodies_collide_when_told",
-        question="Do bodies collide whose joint says that they do?",
-        run=_joined_bodies_collide_when_told,
-        needs=_R | Feature.BOX,
-    ),
-)

@@ -5,7 +5,7 @@ from math import exp, sqrt
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import FINE, built, final, record, state_of
 from harness.conformance.scenes import free
@@ -22,13 +22,12 @@ from harness.scene import (
     axis_angle,
 )
 
-__all__ = ["CHECKS"]
-
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _FIRST = "a staggered scheme of first order is off by half a step of motion"
 
 
-def _limits_hold(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do limits hold on both sides, counted by the joint's own coordinate?", Feature.REVOLUTE | Feature.LIMITS)
+def limits_hold(adapter: Adapter, settings: Settings) -> Finding:
     """A hinge at coordinate .1 within [-.2, .5]: it turns .4 rad forth and .3 rad back, counted from where it stands."""
     comparisons = []
     for w, room in ((1.5, 0.4), (-1.5, -0.3)):
@@ -56,7 +55,8 @@ def _slide(body: Body, **extra: object) -> Scene:
     return Scene(bodies=(body,), joints=(joint,), gravity=_NOWHERE)
 
 
-def _spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a spring swing at sqrt(k/m) about its rest, and its damper damp?", Feature.PRISMATIC | Feature.SPRINGS)
+def spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
     """m x'' = -k (x - rest) from x = .2 + rest, undamped and damped."""
     comparisons = []
     for c in (0.0, 4.0):
@@ -72,7 +72,8 @@ def _spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*comparisons)
 
 
-def _drive_reaches_its_target(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a drive obey its PD law, its coordinate and commands?", Feature.PRISMATIC | Feature.REVOLUTE | Feature.DRIVES)
+def drive_reaches_its_target(adapter: Adapter, settings: Settings) -> Finding:
     """A critically damped drive from .1 to .5, then on command to .2; and one about an axis, right-handed."""
     drive = Drive(stiffness=200.0, damping=40.0, target=0.5)
     scene = _slide(free("body", mass=2.0), position=0.1, drive=drive)
@@ -114,39 +115,9 @@ def _drive_reaches_its_target(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _drive_force_is_limited(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a drive's force cut off at its limit in N?", Feature.PRISMATIC | Feature.DRIVES)
+def drive_force_is_limited(adapter: Adapter, settings: Settings) -> Finding:
     t = 0.5
     scene = _slide(free("body", mass=2.0), drive=Drive(stiffness=1e3, damping=1.0, target=50.0, limit=4.0))
     end = final(adapter, scene, settings.with_dt(FINE), t)
     return judge(near("speed under a drive cut off at 4 N [m/s]", end.v_WB[0, 0], 4.0 / 2.0 * t, 0.02, "F t / m, 2 %"))
-
-
-_R, _P = Feature.REVOLUTE, Feature.PRISMATIC
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="limits_hold",
-        question="Do limits hold on both sides, counted by the joint's own coordinate?",
-        run=_limits_hold,
-        needs=_R | Feature.LIMITS,
-    ),
-    ConformanceCheck(
-        name="spring_frequency",
-        question="Does a spring swing at sqrt(k/m) about its rest, and its damper damp?",
-        run=_spring_frequency,
-        needs=_P | Feature.SPRINGS,
-    ),
-    ConformanceCheck(
-        name="drive_reaches_its_target",
-        question="Does a drive obey its PD law, its coordinate and commands?",
-        run=_drive_reaches_its_target,
-        needs=_P | _R | Feature.DRIVES,
-    ),
-    ConformanceCheck(
-        name="drive_force_is_limited",
-        question="Is a drive's force cut off at its limit in N?",
-        run=_drive_force_is_limited,
-        needs=_P | Feature.DRIVES,
-    ),
-)

@@ -6,20 +6,21 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.exact import angle_between, rotation
 from harness.conformance.runs import FINE, final, record
 from harness.conformance.scenes import TURNED, free
 from harness.scene import WORLD, Distance, Scene, Spring, Vector3, rotate
 from harness.trajectory import Floats
 
-__all__ = ["CHECKS"]
-
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _FIRST = "a staggered scheme of first order is off by half a step of motion"
 
 
-def _between_centres(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a spring between two bodies swing at sqrt(k/m) of their reduced mass, and its damper damp?", Feature.DISTANCE_SPRING
+)
+def distance_spring_has_its_frequency(adapter: Adapter, settings: Settings) -> Finding:
     """Two bodies of 2 and 1 kg on a slanted line: m l'' = -k (l - rest) - c l' with m = 2/3 kg; their centre stays."""
     comparisons = []
     a, b = np.array([0.3, -0.2, 0.1]), np.array([0.3, -0.2, 0.1]) + 0.8 * np.array([2.0, -1.0, 2.0]) / 3
@@ -65,7 +66,8 @@ def _vector(a: Floats) -> Vector3:
     return (x, y, z)
 
 
-def _off_the_centre(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a spring pull at its anchors, off the centre of mass, and turn what it pulls?", Feature.DISTANCE_SPRING)
+def distance_spring_pulls_where_it_is_tied(adapter: Adapter, settings: Settings) -> Finding:
     """A turned ball-like body hung by an arm from the world on a spring, against the equations of motion integrated to 1e-10.
 
     m v' = m g + f u, I w' = r x f u, r' = w x r; I is a multiple of the identity, so that the attitude is told by r alone.
@@ -100,7 +102,8 @@ def _off_the_centre(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _holds_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does what hangs on a spring and damper come to rest where the spring bears its weight?", Feature.DISTANCE_SPRING)
+def distance_spring_holds_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
     """A body let go on a spring and damper, critically damped at 20/s: after a second it hangs at rest, lower by m g/k."""
     mass, stiffness, damping = 2.0, 800.0, 80.0
     line = Distance(
@@ -120,28 +123,3 @@ def _holds_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
         near("velocity at rest [m/s]", end.v_WB[0], np.zeros(3), 1e-4, "and so does its velocity"),
         near("attitude [rad]", angle_between(end.q_WB[0], (1.0, 0.0, 0.0, 0.0)), 0.0, 1e-6, "nothing turns it"),
     )
-
-
-_S = Feature.DISTANCE_SPRING
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="distance_spring_has_its_frequency",
-        question="Does a spring between two bodies swing at sqrt(k/m) of their reduced mass, and its damper damp?",
-        run=_between_centres,
-        needs=_S,
-    ),
-    ConformanceCheck(
-        name="distance_spring_pulls_where_it_is_tied",
-        question="Does a spring pull at its anchors, off the centre of mass, and turn what it pulls?",
-        run=_off_the_centre,
-        needs=_S,
-    ),
-    ConformanceCheck(
-        name="distance_spring_holds_what_hangs",
-        question="Does what hangs on a spring and damper come to rest where the spring bears its weight?",
-        run=_holds_what_hangs,
-        needs=_S,
-    ),
-)

@@ -3,17 +3,16 @@
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.exact import angle_between, rotation, turned_by, turning
 from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
 from harness.conformance.scenes import TURNED, floor, free, ground, without_gravity
 from harness.scene import Body, Box, PlacedShape, Scene, Sphere
 from harness.trajectory import State
 
-__all__ = ["CHECKS"]
 
-
-def _initial_state_comes_back(adapter: Adapter, settings: Settings) -> Finding:
+@check("After build, is the state the scene's: poses, velocities, all bodies?", firm=True)
+def initial_state_comes_back(adapter: Adapter, settings: Settings) -> Finding:
     bodies = (
         free("a", p=(1.0, -2.0, 3.0), q=TURNED, v=(0.5, -1.5, 2.5), w=(3.0, 1.0, -2.0), moments=(0.2, 0.3, 0.4)),
         free("b", p=(-4.0, 5.0, 6.0), v=(-1.0, 0.0, 7.0), w=(0.0, -4.0, 0.5)),
@@ -29,7 +28,8 @@ def _initial_state_comes_back(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _body_order_is_kept(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do states come in the order of the scene's bodies?", firm=True)
+def body_order_is_kept(adapter: Adapter, settings: Settings) -> Finding:
     places = [3, 0, 4, 1, 2]
     bodies = [free(f"body{k}", mass=1.0 + k, p=(10.0 * k, 0.0, 0.0), v=(0.0, 1.0 + k, 0.0)) for k in places]
     end = final(adapter, without_gravity(*bodies), settings.with_dt(COARSE), 0.1)
@@ -40,7 +40,8 @@ def _body_order_is_kept(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a static body stand in the states at its own place?", Feature.BOX, firm=True)
+def fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> Finding:
     """A static body between moving ones: states must not be packed."""
     shape = Box(half_extents=(0.5, 0.5, 0.5))
     wall = Body(
@@ -59,7 +60,8 @@ def _fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> Find
     )
 
 
-def _quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is q_WB (w, x, y, z), mapping B to W?", firm=True)
+def quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> Finding:
     scene = without_gravity(free(q=TURNED))
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         simulation.step(5)
@@ -68,7 +70,8 @@ def _quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> Finding:
     return judge(near("angle to the attitude of a body that does not turn [rad]", angle_between(got, TURNED), 0.0, ROUNDING))
 
 
-def _angular_velocity_is_in_W(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is w_WB in W, both given and read, and does the orientation follow it?", firm=True)
+def angular_velocity_is_in_W(adapter: Adapter, settings: Settings) -> Finding:
     w, t = (0.5, -1.0, 2.0), 0.2
     end = final(adapter, without_gravity(free(q=TURNED, w=w)), settings.with_dt(COARSE), t)
     return judge(
@@ -112,11 +115,13 @@ def _inertia(adapter: Adapter, settings: Settings, body: Body) -> Finding:
     )
 
 
-def _inertia_is_in_B(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the inertia in the body's frame, its three moments each on its own axis?", firm=True)
+def inertia_is_in_B(adapter: Adapter, settings: Settings) -> Finding:
     return _inertia(adapter, settings, free(moments=(0.1, 0.2, 0.25), q=TURNED))
 
 
-def _products_of_inertia_count(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does an inertia with products act along its true principal axes?", Feature.FULL_INERTIA, firm=True)
+def products_of_inertia_count(adapter: Adapter, settings: Settings) -> Finding:
     R = rotation(TURNED)
     tensor = R @ np.diag([0.1, 0.2, 0.25]) @ R.T
     tensor = (tensor + tensor.T) / 2
@@ -125,7 +130,8 @@ def _products_of_inertia_count(adapter: Adapter, settings: Settings) -> Finding:
     return _inertia(adapter, settings, Body(name="body", mass=2.0, inertia=full, q_WB=TURNED))
 
 
-def _centre_of_mass_off_the_shape_origin(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the state that of the centre of mass, and the shape where the scene places it?", Feature.SPHERE, firm=True)
+def centre_of_mass_off_the_shape_origin(adapter: Adapter, settings: Settings) -> Finding:
     """The same sphere, placed off the centre of mass of a body that spins in space or rests on the ground."""
     placed = (PlacedShape(shape=Sphere(radius=0.2), p_BS=(0.0, 0.0, 0.1)),)
     inertia = free().inertia
@@ -141,58 +147,3 @@ def _centre_of_mass_off_the_shape_origin(adapter: Adapter, settings: Settings) -
         near("v_WB of the spinning centre of mass [m/s]", end.v_WB[0], (0, 0, 0), 1e-3, "the shape's origin moves at 0.7 m/s"),
         near("height of the resting centre of mass [m]", down.p_WB[1, 2], 0.3, 3e-3, "contacts give way by less than 3 mm"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="initial_state_comes_back",
-        question="After build, is the state the scene's: poses, velocities, all bodies?",
-        run=_initial_state_comes_back,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="body_order_is_kept",
-        question="Do states come in the order of the scene's bodies?",
-        run=_body_order_is_kept,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="fixed_bodies_keep_their_place",
-        question="Does a static body stand in the states at its own place?",
-        run=_fixed_bodies_keep_their_place,
-        needs=Feature.BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="quaternion_is_wxyz",
-        question="Is q_WB (w, x, y, z), mapping B to W?",
-        run=_quaternion_is_wxyz,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="angular_velocity_is_in_W",
-        question="Is w_WB in W, both given and read, and does the orientation follow it?",
-        run=_angular_velocity_is_in_W,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="inertia_is_in_B",
-        question="Is the inertia in the body's frame, its three moments each on its own axis?",
-        run=_inertia_is_in_B,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="products_of_inertia_count",
-        question="Does an inertia with products act along its true principal axes?",
-        run=_products_of_inertia_count,
-        needs=Feature.FULL_INERTIA,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="centre_of_mass_off_the_shape_origin",
-        question="Is the state that of the centre of mass, and the shape where the scene places it?",
-        run=_centre_of_mass_off_the_shape_origin,
-        needs=Feature.SPHERE,
-        excusable=False,
-    ),
-)

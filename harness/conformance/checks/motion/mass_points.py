@@ -6,13 +6,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import FINE, final
 from harness.conformance.scenes import G, free
 from harness.scene import WORLD, Body, Distance, Fixed, Revolute, Scene, Spring, Vector3, axis_angle, principal_inertia
-
-__all__ = ["CHECKS"]
 
 _ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 _Y: Vector3 = (0.0, 1.0, 0.0)
@@ -24,7 +22,11 @@ def _point(name: str, p: Vector3, mass: float = 0.5, v: Vector3 = _ORIGIN, w: Ve
     return Body(name=name, mass=mass, inertia=principal_inertia(0.0, 0.0, 0.0), p_WB=p, v_WB=v, w_WB=w)
 
 
-def _flies_and_hangs(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a body without inertia move as its mass says, free and on a spring, without turning?",
+    Feature.MASS_POINT | Feature.DISTANCE_SPRING,
+)
+def mass_point_flies_and_hangs(adapter: Adapter, settings: Settings) -> Finding:
     """One is thrown, p = v t + g t^2/2; one hangs on a spring, z = -l - (m g/k)(1 - cos(t sqrt(k/m))), and turns nowhere."""
     t, k, m = 0.4, 80.0, 0.5
     thrown, hung = _point("thrown", _ORIGIN, v=(1.0, 2.0, 3.0)), _point("hung", (5.0, 0.0, -1.0), m)
@@ -45,7 +47,11 @@ def _flies_and_hangs(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _counts_where_it_is_fixed(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a mass point that is fixed to a body add its mass there, and no inertia of its own?",
+    Feature.MASS_POINT | Feature.FIXED | Feature.REVOLUTE,
+)
+def mass_point_counts_where_it_is_fixed(adapter: Adapter, settings: Settings) -> Finding:
     """(I + m d^2 + M r^2) a'' = -(m d + M r) g sin a of a rod with a point M on its lower end, r from its pin."""
     t, rod, moment, d, point, r = 0.9, 2.0, 0.2, 0.5, 1.5, 1.2
     inertia, weight = moment + rod * d * d + point * r * r, (rod * d + point * r) * G
@@ -67,19 +73,3 @@ def _counts_where_it_is_fixed(adapter: Adapter, settings: Settings) -> Finding:
         near("the point [m]", end.p_WB[1], below(r, angle), 2 * _HALF_A_STEP, "half a step of motion, and default damping"),
         near("the rod's rate [rad/s]", end.w_WB[0], np.array([0.0, rate, 0.0]), 0.04, "a step of its acceleration"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="mass_point_flies_and_hangs",
-        question="Does a body without inertia move as its mass says, free and on a spring, without turning?",
-        run=_flies_and_hangs,
-        needs=Feature.MASS_POINT | Feature.DISTANCE_SPRING,
-    ),
-    ConformanceCheck(
-        name="mass_point_counts_where_it_is_fixed",
-        question="Does a mass point that is fixed to a body add its mass there, and no inertia of its own?",
-        run=_counts_where_it_is_fixed,
-        needs=Feature.MASS_POINT | Feature.FIXED | Feature.REVOLUTE,
-    ),
-)

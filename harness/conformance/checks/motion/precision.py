@@ -3,21 +3,20 @@
 import numpy as np
 
 from harness.adapter import Adapter, Settings
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.exact import angle_between
 from harness.conformance.runs import COARSE, FINE, built, final, state_of
 from harness.conformance.scenes import TURNED, free, without_gravity
 from harness.scene import Scene
 from harness.trajectory import State
 
-__all__ = ["CHECKS"]
-
 _DIGITS = 1e-12
 """Relative error of a state that went through an engine in double precision: a change of frame costs some ten roundings of
 1e-16, and the centre of mass of a tree, from which velocities are carried, as many. Single precision has 6e-8."""
 
 
-def _states_have_double_precision(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a state come back with the digits of double precision, unless the engine says that it has single?", firm=True)
+def states_have_double_precision(adapter: Adapter, settings: Settings) -> Finding:
     if adapter.single_precision:
         raise NotApplicable("the engine says that it computes in single precision")
     third, scale = 1.0 / 3.0, 7.0
@@ -36,7 +35,8 @@ def _states_have_double_precision(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-def _gravity_has_three_digits(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is gravity right to a quarter of .1 %?", firm=True)
+def gravity_has_three_digits(adapter: Adapter, settings: Settings) -> Finding:
     """Four short steps: every scheme gives g t, and a vendor's damping of .04 (1 + |v|) a second takes 8e-5 of it."""
     g, t = np.array([3.0, -4.0, -8.0]), 4 * FINE
     end = final(adapter, Scene(bodies=(free(),), gravity=(3.0, -4.0, -8.0)), settings.with_dt(FINE), t)
@@ -44,7 +44,8 @@ def _gravity_has_three_digits(adapter: Adapter, settings: Settings) -> Finding:
     return judge(near("v_WB after 4 ms of free fall [m/s]", end.v_WB[0], g * t, 2.5e-4 * size, "a quarter of .1 %"))
 
 
-def _nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is there no damping, not even of 1e-5 a second?")
+def nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> Finding:
     """Without a force an engine adds zero to v, which rounds nothing in any precision; w goes through a frame and back."""
     v, w, t = np.array([3.0, -2.0, 1.0]), np.array([1.0, 2.0, -3.0]), 4.0
     scene = without_gravity(free(v=(3.0, -2.0, 1.0), w=(1.0, 2.0, -3.0)))
@@ -56,7 +57,8 @@ def _nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> Finding
     )
 
 
-def _slow_motion_is_motion(adapter: Adapter, settings: Settings) -> Finding:
+@check("Are speeds of a micrometre a second read and kept?")
+def slow_motion_is_motion(adapter: Adapter, settings: Settings) -> Finding:
     """Speeds down to a micrometre a second come back as they were given, and go on."""
     comparisons = []
     for speed in (1e-3, 1e-6, 1e-9):
@@ -71,29 +73,3 @@ def _slow_motion_is_motion(adapter: Adapter, settings: Settings) -> Finding:
             comparisons.append(near(f"spin of {speed:g} rad/s {when}", now.w_WB[0], (0, 0, speed), 0.01 * speed, "1 %: kept"))
         comparisons.append(near(f"way at {speed:g} m/s in .1 s [m]", last.p_WB[0, 0], 0.1 * speed, 1e-3 * speed, "1 % of v t"))
     return judge(*comparisons)
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="states_have_double_precision",
-        question="Does a state come back with the digits of double precision, unless the engine says that it has single?",
-        run=_states_have_double_precision,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="gravity_has_three_digits",
-        question="Is gravity right to a quarter of .1 %?",
-        run=_gravity_has_three_digits,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="nothing_brakes_a_free_body",
-        question="Is there no damping, not even of 1e-5 a second?",
-        run=_nothing_brakes_a_free_body,
-    ),
-    ConformanceCheck(
-        name="slow_motion_is_motion",
-        question="Are speeds of a micrometre a second read and kept?",
-        run=_slow_motion_is_motion,
-    ),
-)

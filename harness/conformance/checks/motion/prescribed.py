@@ -9,7 +9,7 @@ import numpy as np
 from harness.adapter import Adapter, Feature, Settings
 from harness.case.commands import acting
 from harness.case.forces import Controlled
-from harness.conformance.check import ConformanceCheck, Finding, judge, near
+from harness.conformance.check import Finding, check, judge, near
 from harness.conformance.runs import COARSE, FINE, ROUNDING, built, state_of
 from harness.conformance.scenes import TURNED, G, ball, block, free, ground
 from harness.scene import (
@@ -29,8 +29,6 @@ from harness.scene import (
 )
 from harness.trajectory import State
 from harness.trajectory.kinematics import angle_between
-
-__all__ = ["CHECKS"]
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _SOFT = 0.02
@@ -52,7 +50,12 @@ def _sampled(law: Callable[[float], float], steps: int, dt: float) -> Samples:
     return Samples(time=times, target=tuple(law(t) for t in times))
 
 
-def _is_where_its_law_has_it(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Is a body whose motion is prescribed where the law has it, at every step and in every direction?",
+    Feature.PRESCRIBED_MOTION,
+    firm=True,
+)
+def prescribed_motion_is_where_its_law_has_it(adapter: Adapter, settings: Settings) -> Finding:
     """A table shaken along two directions while it is carried on, and an arm that swings about an axis beside it."""
     table = Prescribed(
         shifts=(
@@ -83,7 +86,11 @@ def _is_where_its_law_has_it(adapter: Adapter, settings: Settings) -> Finding:
     return judge(*compared, near("p_WB of a bystander [m]", end.p_WB[2], bodies[2].p_WB, ROUNDING, "nothing moves it"))
 
 
-def _plate_takes_along_what_friction_can(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does friction feel the velocity of a body that is moved: does a box stick below mu g and slip at mu g above?",
+    Feature.PRESCRIBED_MOTION | Feature.BOX,
+)
+def prescribed_plate_takes_along_what_friction_can(adapter: Adapter, settings: Settings) -> Finding:
     """A plate accelerated at half and at twice mu g: a box stays where it lies on it, or is left behind at mu g."""
     mu, steps = 0.5, 400
     compared = []
@@ -116,7 +123,11 @@ def _plate_takes_along_what_friction_can(adapter: Adapter, settings: Settings) -
     return judge(*compared)
 
 
-def _platform_lifts_what_it_meets(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does a platform that is moved hand its velocity to what it meets, and does nothing stop it?",
+    Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
+)
+def prescribed_platform_lifts_what_it_meets(adapter: Adapter, settings: Settings) -> Finding:
     """A platform that rises at 1 m/s meets a ball that is let go .2 m above it, and lifts it at its own speed."""
     speed, gap, steps = 1.0, 0.2, 500
     platform = Body(
@@ -141,7 +152,10 @@ def _platform_lifts_what_it_meets(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-def _paddle_sweeps_a_ball_outwards(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does contact meet a turning body at the velocity of its surface?", Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE
+)
+def prescribed_paddle_sweeps_a_ball_outwards(adapter: Adapter, settings: Settings) -> Finding:
     """A paddle that turns at 2 rad/s about its end meets a ball at rest, which then slides out along it without friction.
 
     Equation: in the paddle's frame x'' = w^2 x with y = c, the sum of half widths, so x = x0 cosh(w t) + c sinh(w t) from the
@@ -172,7 +186,8 @@ def _paddle_sweeps_a_ball_outwards(adapter: Adapter, settings: Settings) -> Find
     return judge(near("p_WB of the ball [m]", end.p_WB[1, :2], (x, y), w * far * _SOFT, because))
 
 
-def _what_slides_on_it_stays_behind(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does what is joined to a moved body follow by its joint alone?", Feature.PRESCRIBED_MOTION | Feature.PRISMATIC)
+def prescribed_frame_leaves_behind_what_slides(adapter: Adapter, settings: Settings) -> Finding:
     """A frame shaken along a slide that nothing holds: what is on the slide keeps its place in W, and goes along across it."""
     along = Shift(axis_W=(1.0, 0.0, 0.0), motion=Sinusoid(amplitude=0.2, frequency=2.0))
     across = Shift(axis_W=(0.0, 1.0, 0.0), motion=Sinusoid(amplitude=0.1, frequency=1.0))
@@ -187,38 +202,3 @@ def _what_slides_on_it_stays_behind(adapter: Adapter, settings: Settings) -> Fin
         near("p_WB of what slides [m]", end.p_WB[1], (0.3, side, 0.0), 1e-4, "no force along the slide"),
         near("p_WB of the frame [m]", end.p_WB[0, 0], 0.2 * math.sin(4 * math.pi * steps * FINE), ROUNDING, "its law"),
     )
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="prescribed_motion_is_where_its_law_has_it",
-        question="Is a body whose motion is prescribed where the law has it, at every step and in every direction?",
-        run=_is_where_its_law_has_it,
-        needs=Feature.PRESCRIBED_MOTION,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="prescribed_plate_takes_along_what_friction_can",
-        question="Does friction feel the velocity of a body that is moved: does a box stick below mu g and slip at mu g above?",
-        run=_plate_takes_along_what_friction_can,
-        needs=Feature.PRESCRIBED_MOTION | Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="prescribed_platform_lifts_what_it_meets",
-        question="Does a platform that is moved hand its velocity to what it meets, and does nothing stop it?",
-        run=_platform_lifts_what_it_meets,
-        needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
-    ),
-    ConformanceCheck(
-        name="prescribed_paddle_sweeps_a_ball_outwards",
-        question="Does contact meet a turning body at the velocity of its surface?",
-        run=_paddle_sweeps_a_ball_outwards,
-        needs=Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
-    ),
-    ConformanceCheck(
-        name="prescribed_frame_leaves_behind_what_slides",
-        question="Does what is joined to a moved body follow by its joint alone?",
-        run=_what_slides_on_it_stays_behind,
-        needs=Feature.PRESCRIBED_MOTION | Feature.PRISMATIC,
-    ),
-)

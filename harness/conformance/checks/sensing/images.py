@@ -1,4 +1,4 @@
-"""Checks of pictures against closed forms: depth, names of bodies, pixels, light and shadow."""
+"""Checks of pictures against closed forms: depth, bodies, pixels, light, shadow; pictures and rays show the present."""
 
 from dataclasses import replace
 from math import pi, sin
@@ -7,23 +7,24 @@ from typing import Any
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, judge, near, that
+from harness.conformance.check import Finding, check, judge, near, that
 from harness.conformance.exact import rotation
 from harness.conformance.runs import built
 from harness.conformance.scenes import static
 from harness.scene import (
     WORLD,
     Appearance,
+    Body,
     Box,
     Camera,
     PlacedShape,
     Scene,
+    Shape,
+    Sphere,
     Sun,
     axis_angle,
 )
 from harness.trajectory import Image
-
-__all__ = ["CHECKS"]
 
 
 def _picture(adapter: Adapter, settings: Settings, scene: Scene, **changed: Any) -> Image:
@@ -33,7 +34,8 @@ def _picture(adapter: Adapter, settings: Settings, scene: Scene, **changed: Any)
         return simulation.render(Camera(name="camera", body=WORLD, rate=1.0, **asked))
 
 
-def _image_is_z_depth(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is the depth image z-depth in metres, x right, y down, inf where nothing is?", Feature.RENDER | Feature.BOX)
+def image_is_z_depth(adapter: Adapter, settings: Settings) -> Finding:
     """A turned camera in the world sees a box that lies 1 m to its right, .75 m down and 4 m ahead, and nothing else."""
     look = axis_angle((1.0, -1.0, 1.0), 2 * pi / 3)
     R = rotation(look)
@@ -51,7 +53,10 @@ def _image_is_z_depth(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _image_names_bodies(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Does an image name the place in the scene of what is drawn, by its visual shapes?", Feature.RENDER | Feature.BOX, firm=True
+)
+def image_names_bodies(adapter: Adapter, settings: Settings) -> Finding:
     """A box to the left and one to the right, drawn with a smaller one, in front of a wall that fills the lower half."""
     small = PlacedShape(shape=Box(half_extents=(0.2, 0.2, 0.2)))
     right = replace(static("right", Box(half_extents=(0.5, 0.5, 0.5)), p=(1.0, 0.0, 4.0)), visual=(small,))
@@ -77,7 +82,8 @@ def _image_names_bodies(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a pixel show what lies at its centre, half a pixel from its corner?", Feature.RENDER | Feature.BOX)
+def pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
     """The edges of a face cross the image a quarter of a pixel beyond the centres that they are to hold.
 
     Columns 20..40 and rows 12..35 have their centres within 20.25..40.75 and 12.25..35.75; were the centre of a pixel at one of
@@ -95,7 +101,8 @@ def _pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is what stands close before the camera seen, and what reaches behind it cut?", Feature.RENDER | Feature.BOX)
+def image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> Finding:
     """A face at .1 m fills the image; a floor that runs under the camera to behind it shows below the horizon alone."""
     close = _picture(adapter, settings, Scene(bodies=(static("wall", Box(half_extents=(1.0, 1.0, 0.5)), p=(0.0, 0.0, 0.6)),)))
     behind = _picture(adapter, settings, Scene(bodies=(static("wall", Box(half_extents=(1.0, 1.0, 0.5)), p=(0.0, 0.0, -2.0)),)))
@@ -111,7 +118,10 @@ def _image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-def _image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Are the colours of an image linear, and those of the bodies under the scene's sun and sky?", Feature.RENDER | Feature.BOX
+)
+def image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> Finding:
     """A face whose normal is 60 degrees off the sun sends back its colour times irradiance cos / pi + sky; no face, the sky."""
     colour, sun = np.array([0.8, 0.4, 0.1]), Sun(towards_W=(0.0, -sin(pi / 3), -0.5), irradiance=pi / 2, sky=0.3)
     look = Appearance(colour=(0.8, 0.4, 0.1))
@@ -128,7 +138,8 @@ def _image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-def _ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a ray-traced image have shadows?", Feature.RAY_TRACING | Feature.BOX)
+def ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> Finding:
     """Seen from the side of a sun above it, a plate of a metre keeps its light off the floor below, not beside."""
     white = Appearance(colour=(1.0, 1.0, 1.0))
     scene = Scene(
@@ -148,42 +159,55 @@ def _ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> Findi
     )
 
 
-CHECKS = (
-    ConformanceCheck(
-        name="image_is_z_depth",
-        question="Is the depth image z-depth in metres, x right, y down, inf where nothing is?",
-        run=_image_is_z_depth,
-        needs=Feature.RENDER | Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="image_names_bodies",
-        question="Does an image name the place in the scene of what is drawn, by its visual shapes?",
-        run=_image_names_bodies,
-        needs=Feature.RENDER | Feature.BOX,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="pixel_centre_is_at_half",
-        question="Does a pixel show what lies at its centre, half a pixel from its corner?",
-        run=_pixel_centre_is_at_half,
-        needs=Feature.RENDER | Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="image_is_cut_near_the_camera",
-        question="Is what stands close before the camera seen, and what reaches behind it cut?",
-        run=_image_is_cut_near_the_camera,
-        needs=Feature.RENDER | Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="image_is_lit_by_sun_and_sky",
-        question="Are the colours of an image linear, and those of the bodies under the scene's sun and sky?",
-        run=_image_is_lit_by_sun_and_sky,
-        needs=Feature.RENDER | Feature.BOX,
-    ),
-    ConformanceCheck(
-        name="ray_traced_image_has_shadows",
-        question="Does a ray-traced image have shadows?",
-        run=_ray_traced_image_has_shadows,
-        needs=Feature.RAY_TRACING | Feature.BOX,
-    ),
+_DT, _SPEED = 0.01, 10.0
+
+
+def _coming(motion: str) -> Scene:
+    """A body of half a metre that comes down from 6 m at 10 m/s, .1 m a step, kinematic or thrown."""
+    shape: Shape = Box(half_extents=(0.5, 0.5, 0.5))
+    body = Body(
+        name="body",
+        motion=motion,  # type: ignore[arg-type]
+        collision=(PlacedShape(shape=shape),),
+        p_WB=(0.0, 0.0, 6.0),
+        v_WB=(0.0, 0.0, -_SPEED),
+    )
+    behind = static("behind", Sphere(radius=1.0), p=(0.0, 0.0, 20.0), material="far")
+    return Scene(bodies=(behind, body), apart=(("far", body.material),), gravity=(0.0, 0.0, 0.0))
+
+
+@check(
+    "Do rays meet kinematic bodies, and where they are now?",
+    Feature.RAYS | Feature.KINEMATIC | Feature.BOX | Feature.SPHERE,
+    firm=True,
 )
+def rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> Finding:
+    o, d = np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])
+    with built(adapter, _coming("kinematic"), settings.with_dt(_DT)) as simulation:
+        first = simulation.cast(o, d, 50.0)
+        simulation.step(4)
+        later = simulation.cast(o, d, 50.0)
+    return judge(
+        near(
+            "range to a kinematic body, before any step and after 4 [m]",
+            [first.distance[0], later.distance[0]],
+            (5.5, 5.1),
+            1e-3,
+        ),
+        that(
+            first.body.tolist() == later.body.tolist() == [1],
+            f"bodies: got {first.body.tolist()} and {later.body.tolist()}, expected [1]: it stands before the other",
+        ),
+    )
+
+
+@check("Does a picture show where bodies are now, not a step ago?", Feature.RENDER | Feature.BOX | Feature.SPHERE, firm=True)
+def pictures_show_the_present(adapter: Adapter, settings: Settings) -> Finding:
+    camera = Camera(name="camera", body=WORLD, rate=1.0, width=16, height=16, focal_x=20, focal_y=20, centre_x=8, centre_y=8)
+    with built(adapter, _coming("dynamic"), settings.with_dt(_DT)) as simulation:
+        depths = [float(simulation.render(camera).depth[8, 8])]
+        for steps in (1, 3):
+            simulation.step(steps)
+            depths.append(float(simulation.render(camera).depth[8, 8]))
+    because = "a step is .1 m; depth buffers have a few millimetres"
+    return judge(near("depth of a box that comes at .1 m a step [m]", depths, (5.5, 5.4, 5.1), 0.02, because))

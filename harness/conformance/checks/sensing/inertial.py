@@ -1,20 +1,24 @@
-"""Checks of an engine's own accelerometer and gyroscope: at the end of a lever, in the sensor's frame, at this instant."""
+"""Checks of an engine's own accelerometer and gyroscope, on a lever, in the sensor's frame, at this instant; and of noise."""
 
 from typing import Any
 
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near
+from harness.conformance.check import Finding, NotApplicable, check, judge, near
 from harness.conformance.exact import rotation
 from harness.conformance.runs import COARSE, built, state_of
 from harness.conformance.scenes import TURNED, G, free
 from harness.scene import Imu, Scene, multiply
+from harness.trajectory import Trajectory
 
-__all__ = ["CHECKS"]
 
-
-def _inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> Finding:
+@check(
+    "Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
+    Feature.WRENCH,
+    firm=True,
+)
+def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> Finding:
     """A body that a torque spins up in free fall carries a sensor on a lever, askew.
 
     Equation: f_S = R_SW (a + alpha x r + w x (w x r) - g); in free fall a = g, and a sphere has alpha = tau/I, all in W.
@@ -43,7 +47,8 @@ def _inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -
     )
 
 
-def _inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH, firm=True)
+def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> Finding:
     """Pushed upwards by its weight a body hangs still, and its accelerometer says +g upwards, in the sensor's frame."""
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)
     scene = Scene(bodies=(free(q=TURNED),), sensors=(imu,))
@@ -61,19 +66,18 @@ def _inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -
     )
 
 
-CHECKS = (
-    ConformanceCheck(
-        name="inertial_sensors_say_what_they_feel",
-        question="Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
-        run=_inertial_sensors_say_what_they_feel,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="inertial_sensors_feel_their_support",
-        question="Does the engine's own accelerometer feel what bears it?",
-        run=_inertial_sensors_feel_their_support,
-        needs=Feature.WRENCH,
-        excusable=False,
-    ),
-)
+def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
+    """Are the channels of each stream (k, c) uncorrelated about their means, as separately seeded noise is?
+
+    Equation: the correlation of k independent pairs has the standard deviation 1/sqrt(k); five of them are granted.
+    """
+    comparisons = []
+    for name, signal in trajectory.streams.items():
+        if name.endswith("/time") or signal.ndim != 2 or len(signal) < 100:
+            continue
+        moving = signal[:, signal.std(axis=0) > 0]
+        for a in range(moving.shape[1]):
+            for b in range(a + 1, moving.shape[1]):
+                r = float(np.corrcoef(moving[:, a], moving[:, b])[0, 1])
+                comparisons.append(near(f"correlation of axes {a} and {b} of {name}", r, 0.0, 5 / np.sqrt(len(signal))))
+    return judge(*comparisons) if comparisons else Finding("not_applicable", "no stream with two noisy channels of 100 samples")

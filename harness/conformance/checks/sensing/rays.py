@@ -3,7 +3,7 @@
 import numpy as np
 
 from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable, judge, near, that
+from harness.conformance.check import Finding, NotApplicable, check, judge, near, that
 from harness.conformance.exact import first_hit, rotation
 from harness.conformance.runs import built
 from harness.conformance.scenes import TURNED, ball, static
@@ -18,8 +18,6 @@ from harness.scene import (
     Sphere,
 )
 from harness.trajectory import Floats, Hits
-
-__all__ = ["CHECKS"]
 
 _SHAPES: tuple[tuple[Feature, Shape], ...] = (
     (Feature.SPHERE, Sphere(radius=0.5)),
@@ -45,7 +43,8 @@ def _cast(adapter: Adapter, settings: Settings, scene: Scene, origins: Floats, d
         return simulation.cast(np.ascontiguousarray(origins), np.ascontiguousarray(directions), reach)
 
 
-def _rays_match_closed_forms(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do rays on turned shapes return the closed-form range?", Feature.RAYS)
+def rays_match_closed_forms(adapter: Adapter, settings: Settings) -> Finding:
     comparisons, p_WT = [], np.array([1.0, -2.0, 3.0])
     R = rotation(TURNED)
     for seed, (feature, shape) in enumerate(_SHAPES):
@@ -95,7 +94,8 @@ def _target(adapter: Adapter, x: float = 0.0) -> tuple[Scene, float]:
     raise NotApplicable("the engine claims neither a box nor a sphere to aim at")
 
 
-def _ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Finding:
+@check("Is a hit beyond max_range a miss, and the next one within it a hit?", Feature.RAYS, firm=True)
+def ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Finding:
     """The target's bounding volume lies within reach, its face beyond: culling bodies is not culling hits."""
     scene, face = _target(adapter)
     o, d = np.zeros((2, 3)), np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -113,7 +113,8 @@ def _ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
-def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does a ray that starts inside a solid meet its far side?", Feature.RAYS)
+def ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> Finding:
     """Along each axis of a turned solid from a point within it; a sensor in the housing of its carrier sees that housing."""
     exits: dict[Feature, tuple[Shape, Floats]] = {
         Feature.SPHERE: (Sphere(radius=0.5), np.array([0.5, 0.5, 0.5])),
@@ -146,7 +147,8 @@ def _ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) ->
     return judge(*comparisons)
 
 
-def _ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do hits name the body's place in the scene and the outward normal?", Feature.RAYS, firm=True)
+def ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
     scene, face = _target(adapter)
     hits = _cast(
         adapter,
@@ -163,7 +165,8 @@ def _ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
+@check("Does every ray of a large batch get its answer?", Feature.RAYS, firm=True)
+def many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
     """More rays than fit in a 16-bit count: a batch that is cut off drops the last ones without a word."""
     scene, face = _target(adapter)
     count = 16_500
@@ -178,7 +181,8 @@ def _many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
+@check("Do rays meet bodies where the state says they are?", Feature.RAYS | Feature.SPHERE, firm=True)
+def rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
     """A ball at 10 m/s is met where the state says it is, right after build and after a step, not one step behind."""
     dt, v, r = 0.01, 10.0, 0.1
     scene = Scene(bodies=(ball(p=(0.0, 0.0, 0.0), v=(v, 0.0, 0.0), radius=r),), gravity=(0.0, 0.0, 0.0))
@@ -193,7 +197,8 @@ def _rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding
     )
 
 
-def _rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> Finding:
+@check("With two simulations open, do rays meet the bodies of their own?", Feature.RAYS, firm=True)
+def rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> Finding:
     """Two simulations are open at once, the target at 5 m in one and at 8 m in the other."""
     near_by, face = _target(adapter)
     far_off, _ = _target(adapter, 3.0)
@@ -203,54 +208,3 @@ def _rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> Find
             float(simulation.cast(o, d, 50.0).distance[0]) for simulation in (near_simulation, far_simulation, near_simulation)
         ]
     return judge(near("ranges in the one, the other and the one again [m]", got, (face, face + 3.0, face), 1e-4))
-
-
-CHECKS = (
-    ConformanceCheck(
-        name="rays_match_closed_forms",
-        question="Do rays on turned shapes return the closed-form range?",
-        run=_rays_match_closed_forms,
-        needs=Feature.RAYS,
-    ),
-    ConformanceCheck(
-        name="ray_beyond_max_range_misses",
-        question="Is a hit beyond max_range a miss, and the next one within it a hit?",
-        run=_ray_beyond_max_range_misses,
-        needs=Feature.RAYS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="ray_from_inside_meets_the_far_side",
-        question="Does a ray that starts inside a solid meet its far side?",
-        run=_ray_from_inside_meets_the_far_side,
-        needs=Feature.RAYS,
-    ),
-    ConformanceCheck(
-        name="ray_names_body_and_normal",
-        question="Do hits name the body's place in the scene and the outward normal?",
-        run=_ray_names_body_and_normal,
-        needs=Feature.RAYS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="many_rays_all_answer",
-        question="Does every ray of a large batch get its answer?",
-        run=_many_rays_all_answer,
-        needs=Feature.RAYS,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="rays_see_the_present_state",
-        question="Do rays meet bodies where the state says they are?",
-        run=_rays_see_the_present_state,
-        needs=Feature.RAYS | Feature.SPHERE,
-        excusable=False,
-    ),
-    ConformanceCheck(
-        name="rays_ask_their_own_simulation",
-        question="With two simulations open, do rays meet the bodies of their own?",
-        run=_rays_ask_their_own_simulation,
-        needs=Feature.RAYS,
-        excusable=False,
-    ),
-)

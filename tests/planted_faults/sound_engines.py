@@ -4,18 +4,14 @@ from zlib import crc32
 
 import numpy as np
 
-from harness.adapter import Adapter
-from harness.conformance.faults.plant import Wrapped, plant
 from harness.trajectory import Contacts, State
-
-__all__ = ["AnyOrder", "EitherSign", "any_order", "either_sign"]
+from tests.planted_faults.planting import Wrapped
 
 
 class EitherSign(Wrapped):
     """Hands out q or -q, which are one rotation: by the parity of a hash of each state, so that equal runs stay equal."""
 
     def state(self, out: State) -> None:
-        """As inside, every other quaternion with the other sign."""
         self.inner.state(out)
         for k, (p, q) in enumerate(zip(out.p_WB, out.q_WB, strict=True)):
             if crc32(p.tobytes() + q.tobytes()) & 1:
@@ -26,19 +22,8 @@ class AnyOrder(Wrapped):
     """Hands out contacts in the opposite order, which has no meaning."""
 
     def contacts(self) -> Contacts:
-        """As inside, the last first."""
         got = self.inner.contacts()
         back = np.arange(len(got))[::-1]
         return Contacts(
             got.body_A[back], got.body_B[back], got.point_W[back], got.normal_W[back], got.gap[back], got.force_W[back]
         )
-
-
-def either_sign(adapter: Adapter) -> Adapter:
-    """An engine that hands out q or -q as it pleases."""
-    return plant(adapter, simulation=lambda inner, _, scene, settings: EitherSign(inner, scene, settings))
-
-
-def any_order(adapter: Adapter) -> Adapter:
-    """An engine that hands out contacts in another order."""
-    return plant(adapter, simulation=lambda inner, _, scene, settings: AnyOrder(inner, scene, settings))

@@ -1,1 +1,0 @@
-"""Planted faults: engines broken in exactly one way each, and what has to catch them."""

@@ -147,15 +147,15 @@ class Tables(NamedTuple):
 def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
     """Table k of floats, (rows, columns), without a copy."""
     d = ints[len(ints) - 1] + 2 * k
-    at, rows, columns = ints[d], ints[d + 1], FLOAT_COLUMNS[k]
-    return floats[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[d], ints[d + 1], FLOAT_COLUMNS[k]
+    return floats[offset : offset + rows * columns].reshape((rows, columns))
 
 
 def int_view(ints: Ints, k: int) -> Ints:
     """Table k of integers, (rows, columns), without a copy."""
     d = ints[len(ints) - 1] + 2 * (FLOAT_TABLES + k)
-    at, rows, columns = ints[d], ints[d + 1], INT_COLUMNS[k]
-    return ints[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[d], ints[d + 1], INT_COLUMNS[k]
+    return ints[offset : offset + rows * columns].reshape((rows, columns))
 
 
 @inlined

@@ -23,7 +23,7 @@ from engine.broad.candidates import (
 from engine.compile.jit import entry, kernel
 from engine.maths.elementary import exp, log
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
 
@@ -71,11 +71,11 @@ def mark_outside(floats: Floats, ints: Ints, cell: Ints) -> int:
 
     Returns: the number of the rest.
     """
-    fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
-    shape_kind, low, high, rest = ints_of(ints, SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf), 0
+    fat, shape, kind = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), ints_of(ints, at.BODY_KIND)
+    shape_kind, low, high, rest = ints_of(ints, at.SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf), 0
     moving = 0
     for s in range(len(cell)):
-        bounded = shape[s, BALL_RADIUS] < math.inf
+        bounded = shape[s, at.BALL_RADIUS] < math.inf
         cell[s, 3] = IN_NONE if bounded else OUTSIDE
         rest += 1 if bounded else 0
         moving += 1 if bounded and may_move(shape_kind, kind, s) else 0
@@ -114,8 +114,8 @@ def cell_side(fat: Floats, cell: Ints) -> float:
 @kernel
 def fill_grid(floats: Floats, ints: Ints) -> Grid:
     """The grid of all bounded shapes but those that lie where nothing can move."""
-    fat, kind, shape_kind = floats_of(floats, ints, FAT), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
-    shapes, inside, moving = ints_of(ints, COUNT)[0, SHAPES], 0, 0
+    fat, kind, shape_kind = floats_of(floats, ints, at.FAT), ints_of(ints, at.BODY_KIND), ints_of(ints, at.SHAPE_KIND)
+    shapes, inside, moving = ints_of(ints, at.COUNT)[0, at.SHAPES], 0, 0
     cell = np.empty((shapes, 4), np.int64)
     rest = mark_outside(floats, ints, cell)
     side, buckets = cell_side(fat, cell), 1
@@ -146,8 +146,8 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
     Returns: their number, perhaps beyond the room.
     """
-    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
-    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)[0, at.SHAPES]
     cell, start, member, around = grid
     buckets = len(start) - 1
     for i in range(first, last):
@@ -157,7 +157,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
         if cell[i, 3] == IN_NONE:
             for j in range(shapes):
                 wide = cell[j, 3] == IN_NONE
-                if shape[j, BALL_RADIUS] == math.inf or (wide and j <= i) or not boxes_overlap(fat, i, j):
+                if shape[j, at.BALL_RADIUS] == math.inf or (wide and j <= i) or not boxes_overlap(fat, i, j):
                     continue
                 if moves or may_move(shape_kind, kind, j):
                     if found < candidate.shape[0]:
@@ -197,7 +197,7 @@ def find_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     if bounds_are_stale(floats, ints):
         grid = fill_grid(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), grid)
+        found = search_range(floats, ints, 0, ints_of(ints, at.COUNT)[0, at.SHAPES], ints_of(ints, at.CANDIDATE), grid)
         status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
         if status != DONE:
             return status

@@ -4,7 +4,7 @@ import math
 
 from engine.compile.jit import entry
 from engine.maths.vec import Floats, Ints, axpy, load3, store3, sub
-from engine.memory.arena import BALL_RADIUS
+from engine.memory import arena as at
 from engine.narrow.convex import part_cores
 from engine.narrow.gjk import simplex_of
 from engine.narrow.support import core_radius, solids_of
@@ -20,7 +20,7 @@ def measure_convex(floats: Floats, ints: Ints, a: int, b: int, pose_a: Floats, p
     """
     t, simplex = solids_of(floats, ints), simplex_of(floats, ints)
     ra, rb = core_radius(t, a), core_radius(t, b)
-    size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
+    size = t.shape[a, at.BALL_RADIUS] + t.shape[b, at.BALL_RADIUS]
     for k in range(pose_a.shape[0]):
         for c in range(12):
             t.pose[a, c], t.pose[b, c] = pose_a[k, c], pose_b[k, c]

@@ -408,28 +408,28 @@ def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, i
     """
     places = 3 * (FLOAT_TABLES + INT_TABLES)
     directory: list[int] = []
-    at = 0
+    offset = 0
     for rows, columns in float_shapes:
-        directory += [at, rows, columns]
-        at += rows * columns
-    floats = np.zeros(max(at, 1))
-    at = places
+        directory += [offset, rows, columns]
+        offset += rows * columns
+    floats = np.zeros(max(offset, 1))
+    offset = places
     for rows, columns in int_shapes:
-        directory += [at, rows, columns]
-        at += rows * columns
-    ints = np.zeros(at, np.int64)
+        directory += [offset, rows, columns]
+        offset += rows * columns
+    ints = np.zeros(offset, np.int64)
     ints[:places] = directory
     return floats, ints
 
 
 def float_table(floats: Floats, ints: Ints, k: int) -> Floats:
     """Table k of the floats, (rows, columns), without a copy."""
-    at, rows, columns = ints[3 * k], ints[3 * k + 1], ints[3 * k + 2]
-    return floats[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[3 * k], ints[3 * k + 1], ints[3 * k + 2]
+    return floats[offset : offset + rows * columns].reshape((rows, columns))
 
 
 def int_table(ints: Ints, k: int) -> Ints:
     """Table k of the integers, (rows, columns), without a copy."""
     d = 3 * (FLOAT_TABLES + k)
-    at, rows, columns = ints[d], ints[d + 1], ints[d + 2]
-    return ints[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[d], ints[d + 1], ints[d + 2]
+    return ints[offset : offset + rows * columns].reshape((rows, columns))

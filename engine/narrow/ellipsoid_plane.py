@@ -14,7 +14,7 @@ __all__ = ["ellipsoid_plane"]
 
 
 @kernel
-def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Ellipsoid A against plane B; the normal from A to B is the plane's reversed."""
     up = axis_of(b)
     n = neg(up)
@@ -22,5 +22,5 @@ def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> 
     gap = dot(sub(lowest, b.p), up)
     if gap > margin:
         return 0, n
-    put_point(out, at, axpy(0.5 * gap, n, lowest), gap, 0)
+    put_point(out, row, axpy(0.5 * gap, n, lowest), gap, 0)
     return 1, n

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
-from engine.memory.arena import SIMPLEX, SIMPLEX_KEY
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.support import Solids, core_support
 
@@ -37,7 +37,7 @@ class Simplex(NamedTuple):
 @kernel
 def simplex_of(floats: Floats, ints: Ints) -> Simplex:
     """The scratch of an arena."""
-    return Simplex(floats_of(floats, ints, SIMPLEX), ints_of(ints, SIMPLEX_KEY))
+    return Simplex(floats_of(floats, ints, at.SIMPLEX), ints_of(ints, at.SIMPLEX_KEY))
 
 
 @kernel

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from engine.compile.jit import kernel
 from engine.maths.vec import Floats, Ints, Vec, store3
-from engine.memory.arena import FIRST_GAP, PLACE
+from engine.memory import arena as at
 
 __all__ = ["CORNERS_OF_B", "Points", "put_point"]
 
@@ -28,6 +28,6 @@ def put_point(out: Points, row: int, place: Vec, gap: float, feature: int) -> No
     Args: place [m] in W, midway between the surfaces; gap [m], negative in penetration; feature: the same number for the same
     corners and edges in the next step.
     """
-    store3(out.point, row, PLACE, place)
-    out.point[row, FIRST_GAP] = gap
+    store3(out.point, row, at.PLACE, place)
+    out.point[row, at.FIRST_GAP] = gap
     out.key[row, 0] = feature

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
 from engine.maths.vec import Floats, Ints, Vec, add, along, dot, load3, norm, sub
-from engine.memory.arena import PLANE, TYPE
+from engine.memory import arena as at
 from engine.rays.streams import Rays
 
 __all__ = ["Cone", "candidates", "cone_around", "cull", "reach_planes"]
@@ -110,7 +110,7 @@ def cull(k: int, ball: Floats, cone: Cone, reach: Floats) -> None:
 def reach_planes(k: int, rows_of: Ints, shape_kind: Ints, pose: Floats, cone: Cone, reach: Floats) -> None:
     """As `cull`, for planes, which no ball bounds: nothing is nearer than their distance."""
     for p in range(k):
-        if shape_kind[rows_of[p], TYPE] == PLANE:
+        if shape_kind[rows_of[p], at.TYPE] == at.PLANE:
             normal = (pose[p, 5], pose[p, 8], pose[p, 11])
             height = abs(dot(normal, sub(cone.apex, load3(pose, p, 0))))
             reach[p] = max(0.0, height * (1.0 - SLACK) - cone.spread)

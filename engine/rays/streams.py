@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
 from engine.maths.vec import Floats, Ints, Mat, Vec, mat_vec, tmat_vec
-from engine.memory.arena import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
+from engine.memory import arena as at
 
 __all__ = [
     "Primitive", "Rays", "Triple",
@@ -204,8 +204,8 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
     """Outward unit normals in W where rays end on a shape: the direction in which its distance grows fastest."""
     nx, ny, nz = normal
     kind, c, m, size = shape.kind, shape.centre, shape.axes, shape.size
-    if kind in (SPHERE, CAPSULE):
-        half = size[1] if kind == CAPSULE else 0.0
+    if kind in (at.SPHERE, at.CAPSULE):
+        half = size[1] if kind == at.CAPSULE else 0.0
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
@@ -213,7 +213,7 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             z = math.copysign(beyond if beyond > 0.0 else 0.0, z)
             scale = 1.0 / math.sqrt(x * x + y * y + z * z)
             nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, scale * z))
-    elif kind == BOX:
+    elif kind == at.BOX:
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
@@ -224,7 +224,7 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             y = math.copysign(1.0, y) if second else 0.0
             z = 0.0 if first | second else math.copysign(1.0, z)
             nx[i], ny[i], nz[i] = mat_vec(m, (x, y, z))
-    elif kind == CYLINDER:
+    elif kind == at.CYLINDER:
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
@@ -232,7 +232,7 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             cap = abs(z) - size[1] > away - size[0]
             scale = 0.0 if cap else 1.0 / away
             nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, math.copysign(1.0, z) if cap else 0.0))
-    elif kind == ELLIPSOID:
+    elif kind == at.ELLIPSOID:
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from engine.build.solids import quat_mat
 from engine.maths.arrays import mat_vec
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 
 __all__ = ["RayTree", "ray_tree"]
 
@@ -44,11 +43,11 @@ class RayTree(NamedTuple):
 def ray_tree(floats: FloatArray, ints: IntArray) -> RayTree:
     """The trees of all bodies that have hulls or triangles."""
     kinds, shape, polyhedron = (
-        int_table(ints, at.SHAPE_KIND),
-        float_table(floats, ints, at.SHAPE),
-        int_table(ints, at.POLYHEDRON),
+        at.int_table(ints, at.SHAPE_KIND),
+        at.float_table(floats, ints, at.SHAPE),
+        at.int_table(ints, at.POLYHEDRON),
     )
-    vertex = float_table(floats, ints, at.VERTEX)
+    vertex = at.float_table(floats, ints, at.VERTEX)
     rows = np.flatnonzero(kinds[:, at.TYPE] >= at.HULL)
     turns = np.array([quat_mat(q) for q in shape[rows, at.TURN : at.TURN + 4]])
     frame = np.concatenate([shape[rows, at.OFFSET : at.OFFSET + 3], turns.reshape(-1, 9)], axis=1)

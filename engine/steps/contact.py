@@ -6,7 +6,7 @@ from engine.compile.jit import entry, template
 from engine.contact.colours import leave_as_found
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, RELAXATIONS, SETTING, START, SUBSTEPS
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, contacts_of
@@ -29,33 +29,33 @@ def advance_contacts(
     Args: mark: notes the colours of a step's contacts; visit: does to all what is to be done to each, as
         `as_found`. Returns: as `step_contact`.
     """
-    bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
+    bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.START)
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    soft = softness_of(setting, setting[0, at.DT] / count[0, at.SUBSTEPS])
     slow = slow_approach(setting, soft.h)
     for step in range(steps):
         status = meet(floats, ints, bodies, contacts)
         if status != DONE:
             return step, status
         advance_untouched(bodies, setting, count)
-        n = count[0, MANIFOLDS]
+        n = count[0, at.MANIFOLDS]
         if n > 0:
             mark(floats, ints)
-            for substep in range(count[0, SUBSTEPS]):
+            for substep in range(count[0, at.SUBSTEPS]):
                 kick_touched(bodies, setting, count, soft.h)
                 strikes = approach(bodies, contacts, n, setting, soft.h, slow)
                 times = patience(count, substep, strikes)
                 share_loads(bodies, contacts, n, sums)
                 visit(floats, ints, bodies, contacts, soft, PUSH)
-                for _ in range(count[0, ITERATIONS] * times):
+                for _ in range(count[0, at.ITERATIONS] * times):
                     visit(floats, ints, bodies, contacts, soft, PRESS)
                 drift_touched(bodies, count, soft.h)
                 visit(floats, ints, bodies, contacts, soft, TURN)
                 share_loads(bodies, contacts, n, sums)
-                for _ in range(count[0, RELAXATIONS] * times):
+                for _ in range(count[0, at.RELAXATIONS] * times):
                     visit(floats, ints, bodies, contacts, soft, RELAX)
                 if bounce(contacts, n):
-                    for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
+                    for _ in range(FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS])):
                         visit(floats, ints, bodies, contacts, soft, REBOUND)
                 friction_mode(bodies, contacts, n)
                 end_substep(contacts, n)

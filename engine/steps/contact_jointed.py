@@ -7,20 +7,7 @@ from engine.constrain.reactions import clear_reactions
 from engine.contact.find_contacts import find_contacts
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    CHILD,
-    COUNT,
-    DT,
-    ITERATIONS,
-    JOINTS,
-    MANIFOLDS,
-    PARENT,
-    RELAXATIONS,
-    SETTING,
-    START,
-    SUBSTEPS,
-    TOUCHED,
-)
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, contacts_of, joints_of, rows_of, shapes_of
@@ -38,22 +25,22 @@ __all__ = ["step_contact_jointed"]
 @entry
 def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact and held by joints. Returns: as `step_contact`, and `open_joint`."""
-    bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
+    bodies, contacts, sums = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.START)
     joints, rows = joints_of(floats, ints), rows_of(floats, ints)
-    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
+    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    soft = softness_of(setting, setting[0, at.DT] / count[0, at.SUBSTEPS])
     slow = slow_approach(setting, soft.h)
     for step in range(steps):
         status = find_contacts(floats, ints)
         if status != DONE:
             return step, status
-        for j in range(count[0, JOINTS]):
-            bodies.kind[joints.kind[j, PARENT], TOUCHED] = 1
-            bodies.kind[joints.kind[j, CHILD], TOUCHED] = 1
+        for j in range(count[0, at.JOINTS]):
+            bodies.kind[joints.kind[j, at.PARENT], at.TOUCHED] = 1
+            bodies.kind[joints.kind[j, at.CHILD], at.TOUCHED] = 1
         advance_untouched(bodies, setting, count)
         clear_reactions(joints)
-        n = count[0, MANIFOLDS]
-        for substep in range(count[0, SUBSTEPS]):
+        n = count[0, at.MANIFOLDS]
+        for substep in range(count[0, at.SUBSTEPS]):
             kick_touched(bodies, setting, count, soft.h)
             equalities, all_rows = write_rows(bodies, joints, rows, soft.h)
             strikes = approach(bodies, contacts, n, setting, soft.h, slow)
@@ -61,7 +48,7 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             share_loads(bodies, contacts, n, sums)
             warm_start(bodies, contacts, n)
             hold_joints(bodies, joints, rows, equalities, all_rows, NEW)
-            for _ in range(count[0, ITERATIONS] * times):
+            for _ in range(count[0, at.ITERATIONS] * times):
                 if n > 0:
                     sweep(bodies, contacts, n, soft, PRESS)
                     hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
@@ -69,11 +56,11 @@ def step_contact_jointed(floats: Floats, ints: Ints, steps: int) -> tuple[int, i
             if n > 0:
                 refresh(bodies.state, shapes, contacts, n)
                 share_loads(bodies, contacts, n, sums)
-                for _ in range(count[0, RELAXATIONS] * times):
+                for _ in range(count[0, at.RELAXATIONS] * times):
                     sweep(bodies, contacts, n, soft, RELAX)
                     hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
                 if bounce(contacts, n):
-                    for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
+                    for _ in range(FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS])):
                         sweep(bodies, contacts, n, soft, REBOUND)
                         hold_joints(bodies, joints, rows, equalities, all_rows, KNOWN)
                 friction_mode(bodies, contacts, n)

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from engine.describe.errors import ManyImpacts
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
 from engine.options import Options
 from engine.steps.lengths import fit_impulses
@@ -97,12 +96,12 @@ class SweptSteps:
 
     def _step(self, floats: FloatArray, ints: IntArray) -> int:
         """One whole step, or what is left of one that waited for a larger arena. Returns: a status."""
-        count = int_table(ints, at.COUNT)[0]
+        count = at.int_table(ints, at.COUNT)[0]
         if self._left == 0.0:
             self._left, self._done, self._parts = self._dt, 0, []
         number = int(count[at.STEPS])
         status = self._finish(floats, ints, number)
-        float_table(floats, ints, at.SETTING)[0, at.DT] = self._dt
+        at.float_table(floats, ints, at.SETTING)[0, at.DT] = self._dt
         count[at.CONTINUOUS], count[at.STEPS] = at.SWEPT, number + int(status != FULL)
         if status != FULL:
             self._left = 0.0
@@ -110,7 +109,7 @@ class SweptSteps:
 
     def _finish(self, floats: FloatArray, ints: IntArray, number: int) -> int:
         """Strike and advance until nothing is left of the step that follows step `number`. Returns: a status."""
-        state, count = float_table(floats, ints, at.STATE), int_table(ints, at.COUNT)[0]
+        state, count = at.float_table(floats, ints, at.STATE), at.int_table(ints, at.COUNT)[0]
         while True:
             if self._strikes:
                 status = self._strike(floats, ints)
@@ -156,7 +155,7 @@ class SweptSteps:
 
     def _advance(self, floats: FloatArray, ints: IntArray, span: float) -> int:
         """A contact step of `span` seconds, started from impulses that fit its length. Returns: a status."""
-        setting = float_table(floats, ints, at.SETTING)[0]
+        setting = at.float_table(floats, ints, at.SETTING)[0]
         setting[at.DT] = span
         fit_impulses(floats, ints, span)
         status = self._find_anew(floats, ints)
@@ -173,7 +172,7 @@ class SweptSteps:
 
         Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
         """
-        float_table(floats, ints, at.REST)[:] = np.inf
+        at.float_table(floats, ints, at.REST)[:] = np.inf
         return DONE if self._search is None else self._search(floats, ints)
 
     def compile(self, floats: FloatArray, ints: IntArray) -> None:
@@ -183,11 +182,11 @@ class SweptSteps:
 
     def _note(self, floats: FloatArray, ints: IntArray) -> None:
         """Keep the impulses of this part of the step, which the next part will not know."""
-        count, key = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS]), int_table(ints, at.MANIFOLD_KEY)
+        count, key = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS]), at.int_table(ints, at.MANIFOLD_KEY)
         if count == 0:
             return
         manifold, used = np.repeat(np.arange(count), 4), np.arange(4 * count) % 4
-        point = float_table(floats, ints, at.POINT)[: 4 * count]
+        point = at.float_table(floats, ints, at.POINT)[: 4 * count]
         acts = (used < key[manifold, at.POINTS]) & point[:, at.SUM : at.SUM + 3].any(axis=1)
         point, manifold = point[acts], manifold[acts]
         self._parts.append(
@@ -195,7 +194,7 @@ class SweptSteps:
                 bodies=key[manifold][:, [at.BODY_A, at.BODY_B]],
                 impulse=point[:, at.SUM : at.SUM + 3].copy(),
                 point=point[:, at.PLACE : at.PLACE + 3].copy(),
-                normal=float_table(floats, ints, at.MANIFOLD)[manifold, at.NORMAL : at.NORMAL + 3],
+                normal=at.float_table(floats, ints, at.MANIFOLD)[manifold, at.NORMAL : at.NORMAL + 3],
                 gap=point[:, at.FIRST_GAP].copy(),
             )
         )
@@ -210,14 +209,14 @@ def _answer(floats: FloatArray, ints: IntArray) -> None:
 
 def _moving(floats: FloatArray, ints: IntArray) -> list[NDArray[np.float64] | NDArray[np.int64]]:
     """Views of all that a step changes and the next one reads."""
-    n = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    n = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     return [
-        float_table(floats, ints, at.STATE),
-        float_table(floats, ints, at.TURNED),
-        float_table(floats, ints, at.SETTING),
-        float_table(floats, ints, at.MANIFOLD)[:n],
-        float_table(floats, ints, at.POINT)[: 4 * n],
-        int_table(ints, at.MANIFOLD_KEY)[:n],
-        int_table(ints, at.POINT_KEY)[: 4 * n],
-        int_table(ints, at.COUNT),
+        at.float_table(floats, ints, at.STATE),
+        at.float_table(floats, ints, at.TURNED),
+        at.float_table(floats, ints, at.SETTING),
+        at.float_table(floats, ints, at.MANIFOLD)[:n],
+        at.float_table(floats, ints, at.POINT)[: 4 * n],
+        at.int_table(ints, at.MANIFOLD_KEY)[:n],
+        at.int_table(ints, at.POINT_KEY)[: 4 * n],
+        at.int_table(ints, at.COUNT),
     ]

@@ -5,7 +5,7 @@ from engine.broad.candidates import bounds_are_stale
 from engine.broad.parallel.shares import search_shapes
 from engine.compile.jit import parallel_entry
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, SHAPES
+from engine.memory import arena as at
 from engine.memory.carve import ints_of
 from engine.memory.status import DONE
 
@@ -17,4 +17,4 @@ def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
     """Find the candidates anew where they are stale. Returns: DONE, or FULL where the arena has no room for them."""
     if not bounds_are_stale(floats, ints):
         return DONE
-    return search_shapes(floats, ints, threads, search_range, ints_of(ints, COUNT)[0, SHAPES])
+    return search_shapes(floats, ints, threads, search_range, ints_of(ints, at.COUNT)[0, at.SHAPES])

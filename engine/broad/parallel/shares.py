@@ -12,7 +12,7 @@ from numba import prange
 from engine.broad.candidates import add_unbounded, keep_candidates
 from engine.compile.jit import kernel, template
 from engine.maths.vec import Floats, Ints
-from engine.memory.arena import CANDIDATE, COUNT, SHAPES
+from engine.memory import arena as at
 from engine.memory.carve import ints_of
 
 __all__ = ["search_in_shares", "search_shapes"]
@@ -61,6 +61,6 @@ def search_in_shares(
 @template
 def search_shapes(floats: Floats, ints: Ints, threads: int, search: Callable[..., int], among: Any) -> int:
     """Search all shapes for candidates, as `search_in_shares`. Returns: DONE, or FULL where the arena has no room for them."""
-    shapes = ints_of(ints, COUNT)[0, SHAPES]
-    found = search_in_shares(floats, ints, threads, shapes, ints_of(ints, CANDIDATE), search, among)
+    shapes = ints_of(ints, at.COUNT)[0, at.SHAPES]
+    found = search_in_shares(floats, ints, threads, shapes, ints_of(ints, at.CANDIDATE), search, among)
     return keep_candidates(floats, ints, add_unbounded(floats, ints, found))

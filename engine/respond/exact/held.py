@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.respond.exact.joint_kernels import write_joint_rows
 from engine.respond.exact.law import Problem
 from engine.respond.exact.problem import (
@@ -74,7 +73,7 @@ class Held:
 def held_bodies(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> Held:
     """The joints in the present pose, with what they aim at in h seconds."""
     equalities, count = write_joint_rows(floats, ints, h)
-    row, body = float_table(floats, ints, at.ROW)[:count].copy(), int_table(ints, at.ROW_BODY)[:count].copy()
+    row, body = at.float_table(floats, ints, at.ROW)[:count].copy(), at.int_table(ints, at.ROW_BODY)[:count].copy()
     hard = (np.arange(count) < equalities) & (row[:, at.SOFTNESS] == 0.0)
     row[hard, at.BIAS] = row[hard, at.GAP] / h
     stops = (np.arange(count) >= equalities) & (row[:, at.SOFTNESS] == 0.0)
@@ -102,7 +101,7 @@ def held_bodies(floats: FloatArray, ints: IntArray, made: ContactFrames, h: floa
 
 def hold(floats: FloatArray, ints: IntArray, held: Held) -> None:
     """Let the joints alone act on the present velocities."""
-    state, body = float_table(floats, ints, at.STATE), held.body[: held.free]
+    state, body = at.float_table(floats, ints, at.STATE), held.body[: held.free]
     asked = -rates(state, held.row[: held.free], body) - held.row[: held.free, at.BIAS]
     along = held.back.T @ asked
     apply_impulse(state, held.movers, (held.basis @ along)[: held.reach.shape[1]])
@@ -137,7 +136,7 @@ def assemble_held(floats: FloatArray, ints: IntArray, made: ContactFrames, lift:
 
     Args: lift: as `assemble_problem`; left [s]: in which stops may be reached; 0: those alone that are.
     """
-    state, width = float_table(floats, ints, at.STATE), held.reach.shape[1]
+    state, width = at.float_table(floats, ints, at.STATE), held.reach.shape[1]
     stops = np.flatnonzero((held.gap <= TOUCHING) | (left > 0.0))
     k, rows = len(made.rows), held.free + stops
     across = np.zeros((k + len(stops), 3, len(held.basis)))
@@ -163,7 +162,7 @@ def assemble_held(floats: FloatArray, ints: IntArray, made: ContactFrames, lift:
 def give(floats: FloatArray, ints: IntArray, held: Held, beside: Beside, impulse: FloatArray) -> None:
     """Change velocities by impulses (k, 3) N s of contacts and stops, and by those of the joints that they call for."""
     flat, k = impulse.ravel(), len(beside.made.rows)
-    apply_impulse(float_table(floats, ints, at.STATE), held.movers, (beside.across.T @ flat)[: held.reach.shape[1]])
+    apply_impulse(at.float_table(floats, ints, at.STATE), held.movers, (beside.across.T @ flat)[: held.reach.shape[1]])
     total = np.zeros(len(held.row))
     total[: held.free] = -held.back @ (beside.taken.T @ flat)
     total[beside.stops] = impulse[k:, 0]
@@ -175,7 +174,7 @@ def count_reactions(floats: FloatArray, ints: IntArray, held: Held, impulse: Flo
     """Count impulses (m,) of all rows towards what their joints carry, as `constrain.reactions` does, and let rotors have the
     rates that they leave them with.
     """
-    joint, of = float_table(floats, ints, at.JOINT), held.body[:, at.JOINT_OF]
+    joint, of = at.float_table(floats, ints, at.JOINT), held.body[:, at.JOINT_OF]
     linear, angular = held.row[:, LINEAR_B : LINEAR_B + 3], held.row[:, ANGULAR_B : ANGULAR_B + 3]
     turns = (linear == 0.0).all(axis=1)[:, None]
     np.add.at(joint[:, at.REACTION : at.REACTION + 3], of, impulse[:, None] * linear)

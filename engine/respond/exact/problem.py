@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.respond.exact.assembly import (
     BROUGHT,
     COLUMNS,
@@ -91,7 +90,7 @@ def cross_product(a: FloatArray, b: FloatArray) -> FloatArray:
 
 def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
     """Frames and arms of all present contacts."""
-    most = 4 * int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    most = 4 * int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     rows, bodies = np.empty(most, np.int64), np.empty((most, 2), np.int64)
     frame, arm = np.empty((most, 3, 3)), np.empty((most, 2, 3))
     k = write_frames(floats, ints, rows, bodies, frame, arm)
@@ -107,20 +106,20 @@ def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -
 
 def rebound(floats: FloatArray, ints: IntArray, made: ContactFrames, struck: NDArray[np.bool_]) -> FloatArray:
     """e u_before (k,) m/s at the present velocities of the contacts that are struck (k,); 0 for the others."""
-    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    u = relative_velocity(at.float_table(floats, ints, at.STATE), made)[:, 0]
     return np.where(struck, restitution_of(floats, ints, made) * np.minimum(u, 0.0), 0.0)
 
 
 def restitution_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
     """Newton's e (k,) of the contacts."""
-    return np.asarray(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 2])
+    return np.asarray(at.float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 2])
 
 
 def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: float, slow: float) -> FloatArray:
     """When (k,) s the present velocities close the gaps of contacts with restitution; inf beyond `left`, or below `slow`."""
     # A gap of TOUCHING is left by what is not told from touching; it would end the approach before the blow.
-    gap = np.maximum(float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION] - 2.0 * TOUCHING, 0.0)
-    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    gap = np.maximum(at.float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION] - 2.0 * TOUCHING, 0.0)
+    u = relative_velocity(at.float_table(floats, ints, at.STATE), made)[:, 0]
     strikes = (restitution_of(floats, ints, made) > 0.0) & (u < -slow) & (gap < -u * left)
     return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
 
@@ -145,12 +144,12 @@ def pace_of(u: FloatArray) -> float:
 
 def friction_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
     """Coulomb's coefficients (k,) of the contacts."""
-    return np.array(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1])
+    return np.array(at.float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1])
 
 
 def brought_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
     """The impulses (k, 3) N s that the contacts bring from the last solve, in their frames."""
-    point = float_table(floats, ints, at.POINT)[made.rows]
+    point = at.float_table(floats, ints, at.POINT)[made.rows]
     impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * made.frame[:, :, 0]
     return np.asarray(np.einsum("kji,kj->ki", made.frame, impulse))
 
@@ -163,7 +162,7 @@ def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
 
 def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
     """The dynamic ones of some bodies."""
-    mass, turned = float_table(floats, ints, at.BODY)[:, at.INV_MASS], float_table(floats, ints, at.TURNED)
+    mass, turned = at.float_table(floats, ints, at.BODY)[:, at.INV_MASS], at.float_table(floats, ints, at.TURNED)
     rows = np.unique(bodies[mass[bodies] > 0.0])
     place = np.full(len(mass), -1)
     place[rows] = np.arange(len(rows))
@@ -195,7 +194,7 @@ def apply_impulse(state: FloatArray, movers: Movers, motion: FloatArray) -> None
 def keep_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
     """Keep impulses (k, 3) N s with the contact points."""
     in_world = np.einsum("kij,kj->ki", made.frame, impulse)
-    point = float_table(floats, ints, at.POINT)
+    point = at.float_table(floats, ints, at.POINT)
     point[:, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
     point[made.rows, at.NORMAL_IMPULSE] = impulse[:, 0]
     point[made.rows, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] = in_world - impulse[:, :1] * made.frame[:, :, 0]

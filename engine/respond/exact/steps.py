@@ -21,7 +21,6 @@ from engine.describe.bodies import Surface
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
 from engine.respond.exact.assembly import give_impulses
@@ -116,7 +115,7 @@ class ExactSteps:
             status = int(begin_step(floats, ints))
             if status != DONE:
                 return step, status
-            float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
+            at.float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
             for substep in range(self._substeps):
                 if self._advance(floats, ints, int(substep == self._substeps - 1)):
                     return step + 1, DIVERGED
@@ -126,15 +125,15 @@ class ExactSteps:
 
     def _advance(self, floats: FloatArray, ints: IntArray, last: int) -> bool:
         """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""
-        h, motion = self._h, float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
+        h, motion = self._h, at.float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
         before = motion.copy()
         slow, held, pace = kick_touched(floats, ints, h), None, 0.0
         if self._jointed:
             made = contact_frames(floats, ints)
-            pace = pace_of(relative_velocity(float_table(floats, ints, at.STATE), made))
+            pace = pace_of(relative_velocity(at.float_table(floats, ints, at.STATE), made))
             held = held_bodies(floats, ints, made, h)
             hold(floats, ints, held)
-        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
+        if at.int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
             return bool(drift_touched(floats, ints, h, last))
         kick, passed = motion - before, 0.0
         for _ in range(MOST_BLOWS if self._bounces else 0):

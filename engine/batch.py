@@ -24,8 +24,6 @@ from engine.steps.many_worlds import (
 )
 from engine.world import World
 
-__all__ = ["Batch"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

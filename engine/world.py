@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from engine.respond.exact.steps import Certificate
     from engine.swept.steps import Impacts
 
-__all__ = ["Contacts", "Hits", "World"]
-
 GEOMETRIES = ("collision", "visual")
 RENDERERS = ("rasterised", "ray_traced")
 

@@ -10,26 +10,10 @@ from engine.articulated.articulated_body import transmitted
 from engine.articulated.motion import move_links
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    Vec,
-    add,
-    axpy,
-    cross,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    neg,
-    quat_turn,
-    quat_unit,
-    store3,
-    store4,
-    sub,
-)  # fmt: skip
+from engine.maths.rows import Vec, load3, load4, load9, store3, store4
+from engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_turn, quat_unit, sub
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["add_reactions", "change_rates", "drift_coordinates", "is_finite_forest", "rates_of", "write_state"]
 
 
 @kernel

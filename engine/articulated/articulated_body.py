@@ -18,26 +18,8 @@ from engine.articulated import tables as tree
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.maths.floats import fma
-from engine.maths.vec import (
-    Floats,
-    Mat,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    dot,
-    load3,
-    load6,
-    load9,
-    mat_vec,
-    store3,
-    store6,
-    store9,
-    sym_vec,
-    tmat_vec,
-)  # fmt: skip
-
-__all__ = ["accelerations", "answer_forces", "transmitted"]
+from engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
+from engine.maths.vec import add, axpy, dot, mat_vec, sym_vec, tmat_vec
 
 STILL: Vec = (0.0, 0.0, 0.0)
 

@@ -10,8 +10,6 @@ from engine.build.solids import quat_mat, quat_mul
 from engine.maths.arrays import dot, mat_vec
 from engine.memory import arena as at
 
-__all__ = ["grow_world", "has_same_trees", "motion_of", "with_trees"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -14,23 +14,10 @@ from engine.articulated.forces import weigh_links
 from engine.articulated.motion import move_links
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    add,
-    axpy,
-    cross,
-    load3,
-    load4,
-    mat_vec,
-    quat_mat,
-    quat_turn,
-    store3,
-    store4,
-    sub,
-)  # fmt: skip
+from engine.maths.rows import load3, load4, store3, store4
+from engine.maths.vec import add, axpy, cross, mat_vec, quat_mat, quat_turn, sub
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["carry_bases", "free_columns", "take_jumps"]
 
 
 @kernel

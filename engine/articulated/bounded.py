@@ -16,11 +16,10 @@ from engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, wr
 from engine.articulated.momenta import load_momenta, press_links
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, add, dot, load3, load6, load9, mat_vec, sym_vec, tmat_vec
+from engine.maths.rows import Floats, load3, load6, load9
+from engine.maths.vec import add, dot, mat_vec, sym_vec, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["answer_laws", "settle_laws", "solve_laws"]
 
 PATIENCE = 3
 """Rounds, after the best one, in which no fewer columns were on the wrong segment."""

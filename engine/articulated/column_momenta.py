@@ -18,25 +18,10 @@ from engine.articulated.forces import weigh_links
 from engine.articulated.motion import base_of, move_links
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load6,
-    load9,
-    scale,
-    store3,
-    sym_rotate,
-    sym_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3, load6, load9, store3
+from engine.maths.vec import add, axpy, cross, dot, scale, sym_rotate, sym_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["begin_column_momenta", "column_momenta", "rates_of_momenta"]
 
 STILL: Vec = (0.0, 0.0, 0.0)
 

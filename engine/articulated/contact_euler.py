@@ -34,15 +34,14 @@ from engine.articulated.tables import Tables
 from engine.articulated.touched import BODY, LINK, NOWHERE, Touched
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, load3, load4, quat_mul, quat_unit, scale, store3, store4
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from engine.maths.vec import add, axpy, cross, quat_mul, quat_unit, scale
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts, Joints, Rows, Shapes
 from engine.respond.arms import refresh
 from engine.respond.share_loads import share_loads
 from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach
 from engine.respond.substep import approach, bounce, end_substep, friction_mode
-
-__all__ = ["UNKNOWN", "Mechanisms", "forget_responses", "touching_substep"]
 
 ROUNDS: Final = 4
 """Times at most that laws and contacts are settled in turns in a sub-step. A stop that is struck takes two."""

@@ -12,14 +12,13 @@ from typing import Final
 
 from engine.articulated.touched import Touched, change_of
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, cross, neg, store6, store9, tmat_vec
+from engine.maths.rows import Floats, Vec, store6, store9
+from engine.maths.vec import add, cross, neg, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.centre import Centre, centre_of, relative_motion
 from engine.respond.mobility import effective_masses, write_stop
 from engine.respond.pair import Motion
-
-__all__ = ["write_mobilities"]
 
 SHARE: Final = 1e-6
 """Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""

@@ -9,7 +9,8 @@ from typing import Final
 
 from engine.articulated.touched import LINK, NOWHERE, Touched, give
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, cross, neg, tmat_vec
+from engine.maths.rows import Floats, Vec
+from engine.maths.vec import add, cross, neg, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Contacts
 from engine.respond.centre import Centre, centre_of, relative_motion
@@ -17,8 +18,6 @@ from engine.respond.pair import motion_of
 from engine.respond.soft import resist
 from engine.respond.softness import Softness
 from engine.respond.substep import kept_impulse
-
-__all__ = ["start_warm", "sweep_trees", "under_machines"]
 
 STIFFEST: Final = 0.249
 """Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""

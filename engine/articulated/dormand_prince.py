@@ -30,11 +30,10 @@ from engine.compile.jit import kernel
 from engine.integrate.dormand_prince import MOST_TRIALS, STAGES, A, E
 from engine.integrate.runge_kutta import quat_rate
 from engine.maths.elementary import fifth_root
-from engine.maths.vec import Floats, load4, quat_unit, store4
+from engine.maths.rows import Floats, load4, store4
+from engine.maths.vec import quat_unit
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["Trial", "dormand_prince", "room_for_trials"]
 
 POSE: Final = 7
 """Numbers of a link's pose in y."""

@@ -12,27 +12,10 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inert
 from engine.articulated import tables as tree
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    Floats,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    cross,
-    load3,
-    load6,
-    load9,
-    neg,
-    store3,
-    store6,
-    store9,
-    sym_rotate,
-    sym_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6, store9
+from engine.maths.vec import add, axpy, cross, neg, sym_rotate, sym_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["load_links", "put_inertia", "weigh_links"]
 
 
 @kernel

@@ -27,11 +27,9 @@ from engine.articulated.motion import move_links
 from engine.articulated.runge_kutta import push_columns
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["implicit_midpoint"]
 
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""

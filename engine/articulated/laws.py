@@ -19,13 +19,9 @@ from typing import Final
 from engine.articulated import tables as tree
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory import arena as at
 from engine.memory.tables import Joints
-
-__all__ = [
-    "ALL", "PRESSED", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_laws", "take_segment", "write_laws",
-]  # fmt: skip
 
 # Which laws act.
 PRESSED: Final = -1

@@ -18,11 +18,10 @@ from engine.articulated.touched import NOWHERE, Touched, change_of, give
 from engine.compile.jit import kernel
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reaction
-from engine.maths.vec import Floats, Vec, dot, load3, scale
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import dot, scale
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["count_loop_rows", "hold_loops", "touch_loops", "write_loop_matrix", "write_loops"]
 
 DEPENDENT: Final = 1e-10
 """Pivots below this share of what the two bodies alone would give way: the row follows from the tree's joints or other rows."""

@@ -18,31 +18,10 @@ from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.elementary import exp
-from engine.maths.vec import (
-    Floats,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    cross,
-    load3,
-    load6,
-    load9,
-    mat_vec,
-    scale,
-    store3,
-    store6,
-    sub,
-    sym_rotate,
-    sym_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6
+from engine.maths.vec import add, axpy, cross, mat_vec, scale, sub, sym_rotate, sym_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = [
-    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "press_links",
-    "put_force", "write_kept_velocities",
-]  # fmt: skip
 
 
 @kernel

@@ -14,28 +14,9 @@ from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
 from engine.maths.floats import fma
-from engine.maths.vec import (
-    Floats,
-    Mat,
-    Quat,
-    Vec,
-    add,
-    axpy,
-    cross,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    neg,
-    quat_mul,
-    store3,
-    store4,
-    store9,
-    sub,
-)  # fmt: skip
+from engine.maths.rows import Floats, Mat, Quat, Vec, load3, load4, load9, store3, store4, store9
+from engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_mul, sub
 from engine.memory import arena as at
-
-__all__ = ["hinge_turn", "move_links", "turn_of"]
 
 STILL: Vec = (0.0, 0.0, 0.0)
 UPRIGHT: Quat = (1.0, 0.0, 0.0, 0.0)

@@ -17,11 +17,9 @@ from engine.articulated import tables as tree
 from engine.articulated.tables import Tables
 from engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, FIRST_TAKEN, LINK, NOWHERE, Touched
 from engine.compile.jit import kernel
-from engine.maths.vec import load3, load6
+from engine.maths.rows import load3, load6
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["write_free_responses", "write_responses"]
 
 
 @kernel

@@ -20,11 +20,10 @@ from engine.compile.jit import kernel
 from engine.constrain.coordinate import explicit_force
 from engine.constrain.stiffness import DAMPED, STIFF
 from engine.integrate.runge_kutta import quat_rate
-from engine.maths.vec import Floats, load4, quat_unit, store4
+from engine.maths.rows import Floats, load4, store4
+from engine.maths.vec import quat_unit
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["ends_with_laws", "mark_stiff_columns", "runge_kutta"]
 
 SUM = 7
 """The column of a link's stages from which the weighted sum of slopes stands, behind the coordinates at the start."""

@@ -18,27 +18,10 @@ from engine.articulated.momenta import centre_velocity, put_force
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.maths.elementary import atan2, cos_sin
-from engine.maths.vec import (
-    Quat,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    load6,
-    quat_mul,
-    scale,
-    store3,
-    store4,
-    sub,
-    sym_vec,
-)  # fmt: skip
+from engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4
+from engine.maths.vec import add, axpy, cross, dot, quat_mul, scale, sub, sym_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["bend_links"]
 
 SMALL: Final = 2.5e-3
 """The square of half an angle, or of its sine, up to which the series here are as good as round-off: below 1e-17 is left."""

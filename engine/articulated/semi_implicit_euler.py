@@ -29,10 +29,8 @@ from engine.articulated.secants import bend_links
 from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["close_bends", "semi_implicit_euler", "take_changes"]
 
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that no round is made for. It leaves out as small a share of the way of

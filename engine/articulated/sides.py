@@ -19,11 +19,9 @@ from engine.articulated.bounded import answer_laws
 from engine.articulated.laws import next_segment, take_laws
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["MOST_TURNS", "are_settled", "start_again", "start_laws"]
 
 MOST_TURNS: Final = 50
 """By the contraction above these are beyond what rounding tells for c up to a fifth; a step that needs more is far too long."""

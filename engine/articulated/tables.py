@@ -10,10 +10,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.carve import table_within
-
-__all__ = ["FLOAT_COLUMNS", "INT_COLUMNS", "Tables", "float_view", "int_view", "tables_of"]
 
 # Links: what stays.
 LINK: Final = 0

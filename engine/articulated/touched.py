@@ -18,13 +18,10 @@ import numpy as np
 from engine.articulated import tables as tree
 from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, load3, scale
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import axpy, scale
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = [
-    "BEGIN", "BODY", "END", "FIRST_BLOCK", "FIRST_TAKEN", "LINK", "NOWHERE", "Touched", "change_of", "find_touched", "give",
-]  # fmt: skip
 
 # Places.
 BODY: Final = 0

@@ -7,12 +7,11 @@ import math
 
 from engine.broad.collision_filter import CollisionFilter, kept_apart
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
+from engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
+from engine.maths.vec import add, mat_vec, norm, quat_mat, quat_mul
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Shapes, shapes_of
-
-__all__ = ["boxes_overlap", "brute_force", "overlap", "place_shapes", "pose_shapes", "reaches_plane"]
 
 
 @kernel

@@ -13,12 +13,10 @@ import numpy as np
 from engine.broad.bounds import overlap, place_shapes, reaches_plane
 from engine.broad.collision_filter import collision_filter_of, kept_apart
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE, FULL
-
-__all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "compare_candidates", "write_pairs"]
 
 SKIN = 0.1
 """By how much candidates' bounds are widened on each side, as a share of the shape's bounding radius [1]."""

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from engine.memory.status import DONE
 
-__all__ = ["FEW", "DropApart", "FindPairs", "choose_broad_phase", "load_search", "load_volume", "search_pairs"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 FindPairs = Callable[[FloatArray, IntArray], int]

@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["CollisionFilter", "collision_filter_of", "kept_apart"]
 
 
 class CollisionFilter(NamedTuple):

@@ -18,12 +18,10 @@ from engine.broad.candidates import (
     write_pairs,
 )  # fmt: skip
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 
 @kernel

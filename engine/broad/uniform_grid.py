@@ -22,12 +22,10 @@ from engine.broad.candidates import (
 )  # fmt: skip
 from engine.compile.jit import entry, kernel
 from engine.maths.elementary import exp, log
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 LARGE = 4.0
 """Times the geometric mean of all widths from which a shape meets every other one instead of lying in a cell."""

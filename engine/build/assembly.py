@@ -21,8 +21,6 @@ from engine.memory import arena as at
 from engine.memory.layout import FLOATS, INTS, Per, shapes_of
 from engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
 
-__all__ = ["assemble_world", "grow", "islands_know", "moves_meshes", "spheres_only", "wants_islands"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -5,8 +5,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["closed_volume"]
-
 
 def closed_volume(vertices: NDArray[np.float64], faces: NDArray[Any]) -> float:
     """The volume [m3] within a mesh. Raises: ValueError where an edge lacks its neighbour, or faces look inwards."""

@@ -10,8 +10,6 @@ from engine.describe.errors import NotSupported
 from engine.describe.joints import Ball, Distance, Fixed, Joint, Revolute
 from engine.maths.arrays import dot, norm, unit
 
-__all__ = ["check_initial_rates"]
-
 FloatArray = NDArray[np.float64]
 
 AGREES = 1e-6

@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from engine.describe.bodies import Body
 from engine.describe.joints import Ball, Distance, Fixed, Joint, Prismatic, Revolute
 
-__all__ = ["ROWS", "elimination_order", "factor_cost"]
-
 ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 """The equality rows of each type of joint."""
 

@@ -23,8 +23,6 @@ from engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
 from engine.maths.arrays import dot, eigen, mat_vec, norm, unit
 from engine.options import LEVELS
 
-__all__ = ["LEVELS", "Detail", "at_level", "bounding_box", "bounding_sphere", "collision_shapes", "convex_pieces"]
-
 FloatArray = NDArray[np.float64]
 
 CONCAVITY = 0.05

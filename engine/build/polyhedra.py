@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from engine.maths.arrays import cross, dot, norm, unit
 
-__all__ = ["FLAT", "Polyhedron", "box_polyhedron", "hull_polyhedron", "inner_edges", "triangle_polyhedron"]
-
 FLAT = 1e-9
 """Share of the size within which facets lie in one plane [1]: quickhull's own facets of one face differ by rounding only."""
 

@@ -5,8 +5,6 @@ from numpy.typing import NDArray
 
 from engine.maths.arrays import det, eigen, unit
 
-__all__ = ["principal_frame"]
-
 FloatArray = NDArray[np.float64]
 
 

@@ -17,8 +17,6 @@ from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid
 from engine.maths.arrays import cross, dot, mat_mat, mat_vec, norm, unit
 from engine.memory import arena as at
 
-__all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
-
 FloatArray = NDArray[np.float64]
 
 

@@ -16,11 +16,9 @@ from engine.compile.jit import inlined
 from engine.constrain.careful import careful_solve
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
 from engine.constrain.principal_pivoting import settle_bounds
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["KNOWN", "NEW", "solve_bounded"]
 
 # Whether the matrix has been solved since it was assembled.
 NEW: Final = 0

@@ -13,25 +13,10 @@ import math
 from engine.compile.jit import kernel
 from engine.constrain.joint_rows import anchors, put_row
 from engine.maths.elementary import atan2
-from engine.maths.vec import (
-    Floats,
-    add,
-    along,
-    cross,
-    dot,
-    load3,
-    load4,
-    mat_vec,
-    neg,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    sub,
-)  # fmt: skip
+from engine.maths.rows import Floats, load3, load4
+from engine.maths.vec import add, along, cross, dot, mat_vec, neg, quat_conj, quat_mat, quat_mul, sub
 from engine.memory import arena as at
 from engine.memory.tables import Joints, Rows
-
-__all__ = ["bounded_rows", "coordinate_row", "explicit_force", "implicit_rows", "revolute_angle"]
 
 
 @kernel

@@ -16,11 +16,10 @@ import math
 import numpy as np
 
 from engine.compile.jit import seldom
-from engine.maths.vec import Floats, dot, load3
+from engine.maths.rows import Floats, load3
+from engine.maths.vec import dot
 from engine.memory import arena as at
 from engine.memory.tables import Rows
-
-__all__ = ["LOW_PIVOT", "SUSPECT", "lies_in_span"]
 
 LOW_PIVOT = 1e-6
 """Pivots below this share of their diagonal are looked into: gaps of 1e-5 leave 1e-10, and more near a singular pose."""

@@ -15,11 +15,10 @@ import numpy as np
 from engine.compile.jit import kernel
 from engine.constrain.careful import careful_apply, careful_solve
 from engine.constrain.dependence import LOW_PIVOT, SUSPECT, lies_in_span
-from engine.maths.vec import Floats, axpy, dot, load3, load6, scale, store3, sym_vec
+from engine.maths.rows import Floats, load3, load6, store3
+from engine.maths.vec import axpy, dot, scale, sym_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve"]
 
 NOISE = 1e-11
 """Pivots of soft rows below this share of their diagonal are round-off."""

@@ -7,15 +7,13 @@ Source: Catto, Soft Constraints, GDC 2011 (accumulated impulses).
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import KNOWN, NEW, solve_bounded
+from engine.constrain.bounded import solve_bounded
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import assemble
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reactions
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["KNOWN", "NEW", "hold_joints", "keep_rotors", "write_rows"]
 
 
 @kernel

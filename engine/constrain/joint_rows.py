@@ -11,29 +11,10 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constrai
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    add,
-    along,
-    cross,
-    dot,
-    load3,
-    load4,
-    mat_vec,
-    neg,
-    norm,
-    perpendicular,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    store3,
-    sub,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3, load4, store3
+from engine.maths.vec import add, along, cross, dot, mat_vec, neg, norm, perpendicular, quat_conj, quat_mat, quat_mul, sub
 from engine.memory import arena as at
 from engine.memory.tables import Joints, Rows
-
-__all__ = ["anchors", "equality_rows", "put_row"]
 
 Jacobian = tuple[Vec, Vec, Vec, Vec]
 """Linear and angular part of A, then of B."""

@@ -23,29 +23,11 @@ from engine.constrain.projection import project
 from engine.constrain.reactions import add_reaction, add_reactions
 from engine.integrate.runge_kutta import quat_rate
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Vec,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    load6,
-    quat_turn,
-    quat_unit,
-    scale,
-    store3,
-    store4,
-    sub,
-    sym_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, load6, store3, store4
+from engine.maths.vec import axpy, cross, dot, quat_turn, quat_unit, scale, sub, sym_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["jointed_runge_kutta", "stages_of"]
 
 
 class Stages(NamedTuple):

@@ -10,13 +10,12 @@ from engine.compile.jit import seldom
 from engine.constrain.joint_rows import anchors, equality_rows
 from engine.constrain.projection import close_gaps
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import Floats, Ints, dot, load3, norm
+from engine.maths.rows import Floats, Ints, load3
+from engine.maths.vec import dot, norm
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import OPEN_JOINT
 from engine.memory.tables import Bodies, Joints, Rows, bodies_of, joints_of, rows_of
-
-__all__ = ["open_joint"]
 
 CLOSED = 1e-6
 """A gap below this share of the joint's levers, or this angle, is closed: rounds end at 1e-14 or where round-off stops them."""

@@ -22,11 +22,9 @@ from engine.compile.jit import kernel, seldom
 from engine.constrain.careful import careful_solve
 from engine.constrain.dependence import SUSPECT
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["Bounded", "settle", "settle_bounds"]
 
 ROUND_OFF = 1e-12
 """As in `bounded`."""

@@ -14,11 +14,10 @@ from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reactions
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import Floats, add, load3, load4, quat_turn, store3, store4
+from engine.maths.rows import Floats, load3, load4, store3, store4
+from engine.maths.vec import add, quat_turn
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["close_gaps", "project", "widest_gap"]
 
 ROUND_OFF = 1e-14
 """A gap [m or rad] below this is as good as closed."""

@@ -8,8 +8,6 @@ from engine.compile.jit import kernel
 from engine.memory import arena as at
 from engine.memory.tables import Joints, Rows
 
-__all__ = ["add_reaction", "add_reactions", "clear_reactions"]
-
 LINEAR_B = at.JACOBIAN + 6
 ANGULAR_B = at.JACOBIAN + 9
 

@@ -24,11 +24,10 @@ from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.constrain.reactions import add_reactions
 from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, store3, store4
+from engine.maths.rows import Floats, load3, load4, store3, store4
+from engine.maths.vec import axpy, quat_turn
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["joint_gaps", "shake", "solve_joints"]
 
 MAX_ROUNDS = 8
 

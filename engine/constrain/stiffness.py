@@ -14,8 +14,6 @@ from engine.constrain.joint_rows import equality_rows
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
 
-__all__ = ["mark_stiff"]
-
 STIFF = 0.1
 """dt^2 k / m above this is taken implicitly."""
 DAMPED = 0.3

@@ -5,8 +5,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Collide", "load_collide", "load_sorting"]
-
 Collide = Callable[[NDArray[np.float64], NDArray[np.int64]], None]
 
 

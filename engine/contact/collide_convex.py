@@ -3,7 +3,7 @@
 from engine.compile.jit import entry
 from engine.contact.look_ahead import look_ahead, thinnest
 from engine.contact.tables import pairs_of, rules_of
-from engine.maths.vec import Floats, Ints, store3
+from engine.maths.rows import Floats, Ints, store3
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.collide import is_convex_pair, ordered
@@ -11,8 +11,6 @@ from engine.narrow.convex import convex_contact, plane_contact
 from engine.narrow.gjk import simplex_of
 from engine.narrow.point import Points
 from engine.narrow.support import solids_of
-
-__all__ = ["collide_convex"]
 
 HANDICAP = 1e-3
 """Share of the thinner shape's half thickness [1] by which another normal must beat that of a face."""

@@ -6,7 +6,7 @@ Compiled for such worlds alone; all others have `collide_convex`, which knows tr
 from engine.compile.jit import entry
 from engine.contact.look_ahead import look_ahead, thinnest
 from engine.contact.tables import pairs_of, rules_of
-from engine.maths.vec import Floats, Ints, store3
+from engine.maths.rows import Floats, Ints, store3
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.collide import is_convex_pair, ordered
@@ -15,8 +15,6 @@ from engine.narrow.gjk import simplex_of
 from engine.narrow.mesh_mesh import SUNK, mesh_contact, mesh_plane
 from engine.narrow.point import Points
 from engine.narrow.support import solids_of
-
-__all__ = ["collide_meshes"]
 
 HANDICAP = 1e-3
 """As in `collide_convex`."""

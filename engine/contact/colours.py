@@ -17,11 +17,10 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, load3, sub
+from engine.maths.rows import Floats, Ints, load3
+from engine.maths.vec import sub
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["cut", "leave_as_found", "mark_manifolds", "mark_touches", "sort_pairs"]
 
 
 @kernel

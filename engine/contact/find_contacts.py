@@ -10,15 +10,13 @@ from engine.contact.manifolds import build_manifolds
 from engine.contact.stillness import keep_rest, mark_still
 from engine.contact.tables import old_contacts_of, pairs_of, rules_of
 from engine.contact.warm_starting import keep_old, start_anew
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import CONVEX_PENDING, DONE, FULL
 from engine.memory.tables import bodies_of, contacts_of, shapes_of
 from engine.narrow.collide import is_convex_pair, ordered
 from engine.narrow.point import Points
-
-__all__ = ["find_contacts", "keep_contacts"]
 
 
 @kernel

@@ -3,10 +3,9 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, load3, norm, sub
+from engine.maths.rows import Floats, Ints, load3
+from engine.maths.vec import norm, sub
 from engine.memory import arena as at
-
-__all__ = ["look_ahead", "thinnest"]
 
 
 @kernel

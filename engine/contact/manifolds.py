@@ -7,7 +7,8 @@ from engine.compile.jit import kernel
 from engine.contact.look_ahead import look_ahead, thinnest
 from engine.contact.tables import OldContacts, Pairs, Rules
 from engine.contact.warm_starting import carry_over, go_on, last_manifold, start_anew, take_over
-from engine.maths.vec import Floats, Vec, add, axpy, cross, dot, load3, norm, store3, sub
+from engine.maths.rows import Floats, Vec, load3, store3
+from engine.maths.vec import add, axpy, cross, dot, norm, sub
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts, Shapes
 from engine.narrow.box_box import FACE_OF_B
@@ -15,8 +16,6 @@ from engine.narrow.collide import collide, is_convex_pair, ordered
 from engine.narrow.point import CORNERS_OF_B, Points
 from engine.respond.prepare import prepare
 from engine.swept.begin import FAST, begins
-
-__all__ = ["AT_REST", "build_manifolds"]
 
 NEAR = 0.02
 """Share of half the thickness of the thinner shape [1] within which points of different features match."""

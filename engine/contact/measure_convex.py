@@ -3,13 +3,12 @@
 import math
 
 from engine.compile.jit import entry
-from engine.maths.vec import Floats, Ints, axpy, load3, store3, sub
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import axpy, sub
 from engine.memory import arena as at
 from engine.narrow.convex import part_cores
 from engine.narrow.gjk import simplex_of
 from engine.narrow.support import core_radius, solids_of
-
-__all__ = ["measure_convex"]
 
 
 @entry

@@ -1,10 +1,8 @@
 """Where many pairs of triangles cross, by the same test as the contacts of two meshes."""
 
 from engine.compile.jit import entry
-from engine.maths.vec import Floats, Ints, load9, store3
+from engine.maths.rows import Floats, Ints, load9, store3
 from engine.narrow.triangle_triangle import triangle_triangle
-
-__all__ = ["measure_triangles"]
 
 
 @entry

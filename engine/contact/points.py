@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from engine.memory import arena as at
 
-__all__ = ["Contacts", "joined", "manifold_points", "sphere_points"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -8,7 +8,8 @@ from engine.broad.collision_filter import collision_filter_of
 from engine.compile.jit import kernel
 from engine.contact.look_ahead import look_ahead
 from engine.contact.manifolds import AT_REST
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, norm, scale, store3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import add, axpy, cross, dot, norm, scale, sub
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE, FULL
@@ -17,8 +18,6 @@ from engine.narrow.box_pairs import sphere_box
 from engine.narrow.point import Points
 from engine.narrow.round_pairs import sphere_plane
 from engine.narrow.solid import solid_of
-
-__all__ = ["find_touches"]
 
 
 @kernel

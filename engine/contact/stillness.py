@@ -9,10 +9,9 @@ Source: Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, load3, load4, norm, store3, store4, sub
+from engine.maths.rows import Floats, Ints, load3, load4, store3, store4
+from engine.maths.vec import norm, sub
 from engine.memory import arena as at
-
-__all__ = ["keep_rest", "mark_still"]
 
 SHARE = 0.01
 """Share of the margin, or of the body's own extent where that is less [1], by which a still body may have moved.

@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["OldContacts", "Pairs", "Rules", "old_contacts_of", "pairs_of", "rules_of"]
 
 
 class Pairs(NamedTuple):

@@ -9,11 +9,10 @@ GDC 2005.
 
 from engine.compile.jit import kernel
 from engine.contact.tables import OldContacts
-from engine.maths.vec import Floats, Ints, add, dot, load3, norm, store3, sub
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import add, dot, norm, sub
 from engine.memory import arena as at
 from engine.memory.tables import Contacts
-
-__all__ = ["carry_over", "go_on", "keep_old", "last_manifold", "start_anew", "take_over"]
 
 ON = 0.5
 """Share of a ball's radius [1] by which its contact may have moved on, from one triangle to the next."""

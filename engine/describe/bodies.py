@@ -11,8 +11,6 @@ from engine.describe.check import finite, not_negative, positive, spd_inertia, u
 from engine.describe.optics import Optics
 from engine.describe.shapes import Placed
 
-__all__ = ["Body", "Numbers", "Surface"]
-
 Numbers = Sequence[float] | NDArray[np.float64]
 """A few numbers: a tuple, a list or an array."""
 

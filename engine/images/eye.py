@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from engine.describe.check import finite, not_negative, number, positive, unit_quaternion, whole
 
-__all__ = ["Eye", "Lens", "Picture"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 WIDEST = 16384

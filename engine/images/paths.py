@@ -2,20 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.describe.bodies import Body
 from engine.describe.optics import Sun
 from engine.images.tables import lighting_of
 from engine.maths.arrays import unit
-
-if TYPE_CHECKING:
-    from engine.describe.bodies import Body
-    from engine.images.waves import Cast
-
-__all__ = ["Paths", "traced_paths"]
+from engine.rays.hits import Cast
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -41,7 +36,7 @@ class Paths:
     weight: FloatArray
 
 
-def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, directions: FloatArray, bounces: int) -> Paths:
+def traced_paths(cast: Cast, bodies: Sequence[Body], origins: FloatArray, directions: FloatArray, bounces: int) -> Paths:
     """All pieces of rays with origins (r, 3) m and directions (r, 3) over so many surfaces; scattering ends a way."""
     from engine.images.waves import Light, first_wave, follow
 

@@ -7,8 +7,6 @@ Theoretic Methods for Multiple Integration, 1976 (a pattern shifted for each pla
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["even_points"]
-
 
 def even_points(count: int) -> NDArray[np.float64]:
     """Points (count, 2) in the unit square whose mean is its middle; one point is the middle itself."""

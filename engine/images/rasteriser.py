@@ -13,27 +13,10 @@ from engine.images.polygons import draw_polygon
 from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder, draw_ellipsoid
 from engine.images.scanlines import flat_row
 from engine.images.screen import Screen, row_of, screen_of
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Mat,
-    Vec,
-    add,
-    dot,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    quat_mat,
-    quat_mul,
-    store3,
-    sub,
-    tmat_vec,
-)
+from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4, load9, store3
+from engine.maths.vec import add, dot, mat_vec, quat_mat, quat_mul, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["TAGS", "rasterise", "shape_pose"]
 
 TAGS = 2**32
 """Patches of a shape that can be told apart: a tag is its row in the table of shapes times this, plus the patch."""

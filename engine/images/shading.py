@@ -13,27 +13,10 @@ import numpy as np
 from engine.compile.jit import entry, kernel
 from engine.images.rasteriser import TAGS, shape_pose
 from engine.images.tables import Lighting
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Vec,
-    add,
-    dot,
-    load3,
-    load9,
-    mat_vec,
-    neg,
-    norm,
-    scale,
-    store3,
-    store9,
-    sub,
-    tmat_vec,
-)
+from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3, store9
+from engine.maths.vec import add, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["name_bodies", "shade"]
 
 
 @kernel

@@ -10,8 +10,6 @@ from engine.describe.bodies import Body
 from engine.describe.optics import Sun
 from engine.maths.arrays import unit
 
-__all__ = ["Lighting", "lighting_of"]
-
 FloatArray = NDArray[np.float64]
 
 

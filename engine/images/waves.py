@@ -6,7 +6,7 @@ Source: Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ra
 Improved Illumination Model for Shaded Display, 1980.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,14 +14,10 @@ from numpy.typing import NDArray
 
 from engine.images.scatter import AIR, GIVEN, Generation, ShadowRays, add_unshaded, scatter
 from engine.images.tables import Lighting
-from engine.rays.hits import Hits
-
-__all__ = ["Light", "Wave", "first_wave", "follow"]
+from engine.rays.hits import Cast, Hits
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Cast = Callable[[FloatArray, FloatArray], Hits]
-"""World.cast of origins and directions."""
 
 
 @dataclass(frozen=True, slots=True)

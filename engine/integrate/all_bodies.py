@@ -3,11 +3,9 @@
 from engine.compile.jit import kernel
 from engine.integrate.runge_kutta import runge_kutta_free
 from engine.integrate.semi_implicit_euler import drift, drift_free, kick
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["advance_untouched", "drift_touched", "kick_touched"]
 
 
 @kernel

@@ -20,11 +20,10 @@ from engine.compile.jit import entry, kernel
 from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
 from engine.integrate.free_steps import advance_free
 from engine.maths.elementary import fifth_root
-from engine.maths.vec import Floats, Ints, Vec, axpy, load3, load4, store3, store4
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from engine.maths.vec import axpy
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_dormand_prince"]
 
 STAGES: Final = 7
 A: Final = np.array(

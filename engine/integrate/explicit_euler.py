@@ -10,11 +10,10 @@ from engine.compile.jit import entry, kernel
 from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
 from engine.integrate.free_steps import advance_free
 from engine.integrate.runge_kutta import quat_axpy
-from engine.maths.vec import Floats, Ints, axpy, load3, store3
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import axpy
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_explicit_euler"]
 
 
 @kernel

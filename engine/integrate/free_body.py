@@ -11,17 +11,12 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin, exp, expm1
+from engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4
 from engine.maths.vec import (
-    Floats,
-    Ints,
-    Quat,
-    Vec,
     add,
     axpy,
     cross,
     dot,
-    load3,
-    load4,
     mat_vec,
     quat_conj,
     quat_mat,
@@ -29,15 +24,9 @@ from engine.maths.vec import (
     quat_turn,
     quat_unit,
     scale,
-    store3,
-    store4,
     tmat_vec,
-)  # fmt: skip
+)
 from engine.memory import arena as at
-
-__all__ = [
-    "from_principal", "is_pushed", "kicked_spin", "kicked_velocity", "spin_rates", "to_principal", "turned_by", "velocities_of"
-]  # fmt: skip
 
 
 @kernel

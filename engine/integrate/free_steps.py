@@ -5,13 +5,11 @@ from typing import Any
 
 from engine.compile.jit import kernel
 from engine.integrate.finite_state import is_finite
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import bodies_of
-
-__all__ = ["advance_free"]
 
 
 @kernel

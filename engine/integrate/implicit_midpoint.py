@@ -21,11 +21,10 @@ from engine.integrate.free_body import (
     velocities_of,
 )
 from engine.integrate.free_steps import advance_free
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, quat_mul, scale, store3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import axpy, cross, dot, norm, quat_mul, scale, sub
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_implicit_midpoint"]
 
 MOST_ITERATIONS = 50
 """Newton's method needs three or four where h w is small; where it needs more than this the step is far too long."""

@@ -7,31 +7,10 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sect
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.vec import (
-    Floats,
-    Quat,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    load3,
-    load4,
-    load6,
-    mat_vec,
-    quat_mat,
-    quat_mul,
-    quat_turn,
-    quat_unit,
-    scale,
-    store3,
-    store4,
-    sym_vec,
-    tmat_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Quat, Sym, Vec, load3, load4, load6, store3, store4
+from engine.maths.vec import add, axpy, mat_vec, quat_mat, quat_mul, quat_turn, quat_unit, scale, sym_vec, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["quat_axpy", "quat_rate", "runge_kutta_free", "spin_rate"]
 
 
 @kernel

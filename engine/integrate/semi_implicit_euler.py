@@ -8,28 +8,10 @@ while the body turns, so a free body conserves it to round-off.
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import exp
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    axpy,
-    load3,
-    load4,
-    load6,
-    mat_vec,
-    quat_mat,
-    quat_turn,
-    scale,
-    store3,
-    store4,
-    store6,
-    sym_rotate,
-    sym_vec,
-    tmat_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3, load4, load6, store3, store4, store6
+from engine.maths.vec import axpy, mat_vec, quat_mat, quat_turn, scale, sym_rotate, sym_vec, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["angular_momentum", "drift", "drift_free", "kick", "turn_inertia"]
 
 
 @kernel

@@ -26,11 +26,10 @@ from engine.integrate.free_body import (
 )
 from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_third
-from engine.maths.vec import Floats, Ints, Quat, Vec, axpy, load3, scale, store3
+from engine.maths.rows import Floats, Ints, Quat, Vec, load3, store3
+from engine.maths.vec import axpy, scale
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["KAHAN_LI_8", "SUZUKI_4", "step_splitting_4", "step_splitting_8"]
 
 ROOT_OF_FOUR = 1.5874010519681994748  # the third
 SUZUKI_4: Final = np.array([1.0, 1.0, -ROOT_OF_FOUR, 1.0, 1.0]) / (4.0 - ROOT_OF_FOUR)

@@ -21,11 +21,10 @@ from engine.integrate.free_body import (
 )
 from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_second, turn_third
-from engine.maths.vec import Floats, Ints, axpy, load3, store3
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import axpy
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_velocity_verlet"]
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts, shapes_of
@@ -16,11 +16,6 @@ from engine.respond.share_loads import share_loads
 from engine.respond.soft import sweep
 from engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
-
-__all__ = [
-    "advance_island", "copy_row", "give_island", "island_bodies", "island_contacts", "island_sums", "kick_island",
-    "patience_of", "softness_in", "take_island",
-]  # fmt: skip
 
 Table = TypeVar("Table", Floats, Ints)
 

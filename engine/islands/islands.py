@@ -11,26 +11,9 @@ Dynamics with Temporal Coherence, GDC 2005 (islands).
 from typing import NamedTuple
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Ints
+from engine.maths.rows import Ints
 from engine.memory import arena as at
 from engine.memory.carve import ints_of
-
-__all__ = [
-    "Islands",
-    "Links",
-    "assign_rows",
-    "connect",
-    "connected_components",
-    "ends_of",
-    "group_bodies",
-    "group_links",
-    "islands_of",
-    "linked_by_contacts",
-    "linked_by_joints",
-    "number_islands",
-    "share",
-    "start_islands",
-]
 
 
 class Islands(NamedTuple):

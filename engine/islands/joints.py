@@ -5,7 +5,8 @@ their sum.
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
+from engine.constrain.bounded import KNOWN, NEW
+from engine.constrain.hold_joints import hold_joints, keep_rotors, write_rows
 from engine.constrain.reactions import clear_reactions
 from engine.integrate.semi_implicit_euler import drift
 from engine.islands.contacts import (
@@ -19,7 +20,7 @@ from engine.islands.contacts import (
     softness_in,
     take_island,
 )
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of, table_within
 from engine.memory.tables import Joints, Rows, shapes_of
@@ -28,8 +29,6 @@ from engine.respond.share_loads import share_loads
 from engine.respond.soft import sweep
 from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX
 from engine.respond.substep import bounce, end_substep, friction_mode, warm_start
-
-__all__ = ["advance_jointed_island", "make_room_for_rows"]
 
 ROOM = (9, 6, 8, 8, 4)
 """The most rows of a joint of each type: its equalities, and one each for limits, spring and drive; what else it has adds."""

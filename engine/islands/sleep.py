@@ -18,13 +18,12 @@ import math
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import angular_momentum
-from engine.maths.vec import Floats, Ints, dot, load3, store3
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import dot
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE, FULL
 from engine.memory.tables import Contacts, contacts_of
-
-__all__ = ["fall_asleep", "mark_changed", "mark_touched", "remember", "wake_marked"]
 
 
 @kernel

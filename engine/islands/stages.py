@@ -18,13 +18,11 @@ from engine.islands.islands import (
     start_islands,
 )
 from engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
 from engine.memory.tables import bodies_of
-
-__all__ = ["any_hit", "begin_islands", "end_islands", "next_meeting", "skip_sleep"]
 
 
 @kernel

@@ -7,12 +7,10 @@ from numba import prange
 from engine.compile.jit import template
 from engine.islands.islands import share
 from engine.islands.stages import any_hit, end_islands, next_meeting, skip_sleep
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import ints_of
 from engine.memory.status import DONE
-
-__all__ = ["in_turn", "on_threads", "step_by_islands"]
 
 Advance = Callable[[Floats, Ints, int, int, int, int], None]
 """The stages first..end - 1 of the step of an island: (floats, ints, island, first, end, whether any was hit)."""

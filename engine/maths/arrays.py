@@ -10,8 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["cross", "det", "dot", "eigen", "eigenvalues", "inverse", "mat_mat", "mat_vec", "norm", "unit"]
-
 Floats = NDArray[np.float64]
 
 SWEEPS = 30

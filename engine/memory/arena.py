@@ -11,10 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.layout import FLOATS, INTS, Per, float_columns, int_columns
-
-__all__ = ["float_table", "int_table", "new_arena"]
 
 # What holds for the whole world.
 SETTING: Final = float_columns(Per.WORLD, 24)

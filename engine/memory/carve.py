@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.compile.jit import inlined, kernel, linker
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.layout import FLOATS, INTS
-
-__all__ = ["floats_of", "ints_of", "table_within"]
 
 OPEN = 0
 """In place of a number of columns that the world decides."""

@@ -3,22 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = [
-    "Bodies",
-    "Contacts",
-    "Joints",
-    "Rows",
-    "Shapes",
-    "bodies_of",
-    "contacts_of",
-    "joints_of",
-    "rows_of",
-    "shapes_of",
-]
 
 
 class Bodies(NamedTuple):

@@ -7,11 +7,10 @@ and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test bet
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
+from engine.maths.rows import Mat, Vec
+from engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid
-
-__all__ = ["FACE_OF_B", "box_box"]
 
 HANDICAP = 1e-3
 """Share of the smallest half extent [1] by which a face of B must beat those of A, and an edge pair all faces.

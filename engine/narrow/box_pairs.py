@@ -6,11 +6,10 @@ Source: Ericson, Real-Time Collision Detection, sections 5.1.3 (closest point of
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from engine.maths.rows import Vec
+from engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of, moved
-
-__all__ = ["box_plane", "capsule_box", "sphere_box"]
 
 
 @kernel

@@ -7,11 +7,10 @@ Convex Polyhedra, GDC 2013.
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, axpy, cross, dot, load3, perpendicular, sub
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import axpy, cross, dot, perpendicular, sub
 from engine.narrow.box_box import keep_four
 from engine.narrow.point import Points, put_point
-
-__all__ = ["clip_features", "crossing_lines"]
 
 ON_SIDE = 1e-7
 """Share of the reference face's size [1] within which a corner counts as on its side: it keeps its feature."""

@@ -1,7 +1,7 @@
 """Choose the narrow phase of a pair by the types of its shapes; the lower type is always shape A."""
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Ints, Vec
+from engine.maths.rows import Ints, Vec
 from engine.memory import arena as at
 from engine.memory.tables import Shapes
 from engine.narrow.box_box import box_box
@@ -11,8 +11,6 @@ from engine.narrow.ellipsoid_plane import ellipsoid_plane
 from engine.narrow.point import Points
 from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
 from engine.narrow.solid import solid_of
-
-__all__ = ["UNKNOWN", "collide", "is_convex_pair", "ordered"]
 
 UNKNOWN = -1
 """The number of points of a pair of shapes that has no narrow phase."""

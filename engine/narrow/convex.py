@@ -5,7 +5,8 @@ Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferri
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
+from engine.maths.rows import Vec, load3, store3
+from engine.maths.vec import add, axpy, dot, neg, norm, scale, sub
 from engine.memory import arena as at
 from engine.narrow.clip_features import clip_features, crossing_lines
 from engine.narrow.curved import sharpen
@@ -16,8 +17,6 @@ from engine.narrow.point import CORNERS_OF_B, Points, put_point
 from engine.narrow.sphere_triangle import sphere_triangle
 from engine.narrow.support import Solids, core_radius, separation_along
 from engine.narrow.triangle import BACK, BESIDE, leans_over
-
-__all__ = ["convex_contact", "part_cores", "plane_contact"]
 
 FACE = 1 << 13
 """Features of one reference face lie within this many numbers."""

@@ -15,11 +15,10 @@ Schneider, Convex Bodies: The Brunn-Minkowski Theory, 2014, section 2.5 (curvatu
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, cross, dot, load3, load9, mat_vec, neg, norm, perpendicular, scale, sub, tmat_vec
+from engine.maths.rows import Vec, load3, load9
+from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, perpendicular, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.narrow.support import Solids, core_support
-
-__all__ = ["sharpen"]
 
 ROUNDS = 8
 ROUGH = 1e-15

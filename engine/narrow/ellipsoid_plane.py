@@ -5,12 +5,11 @@ Source: Ericson, Real-Time Collision Detection, section 3.8 (support mappings); 
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, mat_vec, neg, sub, tmat_vec
+from engine.maths.rows import Vec
+from engine.maths.vec import add, axpy, dot, mat_vec, neg, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of
 from engine.narrow.support import ellipsoid_support
-
-__all__ = ["ellipsoid_plane"]
 
 
 @kernel

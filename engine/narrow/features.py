@@ -7,12 +7,11 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
-from engine.maths.vec import Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
+from engine.maths.rows import Vec, load3, load9, store3
+from engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
 from engine.memory import arena as at
 from engine.narrow.point import Points
 from engine.narrow.support import Solids, core_support
-
-__all__ = ["RIM", "UPRIGHT", "facing", "is_line", "write_feature"]
 
 RIM = 16
 """Corners of the polygon that stands for a cap: its sides lie within 2 % of the radius of the rim."""

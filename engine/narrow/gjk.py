@@ -9,12 +9,11 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.support import Solids, core_support
-
-__all__ = ["SHARE", "Simplex", "corner", "distance", "put_corner", "simplex_of"]
 
 MAX_ROUNDS = 128
 CLOSE = 1e-14

@@ -3,10 +3,8 @@
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, store3
+from engine.maths.rows import Floats, Ints, Vec, store3
 from engine.memory import arena as at
-
-__all__ = ["CORNERS_OF_B", "Points", "put_point"]
 
 CORNERS_OF_B = 1 << 24
 """Features of convex pairs from here belong to corners of B on a face of A."""

@@ -4,11 +4,10 @@ Source: Ericson, Real-Time Collision Detection, sections 4.5 and 5.1.9 (closest 
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, along, axpy, cross, dot, norm, scale, sub
+from engine.maths.rows import Vec
+from engine.maths.vec import along, axpy, cross, dot, norm, scale, sub
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of, moved
-
-__all__ = ["capsule_capsule", "capsule_plane", "closest_on_segment", "sphere_capsule", "sphere_plane", "sphere_sphere"]
 
 UP = (0.0, 0.0, 1.0)
 

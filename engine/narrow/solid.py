@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Mat, Vec, load3, load9
+from engine.maths.rows import Mat, Vec, load3, load9
 from engine.memory import arena as at
 from engine.memory.tables import Shapes
-
-__all__ = ["Solid", "axis_of", "moved", "solid_of"]
 
 
 class Solid(NamedTuple):

@@ -9,11 +9,10 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, dot, load3, load9, mat_vec, tmat_vec
+from engine.maths.rows import Floats, Ints, Vec, load3, load9
+from engine.maths.vec import dot, mat_vec, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["Solids", "core_radius", "core_support", "ellipsoid_support", "separation_along", "solids_of"]
 
 
 class Solids(NamedTuple):

@@ -5,11 +5,10 @@ Interactive Simulation of Rigid Body Dynamics in Computer Graphics, 2014, sectio
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, cross, dot, load3, load9, norm, sub, tmat_vec
+from engine.maths.rows import Vec, load3, load9
+from engine.maths.vec import cross, dot, norm, sub, tmat_vec
 from engine.memory import arena as at
 from engine.narrow.support import Solids
-
-__all__ = ["BACK", "BESIDE", "ON_EDGE", "leans_over"]
 
 ON_EDGE = 1e-6
 """Share of the triangle's size [1] within which a point lies on an edge."""

@@ -10,8 +10,6 @@ from engine.describe.check import finite
 from engine.maths.arrays import norm, unit
 from engine.rays.hits import Hits, room_for
 
-__all__ = ["METHODS", "as_rays", "cast_on_shapes", "unit_directions"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

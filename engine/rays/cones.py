@@ -9,11 +9,10 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints, Vec, add, along, dot, load3, norm, sub
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import add, along, dot, norm, sub
 from engine.memory import arena as at
 from engine.rays.streams import Rays
-
-__all__ = ["Cone", "candidates", "cone_around", "cull", "reach_planes"]
 
 WIDE = 0.1
 """Cosine of the half angle [1] of a cone below which nothing is culled by it."""

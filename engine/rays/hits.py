@@ -1,11 +1,10 @@
 """What rays meet first."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-__all__ = ["Hits", "room_for"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -18,6 +17,10 @@ class Hits(NamedTuple):
     body: IntArray
     shape: IntArray
     normal: FloatArray
+
+
+Cast = Callable[[FloatArray, FloatArray], Hits]
+"""World.cast of origins and directions."""
 
 
 def room_for(count: int) -> Hits:

@@ -7,7 +7,7 @@ of rays).
 import math
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.rays.streams import (
     Primitive,
@@ -22,8 +22,6 @@ from engine.rays.streams import (
     near_ball,
 )
 from engine.rays.tiling import TileHits
-
-__all__ = ["any_beyond", "clear", "label", "meet_shape", "pack", "picked", "scatter", "start_search"]
 
 
 @stream

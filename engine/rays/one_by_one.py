@@ -10,12 +10,11 @@ import math
 
 from engine.broad.bounds import pose_shapes
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, load9, mat_vec, norm, scale, store3, sub, tmat_vec
+from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3
+from engine.maths.vec import axpy, dot, mat_vec, norm, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.rays.hits import Hits
-
-__all__ = ["cast_rays", "ray_box", "ray_capsule", "ray_cylinder", "ray_ellipsoid", "ray_plane", "ray_sphere"]
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)

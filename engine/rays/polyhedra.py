@@ -11,31 +11,12 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    norm,
-    quat_mat,
-    scale,
-    store3,
-    sub,
-    tmat_vec,
-)
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, load9, store3
+from engine.maths.vec import add, axpy, cross, dot, mat_vec, norm, quat_mat, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.rays.hits import Hits
 from engine.rays.tree import RayTree
-
-__all__ = ["cast_on_polyhedra"]
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)

@@ -11,13 +11,9 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints, Mat, Vec, mat_vec, tmat_vec
+from engine.maths.rows import Floats, Ints, Mat, Vec
+from engine.maths.vec import mat_vec, tmat_vec
 from engine.memory import arena as at
-
-__all__ = [
-    "Primitive", "Rays", "Triple",
-    "meet_box", "meet_capsule", "meet_cylinder", "meet_ellipsoid", "meet_plane", "meet_sphere", "near_ball", "normals_of",
-]  # fmt: skip
 
 MISS = math.inf
 PARALLEL = 1e-30

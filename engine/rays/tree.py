@@ -14,8 +14,6 @@ from engine.build.solids import quat_mat
 from engine.maths.arrays import mat_vec
 from engine.memory import arena as at
 
-__all__ = ["RayTree", "ray_tree"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

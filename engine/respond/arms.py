@@ -3,13 +3,12 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, dot, load3, load4, mat_vec, neg, quat_mat, scale, store3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3
+from engine.maths.vec import add, axpy, dot, mat_vec, neg, quat_mat, scale, sub
 from engine.memory import arena as at
 from engine.memory.tables import Contacts, Shapes
 from engine.respond.rolling_ellipsoids import ON_ELLIPSOID, farthest
 from engine.respond.rolling_rims import lowest_of
-
-__all__ = ["refresh", "spread"]
 
 
 @kernel

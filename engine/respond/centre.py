@@ -8,11 +8,10 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion 
 from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Mat, Vec, add, axpy, cross, load3, mat_vec, store3, sub, sym_vec, tmat_vec
+from engine.maths.rows import Floats, Mat, Vec, load3, store3
+from engine.maths.vec import add, axpy, cross, mat_vec, sub, sym_vec, tmat_vec
 from engine.memory import arena as at
 from engine.respond.pair import Motion, Pair
-
-__all__ = ["Centre", "centre_of", "frame_of", "give_impulse", "relative_motion"]
 
 
 class Centre(NamedTuple):

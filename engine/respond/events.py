@@ -28,8 +28,6 @@ from numpy.typing import NDArray
 from engine.describe.check import finite, not_negative, positive
 from engine.describe.errors import NotSupported
 
-__all__ = ["Event", "FlyingSphere", "ImpactLaw", "Motion", "Wall", "solve_events"]
-
 FloatArray = NDArray[np.float64]
 
 ZENO = 1e-12

@@ -20,7 +20,8 @@ Source: Tonge, Benevolenski, Voroshilov, Mass splitting for jitter-free parallel
 from numba import prange
 
 from engine.compile.jit import inlined, kernel, template
-from engine.maths.vec import Floats, Ints, Vec, add, load3, store3
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import add
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
@@ -31,8 +32,6 @@ from engine.respond.prepare import weigh
 from engine.respond.soft import resist_at, roll
 from engine.respond.softness import PUSH, TURN, Softness, softness_of
 from engine.respond.substep import kept_impulse
-
-__all__ = ["at_once", "split_masses"]
 
 
 @kernel

@@ -4,7 +4,7 @@ from numba import prange
 
 from engine.compile.jit import kernel, template
 from engine.contact.colours import cut
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
@@ -12,8 +12,6 @@ from engine.respond.arms import refresh
 from engine.respond.soft import sweep
 from engine.respond.softness import PUSH, TURN, Softness, softness_of
 from engine.respond.substep import warm_start
-
-__all__ = ["as_found", "by_colour"]
 
 
 @kernel

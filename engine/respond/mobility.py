@@ -6,12 +6,11 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion 
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Mat, Sym, Vec, cross, load6, mat_vec, store6, store9, sym_rotate
+from engine.maths.rows import Floats, Ints, Mat, Sym, Vec, load6, store6, store9
+from engine.maths.vec import cross, mat_vec, sym_rotate
 from engine.memory import arena as at
 from engine.respond.centre import Centre
 from engine.respond.pair import Pair
-
-__all__ = ["effective_masses", "write_blocks", "write_stop"]
 
 THIN = 1e-6
 """Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],

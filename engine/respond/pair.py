@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Sym, Vec, load3, load6, store3, sym_scale
+from engine.maths.rows import Floats, Sym, Vec, load3, load6, store3
+from engine.maths.vec import sym_scale
 from engine.memory import arena as at
-
-__all__ = ["Motion", "Pair", "lighter", "motion_of", "pair_of", "store_motion"]
 
 
 class Pair(NamedTuple):

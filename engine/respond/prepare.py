@@ -1,7 +1,8 @@
 """A manifold at the start of a step: its frame, arms, material points and effective masses."""
 
 from engine.compile.jit import kernel
-from engine.maths.vec import axpy, cross, load3, load4, load6, mat_vec, perpendicular, quat_mat, scale, store3, sub, tmat_vec
+from engine.maths.rows import load3, load4, load6, store3
+from engine.maths.vec import axpy, cross, mat_vec, perpendicular, quat_mat, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts, Shapes
 from engine.respond.arms import spread
@@ -10,8 +11,6 @@ from engine.respond.mobility import effective_masses, write_blocks, write_stop
 from engine.respond.pair import Pair, pair_of
 from engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
 from engine.respond.rolling_rims import radius, rim_of, rolls_on
-
-__all__ = ["prepare", "weigh"]
 
 
 @kernel

@@ -4,10 +4,9 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, norm, scale, sub
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import axpy, dot, norm, scale, sub
 from engine.memory import arena as at
-
-__all__ = ["Rim", "lowest_of", "radius", "rim_of", "rolls_on"]
 
 UPRIGHT = 1e-3
 """Sine of a cylinder's tilt [1] below which it stands, and no point of its rim is the lowest; as in the narrow phase."""

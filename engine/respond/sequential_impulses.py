@@ -22,29 +22,12 @@ from typing import Final
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    norm,
-    quat_turn,
-    scale,
-    store3,
-    store4,
-    sub,
-    sym_vec,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3, load4, store3, store4
+from engine.maths.vec import add, axpy, cross, dot, norm, quat_turn, scale, sub, sym_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.pair import Motion, Pair, motion_of, pair_of, store_motion
 from engine.respond.softness import REBOUND
-
-__all__ = ["BACKWARDS", "FORWARDS", "push_apart", "sweep_velocities"]
 
 BAUMGARTE = 0.2
 """Share of a depth [1] that one position correction works off; Baumgarte's, here on pseudo-velocities."""

@@ -13,11 +13,10 @@ Source: Winkler's foundation under a rigid plate: Timoshenko, Woinowsky-Krieger,
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, dot, load3, store3, sub
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import dot, sub
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
-
-__all__ = ["share_loads"]
 
 FEW = 4
 """Loaded points up to which a body's contacts are left as they are: one manifold's."""

@@ -29,14 +29,13 @@ import math
 
 from engine.compile.jit import inlined, kernel
 from engine.maths.floats import fma
-from engine.maths.vec import Floats, Mat, Sym, Vec, add, axpy, load3, load6, load9, mat_vec, store3, sub, sym_vec, tmat_vec
+from engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3
+from engine.maths.vec import add, axpy, mat_vec, sub, sym_vec, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.centre import Centre, frame_of, give_impulse, relative_motion
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import PRESS, REBOUND, Softness
-
-__all__ = ["resist", "resist_at", "roll", "sweep"]
 
 
 @kernel

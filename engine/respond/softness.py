@@ -7,12 +7,9 @@ import math
 from typing import Final, NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, load3, norm
+from engine.maths.rows import Floats, load3
+from engine.maths.vec import norm
 from engine.memory import arena as at
-
-__all__ = [
-    "FRESH", "FRESH_JOINTED", "PRESS", "REBOUND", "RELAX", "STUCK", "TOUCHING", "Softness", "slow_approach", "softness_of",
-]  # fmt: skip
 
 FRESH = 8
 """Times as many sweeps for a blow and in the first sub-step of a contact, which have no impulses to start from."""

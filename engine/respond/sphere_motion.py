@@ -2,11 +2,10 @@
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import exp
-from engine.maths.vec import Floats, Ints, axpy, load3, load4, quat_spin, quat_unit, scale, store3, store4
+from engine.maths.rows import Floats, Ints, load3, load4, store3, store4
+from engine.maths.vec import axpy, quat_spin, quat_unit, scale
 from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["drift_spheres", "end_spheres", "kick_spheres"]
 
 
 @kernel

@@ -4,13 +4,11 @@ from numba import prange
 
 from engine.compile.jit import kernel, template
 from engine.contact.colours import cut
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.respond.softness import PRESS, PUSH, TURN, Softness, softness_of
 from engine.respond.spheres import Touches, press_spheres, push_again, relax_spheres, touches_of, turn_normals
-
-__all__ = ["as_found", "by_colour"]
 
 
 @kernel

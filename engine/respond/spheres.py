@@ -16,16 +16,12 @@ from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
 from engine.maths.floats import fma
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, scale, store3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import axpy, cross, dot, norm, scale, sub
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.respond.pair import Motion
 from engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
-
-__all__ = [
-    "Touches", "any_struck", "choose_friction", "drop_blows", "note_strikes", "press_spheres", "push_again", "relax_spheres",
-    "touches_of", "turn_normals",
-]  # fmt: skip
 
 
 class Touches(NamedTuple):

@@ -3,14 +3,13 @@
 import math
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Mat, Vec, add, axpy, dot, load3, mat_vec, store3, tmat_vec
+from engine.maths.rows import Floats, Mat, Vec, load3, store3
+from engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.centre import Centre, centre_of, frame_of, give_impulse, relative_motion
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import STUCK, TOUCHING
-
-__all__ = ["approach", "bounce", "end_step", "end_substep", "friction_mode", "kept_impulse", "sum_impulses", "warm_start"]
 
 
 @inlined

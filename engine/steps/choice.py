@@ -14,8 +14,6 @@ from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
 from engine.options import ADAPTIVE, FREE_INTEGRATORS, GAUSS_SEIDEL, Options
 
-__all__ = ["Kernels", "Step", "choose_step", "joint_coordinates_step", "unsmooth_of"]
-
 Step = Callable[[NDArray[np.float64], NDArray[np.int64], int], tuple[int, int]]
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from engine.compile.jit import entry, template
 from engine.contact.colours import leave_as_found
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
@@ -16,8 +16,6 @@ from engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, sl
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet, patience
-
-__all__ = ["advance_contacts", "step_contact"]
 
 
 @template

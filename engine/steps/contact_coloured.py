@@ -2,11 +2,9 @@
 
 from engine.compile.jit import parallel_entry
 from engine.contact.colours import mark_manifolds
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.respond.manifold_sweeps import by_colour
 from engine.steps.contact import advance_contacts
-
-__all__ = ["step_contact_coloured"]
 
 
 @parallel_entry

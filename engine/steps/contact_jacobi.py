@@ -1,11 +1,9 @@
 """Steps of worlds with contact, without joints, by Jacobi sweeps: as `contact`, all contacts at once, on any threads."""
 
 from engine.compile.jit import parallel_entry
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.respond.jacobi import at_once, split_masses
 from engine.steps.contact import advance_contacts
-
-__all__ = ["step_contact_jacobi"]
 
 
 @parallel_entry

@@ -1,12 +1,13 @@
 """Steps of worlds with contact and joints: in each sub-step, contact sweeps alternate with a direct solve of all joints."""
 
 from engine.compile.jit import entry
-from engine.constrain.hold_joints import KNOWN, NEW, hold_joints, keep_rotors, write_rows
+from engine.constrain.bounded import KNOWN, NEW
+from engine.constrain.hold_joints import hold_joints, keep_rotors, write_rows
 from engine.constrain.open_joints import open_joint
 from engine.constrain.reactions import clear_reactions
 from engine.contact.find_contacts import find_contacts
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
@@ -18,8 +19,6 @@ from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, slow_approach,
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 from engine.steps.count_step import count_step
 from engine.steps.stages import patience
-
-__all__ = ["step_contact_jointed"]
 
 
 @entry

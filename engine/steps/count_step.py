@@ -2,11 +2,9 @@
 
 from engine.compile.jit import kernel
 from engine.integrate.finite_state import is_finite
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.status import DIVERGED, DONE
-
-__all__ = ["count_step"]
 
 
 @kernel

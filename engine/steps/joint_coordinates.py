@@ -18,19 +18,12 @@ from engine.integrate.dormand_prince import LENGTH, STAGES, Trial, dormand_princ
 from engine.integrate.implicit_midpoint import implicit_midpoint
 from engine.integrate.runge_kutta import runge_kutta_free
 from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import bodies_of, joints_of
 from engine.steps.count_step import count_step
-
-__all__ = [
-    "step_joint_coordinates_adaptive",
-    "step_joint_coordinates_euler",
-    "step_joint_coordinates_midpoint",
-    "step_joint_coordinates_runge_kutta",
-]
 
 
 @entry

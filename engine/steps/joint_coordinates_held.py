@@ -14,7 +14,7 @@ from engine.compile.jit import entry, kernel, template
 from engine.constrain.open_joints import open_joint
 from engine.constrain.reactions import clear_reactions
 from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
@@ -23,12 +23,6 @@ from engine.respond.softness import softness_of
 from engine.respond.substep import end_step
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet
-
-__all__ = [
-    "step_joint_coordinates_closing",
-    "step_joint_coordinates_touching",
-    "step_joint_coordinates_touching_and_closing",
-]
 
 
 @kernel

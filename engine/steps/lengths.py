@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from engine.memory import arena as at
 
-__all__ = ["fit_impulses"]
-
 MOST_GROWTH = 8.0
 """Largest factor [1] on impulses from a short part of a step to a longer one: beyond, their rounding would grow as well."""
 

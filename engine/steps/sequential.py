@@ -2,7 +2,7 @@
 
 from engine.compile.jit import entry
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
@@ -14,8 +14,6 @@ from engine.respond.softness import REBOUND, RELAX, slow_approach
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet
-
-__all__ = ["step_sequential_impulses"]
 
 SLOP = 0.1
 """Share of the margin [1] that bodies may overlap, so that contacts last from step to step."""

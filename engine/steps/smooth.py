@@ -8,14 +8,12 @@ from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
 from engine.integrate.runge_kutta import runge_kutta_free
 from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, joints_of, rows_of
 from engine.steps.count_step import count_step
-
-__all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
 
 
 @entry

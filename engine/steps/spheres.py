@@ -10,7 +10,7 @@ from engine.compile.jit import entry, template
 from engine.contact.colours import leave_as_found
 from engine.contact.sphere_contacts import find_touches
 from engine.integrate.all_bodies import advance_untouched
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
@@ -20,8 +20,6 @@ from engine.respond.sphere_motion import drift_spheres, end_spheres, kick_sphere
 from engine.respond.sphere_sweeps import as_found
 from engine.respond.spheres import any_struck, choose_friction, drop_blows, note_strikes, touches_of
 from engine.steps.count_step import count_step
-
-__all__ = ["advance_spheres", "step_spheres"]
 
 MANY = 16
 """New or struck contacts get more sweeps where they are one in so many: elsewhere the others' impulses carry the load."""

@@ -2,14 +2,12 @@
 
 from engine.compile.jit import kernel
 from engine.contact.find_contacts import find_contacts, keep_contacts
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.softness import FRESH, FRESH_JOINTED
-
-__all__ = ["meet", "patience"]
 
 
 @kernel

@@ -3,10 +3,9 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, cross, dot, load3, sub
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import add, cross, dot, sub
 from engine.memory import arena as at
-
-__all__ = ["FAST", "begins", "touch_gap"]
 
 FAST = 2.0
 """A pair that looks farther ahead than so many margins is fast: a swept step finds its time of impact."""

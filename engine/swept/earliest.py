@@ -11,7 +11,8 @@ from engine.broad.bounds import boxes_overlap
 from engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
 from engine.compile.jit import entry, kernel
 from engine.contact.look_ahead import look_ahead
-from engine.maths.vec import Floats, Ints, axpy, load3, norm
+from engine.maths.rows import Floats, Ints, load3
+from engine.maths.vec import axpy, norm
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.collide import ordered
@@ -20,8 +21,6 @@ from engine.narrow.support import Solids, core_radius, core_support, solids_of
 from engine.swept.begin import FAST, touch_gap
 from engine.swept.impact_time import impact_time
 from engine.swept.path import ACCELERATION, body_at, shape_at, write_path
-
-__all__ = ["earliest_impact"]
 
 
 @kernel

@@ -17,15 +17,14 @@ import math
 
 from engine.compile.jit import kernel
 from engine.contact.look_ahead import thinnest
-from engine.maths.vec import Floats, Vec, add, cross, dot, load3, neg, norm, sub
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import add, cross, dot, neg, norm, sub
 from engine.memory import arena as at
 from engine.narrow.gjk import Simplex
 from engine.narrow.support import Solids, core_radius
 from engine.narrow.triangle import leans_over
 from engine.swept.path import body_at, shape_at, velocity_of
 from engine.swept.separation import separation
-
-__all__ = ["impact_time"]
 
 SINKS = 0.25
 """Share of half the thickness of the thinner shape [1] that a pair in touch may sink in within a step."""

@@ -12,32 +12,9 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import atan2
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Quat,
-    Vec,
-    add,
-    along,
-    axpy,
-    dot,
-    load3,
-    load4,
-    mat_vec,
-    norm,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    quat_turn,
-    scale,
-    store3,
-    store4,
-    store9,
-    sub,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4, store9
+from engine.maths.vec import add, along, axpy, dot, mat_vec, norm, quat_conj, quat_mat, quat_mul, quat_turn, scale, sub
 from engine.memory import arena as at
-
-__all__ = ["ACCELERATION", "PATH_COLUMNS", "body_at", "shape_at", "velocity_of", "write_path"]
 
 ACCELERATION = 13
 """First column of the acceleration in a row of a path."""

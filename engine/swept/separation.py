@@ -6,13 +6,12 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, load3, neg, sub
+from engine.maths.rows import Vec, load3
+from engine.maths.vec import add, axpy, dot, neg, sub
 from engine.memory import arena as at
 from engine.narrow.convex import part_cores
 from engine.narrow.gjk import Simplex
 from engine.narrow.support import Solids, core_radius, core_support
-
-__all__ = ["separation"]
 
 
 @kernel

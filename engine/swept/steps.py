@@ -28,8 +28,6 @@ from engine.swept.earliest import earliest_impact
 from engine.swept.path import PATH_COLUMNS
 from engine.swept.strike import place_bodies, strike
 
-__all__ = ["MAX_IMPACTS", "Impacts", "SweptSteps"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]

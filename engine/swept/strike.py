@@ -10,7 +10,8 @@ Source: Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 
 from engine.compile.jit import entry
 from engine.contact.find_contacts import find_contacts
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.vec import Floats, Ints, add, cross, dot, load3, load6, store3, store4, sub, sym_vec
+from engine.maths.rows import Floats, Ints, load3, load6, store3, store4
+from engine.maths.vec import add, cross, dot, sub, sym_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
@@ -20,8 +21,6 @@ from engine.respond.softness import REBOUND, RELAX, slow_approach
 from engine.respond.substep import bounce, end_step, end_substep
 from engine.swept.begin import touch_gap
 from engine.swept.path import body_at
-
-__all__ = ["place_bodies", "strike"]
 
 AT_ONCE = 1e-12
 """A time [s] within which no gap can close."""

@@ -4,12 +4,10 @@ from engine.broad.brute_force import search_range
 from engine.broad.candidates import bounds_are_stale
 from engine.broad.parallel.shares import search_shapes
 from engine.compile.jit import parallel_entry
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import ints_of
 from engine.memory.status import DONE
-
-__all__ = ["find_candidates"]
 
 
 @parallel_entry

@@ -3,12 +3,10 @@
 from engine.broad.candidates import compare_candidates
 from engine.broad.parallel.shares import search_in_shares
 from engine.compile.jit import parallel_entry
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import ints_of
 from engine.memory.status import DONE, FULL
-
-__all__ = ["write_pairs"]
 
 
 @parallel_entry

@@ -11,11 +11,9 @@ from numba import prange
 
 from engine.broad.candidates import add_unbounded, keep_candidates
 from engine.compile.jit import kernel, template
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import ints_of
-
-__all__ = ["search_in_shares", "search_shapes"]
 
 
 @kernel

@@ -4,10 +4,8 @@ from engine.broad.candidates import bounds_are_stale
 from engine.broad.parallel.shares import search_shapes
 from engine.broad.uniform_grid import fill_grid, search_range
 from engine.compile.jit import parallel_entry
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.status import DONE
-
-__all__ = ["find_candidates"]
 
 
 @parallel_entry

@@ -7,11 +7,10 @@ Ericson, Real-Time Collision Detection, section 4.4.1.
 
 from engine.broad.volumes.sphere import reaches_through
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, Mat, Vec, cross, dot, load3, load9, norm, sub
+from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load9
+from engine.maths.vec import cross, dot, norm, sub
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["boxes_apart", "drop_apart", "half_extents"]
 
 PARALLEL = 1e-6
 """Length of the cross product of two edges [1] below which it is left out: the face normals stand for parallel edges."""

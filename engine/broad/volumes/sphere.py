@@ -4,11 +4,10 @@ Source: Ericson, Real-Time Collision Detection, section 4.3.1.
 """
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, Vec, dot, load3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import dot, sub
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["drop_apart", "reaches_through", "spheres_apart"]
 
 
 @kernel

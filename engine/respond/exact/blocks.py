@@ -14,8 +14,6 @@ Source: Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapt
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FINE", "Blocks", "FineArray", "positive_part"]
-
 FloatArray = NDArray[np.float64]
 FineArray = NDArray[np.longdouble]
 

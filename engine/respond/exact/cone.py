@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["compose", "frame_of", "inverse_slope", "project", "root", "smooth_project", "spectral"]
-
 Reals = NDArray[Any]
 """Real numbers of any precision; what is returned has the precision of the arguments."""
 

@@ -23,8 +23,6 @@ from engine.respond.exact.interior import central_point
 from engine.respond.exact.newton import minimise
 from engine.respond.exact.scaled import Scaled
 
-__all__ = ["Round", "rounds", "sliding"]
-
 FloatArray = NDArray[np.float64]
 
 DEPTH = 10

@@ -17,8 +17,6 @@ from scipy.linalg import get_lapack_funcs
 from engine.respond.exact.cone import inverse_slope, smooth_project
 from engine.respond.exact.effort import FOLLOWED, Effort
 
-__all__ = ["follow_path"]
-
 FloatArray = NDArray[np.float64]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)

@@ -37,8 +37,6 @@ from engine.respond.exact.problem import (
     weighted_rows,
 )
 
-__all__ = ["Beside", "Held", "assemble_held", "give", "held_bodies", "hold"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

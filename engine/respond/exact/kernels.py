@@ -4,7 +4,7 @@ from engine.compile.jit import entry
 from engine.contact.find_contacts import find_contacts
 from engine.integrate import all_bodies
 from engine.integrate.finite_state import is_finite
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
@@ -12,8 +12,6 @@ from engine.memory.tables import bodies_of, contacts_of, joints_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.softness import slow_approach
 from engine.respond.substep import approach, sum_impulses
-
-__all__ = ["begin_step", "drift_touched", "kick_touched"]
 
 
 @entry

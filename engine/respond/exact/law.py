@@ -14,8 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Problem"]
-
 FloatArray = NDArray[np.float64]
 
 

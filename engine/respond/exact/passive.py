@@ -23,8 +23,6 @@ from scipy.sparse.csgraph import connected_components
 from engine.respond.exact.law import Problem
 from engine.respond.exact.solver import Solution
 
-__all__ = ["Blow", "energy_given", "without_gain"]
-
 FloatArray = NDArray[np.float64]
 
 ROUND_OFF = 1e-10

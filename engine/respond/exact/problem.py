@@ -32,12 +32,6 @@ from engine.respond.exact.assembly import (
 )
 from engine.respond.exact.law import Problem
 
-__all__ = [
-    "ContactFrames", "TOUCHING", "Movers", "apply_impulse", "assemble_problem", "brought_impulse", "closing", "contact_frames",
-    "cross_product", "friction_of", "keep_impulse", "movers_of", "pace_of", "rebound", "relative_velocity", "time_to_blow",
-    "weighted_rows",
-]  # fmt: skip
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 from engine.respond.exact.certificate import largest_breach
 from engine.respond.exact.law import Problem
 
-__all__ = ["relative_residual"]
-
 FloatArray = NDArray[np.float64]
 
 

@@ -15,8 +15,6 @@ from engine.respond.exact.law import Problem
 from engine.respond.exact.residual import relative_residual
 from engine.respond.exact.scaling import write_scaled
 
-__all__ = ["Scaled", "scale_problem"]
-
 FloatArray = NDArray[np.float64]
 
 

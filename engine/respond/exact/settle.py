@@ -19,8 +19,6 @@ from scipy.linalg import get_lapack_funcs
 
 from engine.respond.exact.cone import spectral
 
-__all__ = ["OPEN", "SLIPPING", "STICKING", "modes_between", "modes_of", "settling_step"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

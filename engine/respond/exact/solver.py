@@ -36,8 +36,6 @@ from engine.respond.exact.scaled import Scaled, scale_problem
 from engine.respond.exact.settle import OPEN, modes_between, modes_of, settling_step
 from engine.respond.exact.trace import trace_path
 
-__all__ = ["Solution", "solve"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Answer: TypeAlias = tuple[FloatArray, float]

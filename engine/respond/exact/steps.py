@@ -41,8 +41,6 @@ from engine.respond.exact.problem import (
 )
 from engine.respond.exact.solver import Solution, solve
 
-__all__ = ["Certificate", "ExactSteps"]
-
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 

@@ -29,8 +29,6 @@ from engine.respond.exact.cone import compose, frame_of, root, spectral
 from engine.respond.exact.effort import EXTENDED, TRACED, Effort
 from engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
 
-__all__ = ["PathPoint", "trace_path"]
-
 FloatArray = NDArray[np.float64]
 FineArray = NDArray[np.floating]
 

@@ -28,7 +28,7 @@ from engine.describe.optics import Sun
 from engine.memory import arena as at
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
 from engine.options import COLOURED, GAUSS_SEIDEL, Options
-from engine.rays.cast import METHODS, as_rays, cast_on_shapes, unit_directions
+from engine.rays.cast import as_rays, cast_on_shapes
 from engine.rays.hits import Hits
 from engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
 from engine.steps.lengths import fit_impulses
@@ -331,36 +331,25 @@ class World:
         return joined(Contacts(past.bodies, past.point, past.normal, past.gap, past.impulse / self._dt), last)
 
     def cast(
-        self,
-        origins: Any,
-        directions: Any,
-        max_range: float = np.inf,
-        *,
-        geometry: str = "collision",
-        method: str = "tiles",
-        threads: int = 1,
+        self, origins: Any, directions: Any, max_range: float = np.inf, *, geometry: str = "collision", threads: int = 1
     ) -> Hits:
         """The first hit of each ray within max_range [m].
 
         Args:
             origins (r, 3) m, or (3,) for all rays; directions (r, 3), of any length; both in W. Neighbouring rays are faster
             when they are alike, row by row in an image or a scan. geometry: 'collision' or 'visual', the shapes that a body is
-            drawn with. method: 'tiles', or 'brute_force' for one ray and shape after the other. threads: of the tiles.
+            drawn with.
         Raises: ValueError for shapes that do not fit, values that are not finite, a direction of length zero, or other choices.
         """
-        if geometry not in GEOMETRIES or method not in METHODS or threads < 1:
-            raise ValueError(
-                f"rays: geometry '{geometry}', method '{method}', threads {threads}, expected {' or '.join(GEOMETRIES)}, "
-                f"{' or '.join(METHODS)}, at least 1"
-            )
+        if geometry not in GEOMETRIES or threads < 1:
+            expected = f"{' or '.join(GEOMETRIES)}, at least 1"
+            raise ValueError(f"rays: geometry '{geometry}', threads {threads}, expected {expected}")
         if not number("rays", "max_range", max_range) >= 0:
             raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
         if geometry == "visual" and self._drawn is not self:
-            return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
+            return self._as_drawn().cast(origins, directions, max_range, threads=threads)
         o, d = as_rays(origins, directions)
-        if method == "brute_force":
-            d = unit_directions(o, d)
-        hits = cast_on_shapes(self._floats, self._ints, o, d, float(max_range), method, threads)
+        hits = cast_on_shapes(self._floats, self._ints, o, d, float(max_range), threads)
         if self._polyhedral:
             from engine.rays.polyhedra import cast_on_polyhedra
             from engine.rays.tree import ray_tree

@@ -9,18 +9,12 @@ import math
 import numpy as np
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
 
 LEAF = 4
 """Shapes of a node that is not split further."""
@@ -123,19 +117,17 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             for c in range(node[current, 0], node[current, 1]):
                 j = member[c]
                 if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
-                    if found < candidate.shape[0]:
-                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                    found += 1
+                    found = add_pair(candidate, found, i, j)
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        tree = build_tree(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, at.COUNT)[0, at.SHAPES], ints_of(ints, at.CANDIDATE), tree)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, build_tree, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, build_tree, search_range)

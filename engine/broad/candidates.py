@@ -7,12 +7,14 @@ Source: Verlet, Phys. Rev. 159, 1967 (lists with a skin); Catto, Dynamic Boundin
 """
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from engine.broad.bounds import overlap, place_shapes, reaches_plane
 from engine.broad.collision_filter import collision_filter_of, kept_apart
-from engine.compile.jit import inlined, kernel
+from engine.compile.jit import inlined, kernel, template
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
@@ -26,6 +28,14 @@ SKIN = 0.1
 def may_move(shape_kind: Ints, kind: Ints, s: int) -> bool:
     """Whether shape s belongs to a dynamic body."""
     return bool(kind[shape_kind[s, at.OWNER], at.MOTION] == at.DYNAMIC)
+
+
+@inlined
+def add_pair(pair: Ints, found: int, i: int, j: int) -> int:
+    """Write shapes i and j, the lower first, behind those that were found, where there is room. Returns: the new number."""
+    if found < pair.shape[0]:
+        pair[found, 0], pair[found, 1] = min(i, j), max(i, j)
+    return found + 1
 
 
 @kernel
@@ -67,9 +77,7 @@ def add_unbounded(floats: Floats, ints: Ints, found: int) -> int:
             continue
         for j in range(shapes):
             if shape[j, at.BALL_RADIUS] < math.inf and reaches_plane(fat, pose, i, j):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                found += 1
+                found = add_pair(candidate, found, i, j)
     return found
 
 
@@ -123,10 +131,14 @@ def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: 
     for c in range(first, last):
         i, j = candidate[c, 0], candidate[c, 1]
         if overlap(bounds, shape_kind, pose, i, j):
-            if found < pair.shape[0]:
-                pair[found, 0], pair[found, 1] = i, j
-            found += 1
+            found = add_pair(pair, found, i, j)
     return found
+
+
+@kernel
+def count_shapes(_: Floats, ints: Ints) -> int:
+    """How many shapes there are."""
+    return int(ints_of(ints, at.COUNT)[0, at.SHAPES])
 
 
 @kernel
@@ -136,3 +148,20 @@ def write_pairs(floats: Floats, ints: Ints) -> int:
     found = compare_candidates(floats, ints, 0, ints_of(ints, at.PROGRESS)[0, at.CANDIDATES], pair, ints_of(ints, at.CANDIDATE))
     ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, 1
     return FULL if found > pair.shape[0] else DONE
+
+
+@template
+def search_anew(floats: Floats, ints: Ints, build: Callable[..., Any], search: Callable[..., int]) -> int:
+    """Write the pairs of this step, and before that, where bounds have left their skins, the candidates.
+
+    Args: build: (floats, ints) -> what is searched: a tuple of tables, a table, or a number; search: (floats, ints, first
+        shape, end, candidates, what is searched) -> number of candidates found, perhaps beyond the room.
+    Returns: DONE, or FULL where the arena has no room for them.
+    """
+    if bounds_are_stale(floats, ints):
+        among = build(floats, ints)
+        found = search(floats, ints, 0, count_shapes(floats, ints), ints_of(ints, at.CANDIDATE), among)
+        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+        if status != DONE:
+            return status
+    return write_pairs(floats, ints)

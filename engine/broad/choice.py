@@ -39,9 +39,9 @@ def load_search(broad_phase: str, volume: str, shapes: int, threads: int, colour
     if threads == 1:
         found: FindPairs = import_module(f"engine.broad.{broad_phase}").find_pairs
         return found
-    from engine.broad.parallel.pairs import write_pairs
+    from engine.broad.parallel_pairs import write_pairs
 
-    search = import_module(f"engine.broad.parallel.{broad_phase}").find_candidates
+    search = import_module(f"engine.broad.{broad_phase}").find_candidates
 
     def find_pairs(floats: FloatArray, ints: IntArray) -> int:
         return int(search(floats, ints, threads) or write_pairs(floats, ints, threads))

@@ -11,18 +11,12 @@ import math
 import numpy as np
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
 
 DEEPEST = 20
 """Levels below the root; smaller shapes share the cells of the last one."""
@@ -120,9 +114,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             j = head[cell]
             while j >= 0:
                 if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
-                    if found < candidate.shape[0]:
-                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                    found += 1
+                    found = add_pair(candidate, found, i, j)
                 j = following[j]
             for octant in range(8):
                 if child[cell, octant] >= 0:
@@ -133,11 +125,11 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        octree = build_octree(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, at.COUNT)[0, at.SHAPES], ints_of(ints, at.CANDIDATE), octree)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, build_octree, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, build_octree, search_range)

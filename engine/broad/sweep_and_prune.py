@@ -10,18 +10,12 @@ Rigid Bodies, 1992, section 2.3.
 import math
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
 
 
 @kernel
@@ -80,19 +74,17 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             if fat[t, axis] > high:
                 break
             if (moves or may_move(shape_kind, kind, t)) and shape[t, at.BALL_RADIUS] < math.inf and boxes_overlap(fat, s, t):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = min(s, t), max(s, t)
-                found += 1
+                found = add_pair(candidate, found, s, t)
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        axis = sort_shapes(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, at.COUNT)[0, at.SHAPES], ints_of(ints, at.CANDIDATE), axis)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, sort_shapes, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, sort_shapes, search_range)

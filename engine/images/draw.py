@@ -64,9 +64,7 @@ def ray_traced(cast: Cast, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: b
     return Picture(depth, body, painted)
 
 
-def _aimed(
-    cast: Cast, eye: Eye, first: int, rows: int, x: float, y: float
-) -> tuple[FloatArray, FloatArray, Hits, FloatArray]:
+def _aimed(cast: Cast, eye: Eye, first: int, rows: int, x: float, y: float) -> tuple[FloatArray, FloatArray, Hits, FloatArray]:
     """The rays through one point (x, y) of each pixel in some rows, and what they meet from the near plane on.
 
     Returns: origins (n, 3) or (1, 3) m, directions (n, 3), hits, z-depths (rows, w) m.

@@ -10,7 +10,7 @@ Dynamics with Temporal Coherence, GDC 2005 (islands).
 
 from typing import NamedTuple
 
-from engine.compile.jit import entry, kernel
+from engine.compile.jit import kernel
 from engine.maths.rows import Ints
 from engine.memory import arena as at
 from engine.memory.carve import ints_of
@@ -206,16 +206,3 @@ def share(span: Ints, tally: Ints, t: int) -> int:
         else:
             high = middle
     return islands if t == threads else (0 if t == 0 else low)
-
-
-@entry
-def connected_components(links: Ints, kind: Ints, island: Ints) -> int:
-    """Number the islands of bodies under links alone.
-
-    Args: links (k, 2): pairs of bodies; kind (n, 4) as BODY_KIND; island (n, 8) as ISLAND, whose column NUMBER is written.
-    Returns: how many islands there are.
-    """
-    start_islands(island, kind.shape[0])
-    for k in range(links.shape[0]):
-        connect(island, kind, links[k, 0], links[k, 1])
-    return number_islands(island, kind, kind.shape[0])

@@ -1,4 +1,4 @@
-"""Rays as a caller gives them: checked, and cast on all shapes but polyhedra, in tiles or one by one."""
+"""Rays as a caller gives them: checked, and cast on all shapes but polyhedra."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,13 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.describe.check import finite
-from engine.maths.arrays import norm, unit
+from engine.maths.arrays import norm
 from engine.rays.hits import Hits, room_for
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-METHODS = ("tiles", "brute_force")
 
 
 def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
@@ -26,25 +24,10 @@ def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
     return o, d
 
 
-def unit_directions(o: FloatArray, d: FloatArray) -> FloatArray:
-    """The directions d at length 1. Raises: ValueError naming what is wrong with rays."""
-    check_rays(o, d)
-    return unit(d)
-
-
-def cast_on_shapes(
-    floats: FloatArray, ints: IntArray, o: FloatArray, d: FloatArray, max_range: float, method: str, threads: int
-) -> Hits:
-    """The first hits within max_range [m] of rays with origins o and directions d. Raises: ValueError naming what is wrong.
-
-    Args: method: 'tiles', or 'brute_force', which takes directions of length 1; threads: of the tiles.
-    """
+def cast_on_shapes(floats: FloatArray, ints: IntArray, o: FloatArray, d: FloatArray, max_range: float, threads: int) -> Hits:
+    """The first hits within max_range [m] of rays with origins o and directions d. Raises: ValueError naming what is wrong."""
     hits = room_for(len(d))
-    if method == "brute_force":
-        from engine.rays.one_by_one import cast_rays
-
-        cast_rays(floats, ints, np.broadcast_to(o, d.shape).copy(), d, max_range, hits)
-    elif not choose_tiles(threads)(floats, ints, o, d, max_range, hits):
+    if not choose_tiles(threads)(floats, ints, o, d, max_range, hits):
         check_rays(o, d)
     return hits
 

@@ -3,7 +3,8 @@
 Each loop reads the rays from six arrays, one for each coordinate, writes a single array and has no branch, so that the compiler
 turns it into vector instructions. An invalid root is NaN, which loses every comparison. A ray that starts inside hits its exit.
 
-Source: as for `engine.rays.one_by_one`; Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ray Tracing, 2001
+Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (sphere, and ellipsoid by scaling), 5.3.3 (box),
+5.3.7 (cylinder); Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ray Tracing, 2001
 (one instruction for several rays).
 """
 

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 import engine
 from engine.memory import arena as at
 from engine.memory.arena import float_table
+from tests.engine_entries import measure_convex
 
 Array = NDArray[np.float64]
 AXES = np.array([0.1, 0.2, 0.35])
@@ -50,8 +51,6 @@ def _reach(shape: engine.Shape, n: Array) -> Array:
 
 def _measure(one: engine.Shape, two: engine.Shape, p: Array, r_a: Array, r_b: Array) -> Array:
     """Gap, normal and closest points (k, 10) of shape one at the origin and shape two at p (k, 3), each turned."""
-    from engine.contact.measure_convex import measure_convex
-
     bodies = [engine.Body(name=str(k), shapes=[engine.Placed(shape)]) for k, shape in enumerate((one, two))]
     floats, ints = engine.World(bodies).save()
     table = float_table(floats, ints, at.SHAPE)
@@ -265,8 +264,9 @@ def test_a_rolling_ellipsoid_goes_as_an_independent_integration_says() -> None:
 @pytest.mark.parametrize("tiled", [True, False], ids=["tiles", "one by one"])
 def test_rays_meet_an_ellipsoid_where_the_quadratic_says(tiled: bool) -> None:
     """From outside and inside: the roots of |D^-1 (o + t d)| = 1 in extended precision."""
-    from engine.rays.hits import Hits
     from engine.rays.one_by_one import cast_rays
+
+    from engine.rays.hits import Hits
 
     rng = np.random.default_rng(5)
     turn = Rotation.random(random_state=6)

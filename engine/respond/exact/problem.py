@@ -20,16 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.memory import arena as at
-from engine.respond.exact.assembly import (
-    BROUGHT,
-    COLUMNS,
-    FRICTION,
-    LIFT,
-    VELOCITY,
-    write_closing,
-    write_frames,
-    write_problem,
-)
+from engine.respond.exact.assembly import BROUGHT, COLUMNS, FRICTION, LIFT, VELOCITY, write_closing, write_frames, write_problem
 from engine.respond.exact.law import Problem
 
 FloatArray = NDArray[np.float64]

@@ -85,11 +85,7 @@ class Solution:
 
 
 def solve(
-    problem: Problem,
-    tolerance: float = 1e-11,
-    most: int = 40,
-    guess: FloatArray | None = None,
-    effort: float = UNBOUNDED,
+    problem: Problem, tolerance: float = 1e-11, most: int = 40, guess: FloatArray | None = None, effort: float = UNBOUNDED
 ) -> Solution:
     """Impulses under Signorini's and Coulomb's law.
 

@@ -7,14 +7,24 @@ scaling), 5.3.3 (box), 5.3.7 (cylinder).
 """
 
 import math
+from typing import Any
 
+import numpy as np
+
+import engine
 from engine.broad.bounds import pose_shapes
 from engine.compile.jit import entry, kernel
+from engine.maths.arrays import unit
 from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3
 from engine.maths.vec import axpy, dot, mat_vec, norm, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.rays.hits import Hits
+from engine.rays.cast import as_rays, check_rays
+from engine.rays.hits import Hits, room_for
+from engine.rays.polyhedra import cast_on_polyhedra
+from engine.rays.tree import ray_tree
+
+__all__ = ["cast_one_by_one"]
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)
@@ -169,7 +179,7 @@ def closest_distance2(o: Vec, half: float) -> float:
 
 @entry
 def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float, hits: Hits) -> None:
-    """As `engine.rays.tiles.cast_tiles`, for finite origins (r, 3) and unit directions (r, 3)."""
+    """Write the first hits, for finite origins (r, 3) and unit directions (r, 3)."""
     shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
     shape_kind, count = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.COUNT)
     shapes = count[0, at.SHAPES]
@@ -208,3 +218,14 @@ def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, m
         store3(hits.normal, r, 0, facing if hit else (0.0, 0.0, 0.0))
         hits.body[r] = shape_kind[hit_shape, at.OWNER] if hit else -1
         hits.shape[r] = shape_kind[hit_shape, at.PART] if hit else -1
+
+
+def cast_one_by_one(world: engine.World, origins: Any, directions: Any, max_range: float = math.inf) -> Hits:
+    """As `World.cast`."""
+    floats, ints = world.save()
+    o, d = as_rays(origins, directions)
+    check_rays(o, d)
+    hits, d = room_for(len(d)), unit(d)
+    cast_rays(floats, ints, np.broadcast_to(o, d.shape).copy(), d, max_range, hits)
+    cast_on_polyhedra(floats, ints, ray_tree(floats, ints), o, d, max_range, hits)
+    return hits

@@ -1,7 +1,7 @@
 """The candidates compared by their bounds of this step, shared out among threads."""
 
 from engine.broad.candidates import compare_candidates
-from engine.broad.parallel.shares import search_in_shares
+from engine.broad.shares import search_in_shares
 from engine.compile.jit import parallel_entry
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at

@@ -25,6 +25,7 @@ from engine.describe.check import finite, number, whole
 from engine.describe.errors import Diverged, NotSupported
 from engine.describe.joints import Joint
 from engine.describe.optics import Sun
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
 from engine.options import COLOURED, GAUSS_SEIDEL, Options
@@ -42,9 +43,6 @@ if TYPE_CHECKING:
 
 GEOMETRIES = ("collision", "visual")
 RENDERERS = ("rasterised", "ray_traced")
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class World:
@@ -238,7 +236,7 @@ class World:
         """Whether all dynamic bodies sleep."""
         return self.options.sleeping and self.steps > 0 and at.int_table(self._ints, at.TALLY)[0, at.AWAKE] == 0
 
-    def state(self) -> FloatArray:
+    def state(self) -> Floats:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step.
 
         In joint coordinates it follows from these: what is written there is lost.
@@ -257,7 +255,7 @@ class World:
         force, torque = self._per_body("f_B_W", f_B_W, "N"), self._per_body("tau_B_W", tau_B_W, "N m")
         load[:-1, :3], load[:-1, 3:] = force, torque
 
-    def _per_body(self, field: str, value: Any, unit: str) -> FloatArray:
+    def _per_body(self, field: str, value: Any, unit: str) -> Floats:
         """One vector (n, 3) for each body. Raises: ValueError naming the first body whose vector is not finite."""
         n = len(self._names)
         try:
@@ -302,7 +300,7 @@ class World:
         if target_velocity is not None:
             row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
 
-    def reaction(self, joint: str) -> FloatArray:
+    def reaction(self, joint: str) -> Floats:
         """What a joint carried over the last step, springs and drives included: force [N] and torque [N m], (6,), on its child.
 
         The mean over the step, in W, about the child's anchor (of a fixed joint, its centre of mass); NaN before any step.
@@ -313,7 +311,7 @@ class World:
         if self.steps == 0:
             return np.full(6, np.nan)
         total = at.float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
-        mean: FloatArray = total / self._dt
+        mean: Floats = total / self._dt
         return mean
 
     def joint_motion(self, joint: str) -> tuple[float, float]:
@@ -397,11 +395,11 @@ class World:
         self._drawn.state()[:] = self.state()
         return self._drawn
 
-    def save(self) -> tuple[FloatArray, IntArray]:
+    def save(self) -> tuple[Floats, Ints]:
         """All that decides the future, bit for bit, warm-start impulses included."""
         return self._floats.copy(), self._ints.copy()
 
-    def restore(self, saved: tuple[FloatArray, IntArray]) -> None:
+    def restore(self, saved: tuple[Floats, Ints]) -> None:
         """Back to a saved state of this world. Raises: ValueError for that of a world with other bodies, shapes or joints."""
         columns = [at.BODIES, at.SHAPES, at.JOINTS]
         got, own = (at.int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
@@ -409,7 +407,7 @@ class World:
             raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own} in the same coordinates")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
-    def adopt(self, floats: FloatArray, ints: IntArray) -> None:
+    def adopt(self, floats: Floats, ints: Ints) -> None:
         """Work in this memory from now on, which holds a saved state of this world."""
         self._floats, self._ints = floats, ints
 

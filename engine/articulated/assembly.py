@@ -1,23 +1,20 @@
 """Write the trees of a world behind the tables of its arena, and read its joints there."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.articulated import tables as tree
 from engine.articulated.forest import Forest, Link
 from engine.build.assembly import grow
 from engine.build.solids import quat_mat, quat_mul
 from engine.maths.arrays import dot, mat_vec
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 DEGREES = {at.FIXED: 0, at.BALL: 3, at.REVOLUTE: 1, at.PRISMATIC: 1, tree.FREE: 6}
 """The columns of each type of joint."""
 
 
-def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[FloatArray, IntArray]:
+def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints]:
     """The memory of a world with that of its trees, at the start.
 
     Args: floats, ints: of a world that is assembled; forest: of its bodies and joints, in their order.
@@ -50,7 +47,7 @@ def with_trees(floats: FloatArray, ints: IntArray, forest: Forest) -> tuple[Floa
     return floats, ints
 
 
-def grow_world(floats: FloatArray, ints: IntArray, trees: bool) -> tuple[FloatArray, IntArray]:
+def grow_world(floats: Floats, ints: Ints, trees: bool) -> tuple[Floats, Ints]:
     """The same world with more room for pairs, as `grow`. Args: trees: whether it has any, which stay behind what has grown."""
     if not trees:
         return grow(floats, ints)
@@ -65,7 +62,7 @@ def grow_world(floats: FloatArray, ints: IntArray, trees: bool) -> tuple[FloatAr
     return np.concatenate((new_floats, floats[first:])), np.concatenate((new_ints, tail))
 
 
-def has_same_trees(ints: IntArray, other: IntArray) -> bool:
+def has_same_trees(ints: Ints, other: Ints) -> bool:
     """Whether the integers `other` of a world end in trees like those of `ints`, however much room both have for pairs."""
     length = len(ints) - int(ints[-1])
     if not 0 < length <= len(other) or len(other) - int(other[-1]) != length:
@@ -74,7 +71,7 @@ def has_same_trees(ints: IntArray, other: IntArray) -> bool:
     return bool(np.array_equal(ints[-length:][rows], other[-length:][rows]))
 
 
-def _write_link(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: int) -> None:
+def _write_link(floats: Floats, ints: Ints, k: int, link: Link, kind: int) -> None:
     """Fill what stays of link k: the joint seen from the inner body on, and the mass of the outer one."""
     row, body = tree.float_view(floats, ints, tree.LINK)[k], at.float_table(floats, ints, at.BODY)[link.body]
     row[tree.MASS], row[tree.INERTIA : tree.INERTIA + 6] = body[at.MASS], body[at.INERTIA : at.INERTIA + 6]
@@ -94,7 +91,7 @@ def _write_link(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: in
     row[tree.START_X] = joint[at.POSITION]
 
 
-def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, kind: int) -> None:
+def _write_coordinates(floats: Floats, ints: Ints, k: int, link: Link, kind: int) -> None:
     """Fill the coordinates and rates of link k from the state of its bodies."""
     state, row = at.float_table(floats, ints, at.STATE), tree.float_view(floats, ints, tree.COORDINATE)[k]
     constants, columns = tree.float_view(floats, ints, tree.LINK)[k], tree.float_view(floats, ints, tree.COLUMN)
@@ -123,7 +120,7 @@ def _write_coordinates(floats: FloatArray, ints: IntArray, k: int, link: Link, k
         row[0], columns[first, tree.RATE] = constants[tree.START_X], dot(axis, speed)
 
 
-def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, float]:
+def motion_of(floats: Floats, ints: Ints, joint: int) -> tuple[float, float]:
     """The coordinate [rad or m] of a joint, and the rate that the velocities of its bodies mean.
 
     NaN where it has not one coordinate, or closes a loop, whose coordinates are those of its tree.
@@ -145,7 +142,7 @@ def motion_of(floats: FloatArray, ints: IntArray, joint: int) -> tuple[float, fl
     return float(tree.float_view(floats, ints, tree.COORDINATE)[link, 0]), float(dot(axis, speed))
 
 
-def velocity_at(body: FloatArray, point: FloatArray) -> FloatArray:
+def velocity_at(body: Floats, point: Floats) -> Floats:
     """The velocity [m/s] of a body at a point [m] in W."""
-    velocity: FloatArray = body[at.V : at.W] + np.cross(body[at.W :], point - body[:3])
+    velocity: Floats = body[at.V : at.W] + np.cross(body[at.W :], point - body[:3])
     return velocity

@@ -79,13 +79,8 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
         b = tables.other[m, 0]
         if bodies.kind[b, at.TOUCHED] == 1 and bodies.kind[b, at.MOTION] == at.DYNAMIC:
             place[b] = slot
-            kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, END], kind[slot, FIRST_TAKEN] = (
-                b,
-                NOWHERE,
-                slot,
-                slot + 1,
-                rows,
-            )
+            kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, END] = b, NOWHERE, slot, slot + 1
+            kind[slot, FIRST_TAKEN] = rows
             slot += 1
     for k in range(n):
         kind[k, FIRST_BLOCK] = blocks

@@ -122,11 +122,8 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
 @kernel
 def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: Ints, candidate: Ints) -> int:
     """Write the candidates of a range whose bounds of this step overlap. Returns: their number, perhaps beyond the room."""
-    pose, bounds, shape_kind = (
-        floats_of(floats, ints, at.POSE),
-        floats_of(floats, ints, at.BOUNDS),
-        ints_of(ints, at.SHAPE_KIND),
-    )
+    pose, bounds = floats_of(floats, ints, at.POSE), floats_of(floats, ints, at.BOUNDS)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
     found = 0
     for c in range(first, last):
         i, j = candidate[c, 0], candidate[c, 1]

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.build.closed_mesh import closed_volume
 from engine.build.joint_order import ROWS
@@ -17,19 +16,17 @@ from engine.describe.errors import NotSupported
 from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
 from engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.layout import FLOATS, INTS, Per, shapes_of
 from engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
 ENDLESS = 1e9
 """The extent [m] of a plane: where it turns at all, it does not count as still."""
 
 
-def six(m: FloatArray) -> list[float]:
+def six(m: Floats) -> list[float]:
     """(xx, yy, zz, xy, xz, yz) of a symmetric matrix."""
     return [m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]]
 
@@ -91,7 +88,7 @@ def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
     options: Options, apart: Sequence[tuple[str, str]] = (), islands: bool = False,
-) -> tuple[FloatArray, IntArray]:  # fmt: skip
+) -> tuple[Floats, Ints]:  # fmt: skip
     """The arena of a world at its start, with room for islands where it has any. Raises: ValueError, NotSupported."""
     _check_pairs(surfaces, apart)
     n, nj = len(bodies), len(joints)
@@ -254,7 +251,7 @@ def _island_sizes(bodies: int, joints: int, pairs: int, options: Options, wanted
     }
 
 
-def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
+def _write_polyhedra(floats: Floats, ints: Ints, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
     """Fill the tables of corners and faces; the number in front of each polyhedron is its shape."""
     vertex, face = at.float_table(floats, ints, at.VERTEX), at.float_table(floats, ints, at.FACE)
     table, span, loop = at.int_table(ints, at.POLYHEDRON), at.int_table(ints, at.SPAN), at.int_table(ints, at.LOOP)
@@ -269,7 +266,7 @@ def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tup
         v += len(one.vertices)
 
 
-def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:
+def _write_bodies(floats: Floats, ints: Ints, bodies: Sequence[Body]) -> None:
     """Fill the tables of states, masses and kinds."""
     state, table = at.float_table(floats, ints, at.STATE), at.float_table(floats, ints, at.BODY)
     turned, kind = at.float_table(floats, ints, at.TURNED), at.int_table(ints, at.BODY_KIND)
@@ -302,7 +299,7 @@ def _along(joint: Joint) -> int:
     return (joint.armature > 0) + (joint.friction_loss > 0) + 2 * (joint.speed_limit < math.inf)
 
 
-def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArray, anchor: FloatArray) -> float:
+def _rate(joint: Joint, axis: Floats, state_a: Floats, state_b: Floats, anchor: Floats) -> float:
     """The rate of a joint's coordinate at the start [rad/s or m/s], of bodies in these states (13,), about or along an axis."""
     w_a, w_b = state_a[at.W : at.W + 3], state_b[at.W : at.W + 3]
     if isinstance(joint, Revolute):
@@ -311,9 +308,7 @@ def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArr
     return float(dot(axis, v_b - v_a))
 
 
-def _write_joint(
-    floats: FloatArray, ints: IntArray, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]
-) -> None:
+def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]) -> None:
     """Fill one row of the tables of joints. Raises: ValueError for unknown bodies, or two that cannot move."""
     label = f"joint '{joint.name}'"
     for role in ("parent", "child"):
@@ -370,7 +365,7 @@ def _write_joint(
         row[at.SPRING : at.SPRING + 3] = joint.spring.stiffness, joint.spring.damping, joint.spring.rest
 
 
-def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
+def grow(floats: Floats, ints: Ints) -> tuple[Floats, Ints]:
     """The same world in an arena with room for twice as many pairs, or so often twice that those found find it."""
     old_floats = [at.float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
     old_ints = [at.int_table(ints, k) for k in range(at.INT_TABLES)]

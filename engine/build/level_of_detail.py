@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.build.closed_mesh import closed_volume
 from engine.build.solids import mat_quat, quat_mat, quat_mul
@@ -20,8 +19,7 @@ from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
 from engine.maths.arrays import eigen, mat_vec, norm, unit
-
-FloatArray = NDArray[np.float64]
+from engine.maths.types import Floats
 
 CONCAVITY = 0.05
 """CoACD's threshold [1] unless set."""
@@ -29,7 +27,7 @@ CONCAVITY = 0.05
 
 def simplified(
     mesh: TriangleMesh, level: str, concavity: float = CONCAVITY, seed: int = 0
-) -> tuple[tuple[Placed, ...], list[FloatArray]]:
+) -> tuple[tuple[Placed, ...], list[Floats]]:
     """The shapes of a mesh at a level other than itself, and the corners (n, 3) of each but a sphere."""
     vertices = np.asarray(mesh.vertices, float)
     if level == "sphere":
@@ -76,7 +74,7 @@ def _simpler(body: Body, level: str) -> Iterator[Placed]:
             )
 
 
-def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
+def bounding_sphere(points: Floats) -> tuple[Floats, float]:
     """Centre and radius [m] of a ball that holds the points (n, 3): about two distant ones, grown over the others."""
     one = points[norm(points - points[0]).argmax()]
     two = points[norm(points - one).argmax()]
@@ -89,7 +87,7 @@ def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
     return centre, float(norm(points - centre).max())
 
 
-def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def bounding_box(points: Floats) -> tuple[Floats, Floats, Floats]:
     """Centre (3,), half extents (3,) [m] and axes (columns) of the smaller of two boxes about points (n, 3): along their frame
     and along their principal components.
     """
@@ -106,7 +104,7 @@ def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray
     return centre, half, axes
 
 
-def convex_pieces(mesh: TriangleMesh, concavity: float = CONCAVITY, seed: int = 0) -> list[FloatArray]:
+def convex_pieces(mesh: TriangleMesh, concavity: float = CONCAVITY, seed: int = 0) -> list[Floats]:
     """The vertices (n, 3) of convex pieces that make up a mesh. Raises: NotSupported where CoACD is not installed."""
     try:
         import coacd

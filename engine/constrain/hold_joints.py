@@ -15,13 +15,16 @@ from engine.constrain.reactions import add_reactions
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
 
+BEGIN, END = -2, -1
+"""Beside NEW and KNOWN, stages of a sub-step: its rows are written; rotors keep their rates."""
+
+Held = tuple[int, int]
+"""The number of equality rows, and of all rows."""
+
 
 @kernel
-def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[int, int]:
-    """Write the rows for a sub-step of h [s], at the end of which the gaps are closed, and their matrix.
-
-    Returns: the number of equality rows, and of all rows.
-    """
+def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> Held:
+    """Write the rows for a sub-step of h [s], at the end of which the gaps are closed, and their matrix."""
     equalities = equality_rows(bodies.state, joints, rows)
     for r in range(equalities):
         if rows.row[r, at.SOFTNESS] == 0.0:
@@ -55,3 +58,21 @@ def keep_rotors(joints: Joints, rows: Rows, equalities: int) -> None:
     for r in range(equalities):
         if rows.row[r, at.SOFTNESS] > 0.0:
             joints.joint[rows.body[r, at.JOINT_OF], at.ROTOR_RATE] = -rows.row[r, at.BIAS]
+
+
+@kernel
+def hold(bodies: Bodies, joints: Joints, rows: Rows, held: Held, stage: int, h: float) -> Held:
+    """What is done with joints in one stage of a sub-step of h [s]: BEGIN, NEW, KNOWN or END. Returns: the rows."""
+    if stage == BEGIN:
+        return write_rows(bodies, joints, rows, h)
+    if stage == END:
+        keep_rotors(joints, rows, held[0])
+    else:
+        hold_joints(bodies, joints, rows, held[0], held[1], stage)
+    return held
+
+
+@kernel
+def hold_nothing(_bodies: Bodies, _joints: Joints, _rows: Rows, held: Held, _stage: int, _h: float) -> Held:
+    """In place of `hold`, where there are no joints."""
+    return held

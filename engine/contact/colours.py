@@ -43,20 +43,14 @@ def cut_world(state: Floats, kind: Ints, owner: Ints, pair: Ints, n: int, bandin
     low, high, apart = (math.inf, math.inf, math.inf), (-math.inf, -math.inf, -math.inf), (0.0, 0.0, 0.0)
     for p in range(n):
         a, b = owner[pair[p, 0], at.OWNER], owner[pair[p, 1], at.OWNER]
-        one, two = (
-            load3(state, a if kind[a, at.MOTION] == at.DYNAMIC else b, at.P),
-            load3(state, b if kind[b, at.MOTION] == at.DYNAMIC else a, at.P),
-        )
+        one = load3(state, a if kind[a, at.MOTION] == at.DYNAMIC else b, at.P)
+        two = load3(state, b if kind[b, at.MOTION] == at.DYNAMIC else a, at.P)
         low = (min(low[0], one[0], two[0]), min(low[1], one[1], two[1]), min(low[2], one[2], two[2]))
         high = (max(high[0], one[0], two[0]), max(high[1], one[1], two[1]), max(high[2], one[2], two[2]))
         way = sub(one, two)
         apart = (max(apart[0], abs(way[0])), max(apart[1], abs(way[1])), max(apart[2], abs(way[2])))
-    banding[0, at.BAND_AXIS], banding[0, at.BAND_COUNT], banding[0, at.BAND_START], banding[0, at.BAND_WIDTH] = (
-        0.0,
-        1.0,
-        0.0,
-        math.inf,
-    )
+    banding[0, at.BAND_AXIS], banding[0, at.BAND_COUNT], banding[0, at.BAND_START] = 0.0, 1.0, 0.0
+    banding[0, at.BAND_WIDTH] = math.inf
     for axis in range(3):
         extent = high[axis] - low[axis]
         # A little wider, so that rounding puts no two bodies of a pair two bands apart.

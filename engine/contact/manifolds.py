@@ -38,10 +38,8 @@ def find_points(
     points = pairs.points[p, 0]
     for k in range(points):
         store3(out.point, first + k, at.PLACE, load3(pairs.point, 4 * p + k, at.PLACE))
-        out.point[first + k, at.FIRST_GAP], out.key[first + k, 0] = (
-            pairs.point[4 * p + k, at.FIRST_GAP],
-            pairs.point_key[4 * p + k, 0],
-        )
+        out.point[first + k, at.FIRST_GAP] = pairs.point[4 * p + k, at.FIRST_GAP]
+        out.key[first + k, 0] = pairs.point_key[4 * p + k, 0]
     return points, load3(pairs.normal, p, 0)
 
 

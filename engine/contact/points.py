@@ -3,12 +3,9 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,14 +17,14 @@ class Contacts:
         force (k, 3) N on B: impulse of the step over dt.
     """
 
-    bodies: IntArray
-    point: FloatArray
-    normal: FloatArray
-    gap: FloatArray
-    force: FloatArray
+    bodies: Ints
+    point: Floats
+    normal: Floats
+    gap: Floats
+    force: Floats
 
 
-def manifold_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
+def manifold_points(floats: Floats, ints: Ints, count: int, margin: float, dt: float) -> Contacts:
     """The points of the first `count` manifolds, and of islands asleep, that are within the margin [m] or gave an impulse."""
     key = at.int_table(ints, at.MANIFOLD_KEY)[:count]
     manifold = at.float_table(floats, ints, at.MANIFOLD)[:count]
@@ -51,7 +48,7 @@ def manifold_points(floats: FloatArray, ints: IntArray, count: int, margin: floa
     )
 
 
-def sphere_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
+def sphere_points(floats: Floats, ints: Ints, count: int, margin: float, dt: float) -> Contacts:
     """As `manifold_points`, of a world of spheres."""
     rest, key = at.float_table(floats, ints, at.TOUCH_REST)[:count], at.int_table(ints, at.TOUCH_KEY)[:count]
     touch = at.float_table(floats, ints, at.TOUCH)[:count]

@@ -70,28 +70,18 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     """
     tables, surface = shapes_of(floats, ints), floats_of(floats, ints, at.SURFACE)
     shape, pose, shape_kind = tables
-    touch, rest, old = (
-        floats_of(floats, ints, at.TOUCH),
-        floats_of(floats, ints, at.TOUCH_REST),
-        floats_of(floats, ints, at.OLD_TOUCH),
-    )
-    state, mover, setting = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.MOVER),
-        floats_of(floats, ints, at.SETTING),
-    )
+    touch, rest = floats_of(floats, ints, at.TOUCH), floats_of(floats, ints, at.TOUCH_REST)
+    old = floats_of(floats, ints, at.OLD_TOUCH)
+    state, mover = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.MOVER)
+    setting = floats_of(floats, ints, at.SETTING)
     points = Points(
         floats_of(floats, ints, at.POINT), ints_of(ints, at.POINT_KEY),
         floats_of(floats, ints, at.CLIP), ints_of(ints, at.CLIP_KEY),
     )  # fmt: skip
     key, old_key, pair = ints_of(ints, at.TOUCH_KEY), ints_of(ints, at.OLD_TOUCH_KEY), ints_of(ints, at.PAIR)
     kind, count = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)
-    last, shapes, materials, continuous = (
-        count[0, at.MANIFOLDS],
-        count[0, at.SHAPES],
-        count[0, at.MATERIALS],
-        count[0, at.CONTINUOUS],
-    )
+    last, shapes, materials = count[0, at.MANIFOLDS], count[0, at.SHAPES], count[0, at.MATERIALS]
+    continuous = count[0, at.CONTINUOUS]
     head, table = ints_of(ints, at.LAST_OF_SPHERE), ints_of(ints, at.COLOURED)
     least, dt, coloured = setting[0, at.MARGIN], setting[0, at.DT], head.shape[0] > 0
     fall = dt * norm(load3(setting, 0, at.GRAVITY))
@@ -146,11 +136,8 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
         touch[t, at.T_NORMAL_MASS] = 1.0 / mass
         touch[t, at.T_RADIUS_A], touch[t, at.T_RADIUS_B] = ra, rb
         law = shape_kind[a, at.MATERIAL] * materials + shape_kind[b, at.MATERIAL]
-        rest[t, at.R_STATIC], rest[t, at.R_KINETIC], rest[t, at.R_RESTITUTION] = (
-            surface[law, 0],
-            surface[law, 1],
-            surface[law, 2],
-        )
+        rest[t, at.R_STATIC], rest[t, at.R_KINETIC] = surface[law, 0], surface[law, 1]
+        rest[t, at.R_RESTITUTION] = surface[law, 2]
         rest[t, at.R_STRUCK], rest[t, at.R_SPIKE] = 0.0, 0.0
         key[t, at.K_BODY_A], key[t, at.K_BODY_B], key[t, at.K_PAIR], key[t, at.K_ROUND] = i, j, code, is_round
         key[t, at.K_MOVES] = 1 if kind[j, at.MOTION] == at.DYNAMIC else 0

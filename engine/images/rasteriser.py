@@ -55,11 +55,8 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
 
     Args: eye (1, 23): see `engine.images.eye.Eye.row`; without distortion.
     """
-    state, shape, shape_kind = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.SHAPE),
-        ints_of(ints, at.SHAPE_KIND),
-    )
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
     vertex, face = floats_of(floats, ints, at.VERTEX), floats_of(floats, ints, at.FACE)
     polyhedron, span, loop = ints_of(ints, at.POLYHEDRON), ints_of(ints, at.SPAN), ints_of(ints, at.LOOP)
     origin, turn, pinhole = load3(eye, 0, 0), load9(eye, 0, 3), eye[:, 12:17]
@@ -71,11 +68,8 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
     for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
         p_WS, axes = shape_pose(state, shape, shape_kind, s)
         c, tag, kind, size = tmat_vec(turn, sub(p_WS, origin)), s * TAGS, shape_kind[s, at.TYPE], load3(shape, s, at.SIZE)
-        x, y, a = (
-            tmat_vec(turn, (axes[0], axes[3], axes[6])),
-            tmat_vec(turn, (axes[1], axes[4], axes[7])),
-            tmat_vec(turn, (axes[2], axes[5], axes[8])),
-        )
+        x, y = tmat_vec(turn, (axes[0], axes[3], axes[6])), tmat_vec(turn, (axes[1], axes[4], axes[7]))
+        a = tmat_vec(turn, (axes[2], axes[5], axes[8]))
         m = (x[0], y[0], a[0], x[1], y[1], a[1], x[2], y[2], a[2])
         if kind == at.SPHERE:
             draw_ball(screen, c, size[0], tag)

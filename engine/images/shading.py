@@ -50,11 +50,8 @@ def shade(
 ) -> None:
     """Write body (h, w) and colour (h, w, 3) of what `rasterise` found."""
     optics, sun = lighting
-    state, shape, shape_kind = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.SHAPE),
-        ints_of(ints, at.SHAPE_KIND),
-    )
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
     face, polyhedron = floats_of(floats, ints, at.FACE), ints_of(ints, at.POLYHEDRON)
     origin, turn, towards = load3(eye, 0, 0), load9(eye, 0, 3), load3(sun, 0, 0)
     pose = np.empty((len(shape_kind), 12))

@@ -19,11 +19,8 @@ def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., 
     Args: advance: (bodies, principal, setting, b, h [s], gyroscopic, *room) -> whether body b was advanced by h.
     Returns: steps done, and DONE, or DIVERGED, or UNSOLVED if a body was not advanced.
     """
-    bodies, principal, setting = (
-        bodies_of(floats, ints),
-        floats_of(floats, ints, at.PRINCIPAL),
-        floats_of(floats, ints, at.SETTING),
-    )
+    bodies, principal = bodies_of(floats, ints), floats_of(floats, ints, at.PRINCIPAL)
+    setting = floats_of(floats, ints, at.SETTING)
     count = ints_of(ints, at.COUNT)
     h, gyroscopic = setting[0, at.DT] / count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     for step in range(steps):

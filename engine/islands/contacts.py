@@ -3,9 +3,12 @@
 The sweeps are those of `step_contact` in the same order, so the bits are the same, whoever solves the island.
 """
 
+from collections.abc import Callable
 from typing import TypeVar
 
 from engine.compile.jit import kernel
+from engine.constrain.bounded import KNOWN, NEW
+from engine.constrain.hold_joints import BEGIN, END
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at
@@ -18,6 +21,8 @@ from engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX,
 from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 
 Table = TypeVar("Table", Floats, Ints)
+Copy = Callable[[Floats, Ints, int], None]
+Hold = Callable[[Floats, Ints, int, Bodies, int, float], None]
 
 
 @kernel
@@ -83,11 +88,8 @@ def take_island(floats: Floats, ints: Ints, i: int) -> None:
     manifold, point, key, _ = island_contacts(floats, ints, i)
     span, owner, grouped = ints_of(ints, at.SPAN_OF_ISLAND), ints_of(ints, at.LOCAL_OWNER), ints_of(ints, at.GROUPED)
     first = span[i, at.FIRST_LOCAL]
-    all_states, all_bodies, all_kinds = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.BODY),
-        ints_of(ints, at.BODY_KIND),
-    )
+    all_states, all_bodies = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    all_kinds = ints_of(ints, at.BODY_KIND)
     all_turned, all_loads = floats_of(floats, ints, at.TURNED), floats_of(floats, ints, at.LOAD)
     for r in range(state.shape[0]):
         b = owner[first + r, 0]
@@ -120,33 +122,47 @@ def kick_island(floats: Floats, ints: Ints, i: int) -> int:
 
 
 @kernel
-def press_island(floats: Floats, ints: Ints, i: int, patience: int) -> bool:
+def hold_nothing(_floats: Floats, _ints: Ints, _i: int, _bodies: Bodies, _stage: int, _h: float) -> None:
+    """There are no joints."""
+    return
+
+
+@kernel
+def press_island(floats: Floats, ints: Ints, i: int, patience: int, hold: Hold) -> bool:
     """Solve with the position error, drift, and relax island i. Returns: whether it is to bounce."""
     bodies, contacts = island_bodies(floats, ints, i), island_contacts(floats, ints, i)
     count, n, soft = ints_of(ints, at.COUNT), contacts.manifold.shape[0], softness_in(floats, ints)
+    hold(floats, ints, i, bodies, BEGIN, soft.h)
     share_loads(bodies, contacts, n, island_sums(floats, ints, i))
     warm_start(bodies, contacts, n)
-    for _ in range(count[0, at.ITERATIONS] * patience):
+    hold(floats, ints, i, bodies, NEW, soft.h)
+    # Where anything touches, all joints are held after each sweep: what one island does must not hang on how it was found.
+    sweeps = patience if count[0, at.MANIFOLDS] > 0 else 0
+    for _ in range(count[0, at.ITERATIONS] * sweeps):
         sweep(bodies, contacts, n, soft, PRESS)
+        hold(floats, ints, i, bodies, KNOWN, soft.h)
     for b in range(bodies.state.shape[0]):
         drift(bodies, b, soft.h, count[0, at.GYROSCOPIC])
     refresh(bodies.state, shapes_of(floats, ints), contacts, n)
     share_loads(bodies, contacts, n, island_sums(floats, ints, i))
-    for _ in range(count[0, at.RELAXATIONS] * patience):
+    for _ in range(count[0, at.RELAXATIONS] * sweeps):
         sweep(bodies, contacts, n, soft, RELAX)
+        hold(floats, ints, i, bodies, KNOWN, soft.h)
     return bounce(contacts, n)
 
 
 @kernel
-def release_island(floats: Floats, ints: Ints, i: int, hit: int) -> None:
+def release_island(floats: Floats, ints: Ints, i: int, hit: int, hold: Hold) -> None:
     """Restitution of island i, where any was hit, and the end of the sub-step."""
     bodies, contacts, count = island_bodies(floats, ints, i), island_contacts(floats, ints, i), ints_of(ints, at.COUNT)
     n, soft = contacts.manifold.shape[0], softness_in(floats, ints)
     if hit == 1:
         for _ in range(FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS])):
             sweep(bodies, contacts, n, soft, REBOUND)
+            hold(floats, ints, i, bodies, KNOWN, soft.h)
     friction_mode(bodies, contacts, n)
     end_substep(contacts, n)
+    hold(floats, ints, i, bodies, END, soft.h)
 
 
 @kernel
@@ -177,12 +193,16 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
 
 
 @kernel
-def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
+def advance_stages(
+    floats: Floats, ints: Ints, i: int, first: int, end: int, told: int, take: Copy, hold: Hold, give: Copy
+) -> None:
     """The stages first..end - 1 of the step of island i.
 
     Sub-step s begins in stage 2 s, which also ends the one before it, and is solved in stage 2 s + 1; one more stage ends the
     last. All that islands have to know of each other stands between two stages, and is `told`: whether any of them strikes
     before a sub-step is solved, and whether any is to bounce before it ends.
+
+    Args: take, give: copy the island into its own memory and back; hold: holds its joints in a stage of a sub-step.
     """
     span, last = ints_of(ints, at.SPAN_OF_ISLAND), 2 * ints_of(ints, at.COUNT)[0, at.SUBSTEPS]
     span[i, at.HIT] = 0
@@ -190,14 +210,20 @@ def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, tol
         return
     for stage in range(first, end):
         if stage % 2 == 1:
-            span[i, at.HIT] = press_island(floats, ints, i, patience_of(ints, stage, told))
+            span[i, at.HIT] = press_island(floats, ints, i, patience_of(ints, stage, told), hold)
             told = 0
             continue
         if stage == 0:
-            take_island(floats, ints, i)
+            take(floats, ints, i)
         else:
-            release_island(floats, ints, i, told)
+            release_island(floats, ints, i, told, hold)
         if stage < last:
             span[i, at.HIT] = kick_island(floats, ints, i) > 0
         else:
-            give_island(floats, ints, i)
+            give(floats, ints, i)
+
+
+@kernel
+def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
+    """As `advance_stages`, of contacts alone."""
+    advance_stages(floats, ints, i, first, end, told, take_island, hold_nothing, give_island)

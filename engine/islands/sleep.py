@@ -58,14 +58,10 @@ def is_moving(state: Floats, b: int) -> bool:
 @kernel
 def mark_changed(floats: Floats, ints: Ints) -> int:
     """Mark the islands that a change from outside reaches, and the fixed bodies that move. Returns: how many bodies woke."""
-    state, load, remembered = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.LOAD),
-        floats_of(floats, ints, at.REMEMBERED),
-    )
-    kind, count, island, tally = (
-        ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND), ints_of(ints, at.TALLY)
-    )  # fmt: skip
+    state, load = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.LOAD)
+    remembered = floats_of(floats, ints, at.REMEMBERED)
+    kind, count, island = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND)
+    tally = ints_of(ints, at.TALLY)
     key, joint_kind = ints_of(ints, at.RESTING_KEY), ints_of(ints, at.JOINT_KIND)
     marked, restless = 0, 0
     for b in range(count[0, at.BODIES]):
@@ -148,9 +144,8 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
 
     Returns: DONE, or FULL where there is no room for them; then nothing has changed.
     """
-    kind, count, island, tally = (
-        ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND), ints_of(ints, at.TALLY)
-    )  # fmt: skip
+    kind, count, island = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND)
+    tally = ints_of(ints, at.TALLY)
     contacts, resting = contacts_of(floats, ints), resting_contacts_of(floats, ints)
     calm, key, rest = floats_of(floats, ints, at.CALM), resting.key, floats_of(floats, ints, at.REST)
     rising = 0
@@ -183,15 +178,11 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
 
     Returns: DONE, or FULL where there is no room for their contacts; then the islands stay awake for now.
     """
-    state, body, setting = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.BODY),
-        floats_of(floats, ints, at.SETTING),
-    )
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    setting = floats_of(floats, ints, at.SETTING)
     calm, sleep = floats_of(floats, ints, at.CALM), floats_of(floats, ints, at.SLEEP)
-    kind, count, island, tally = (
-        ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND), ints_of(ints, at.TALLY)
-    )  # fmt: skip
+    kind, count, island = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND)
+    tally = ints_of(ints, at.TALLY)
     contacts, resting = contacts_of(floats, ints), resting_contacts_of(floats, ints)
     key, span = contacts.key, ints_of(ints, at.SPAN_OF_ISLAND)
     for i in range(tally[0, at.ISLANDS]):
@@ -237,11 +228,8 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
 @kernel
 def remember(floats: Floats, ints: Ints) -> None:
     """Note state and load of all bodies that do not move by themselves."""
-    state, load, remembered = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.LOAD),
-        floats_of(floats, ints, at.REMEMBERED),
-    )
+    state, load = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.LOAD)
+    remembered = floats_of(floats, ints, at.REMEMBERED)
     kind = ints_of(ints, at.BODY_KIND)
     for b in range(ints_of(ints, at.COUNT)[0, at.BODIES]):
         if kind[b, at.MOTION] != at.DYNAMIC:

@@ -8,9 +8,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from engine.maths.types import Floats
+
+Floats = Floats
 
 SWEEPS = 30
 """At most: five did for each of 20 000 random matrices whose moments lay up to 1e16 apart."""

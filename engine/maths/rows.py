@@ -3,13 +3,10 @@
 Terms: Vec (x, y, z); Quat (w, x, y, z), unit; Mat nine numbers by rows; Sym (xx, yy, zz, xy, xz, yz).
 """
 
-import numpy as np
-from numpy.typing import NDArray
-
 from engine.compile.jit import kernel
+from engine.maths.types import Floats as Floats
+from engine.maths.types import Ints as Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Vec = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 Mat = tuple[float, float, float, float, float, float, float, float, float]

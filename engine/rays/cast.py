@@ -4,17 +4,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.check import finite
 from engine.maths.arrays import norm
+from engine.maths.types import Floats, Ints
 from engine.rays.hits import Hits, room_for
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
-
-def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
+def as_rays(origins: Any, directions: Any) -> tuple[Floats, Floats]:
     """Origins (r, 3) or (1, 3) and directions (r, 3) as compiled code takes them. Raises: ValueError for other shapes."""
     # Read-only arrays are another type to the compiler, which would compile everything once more for them.
     d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
@@ -24,7 +21,7 @@ def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
     return o, d
 
 
-def cast_on_shapes(floats: FloatArray, ints: IntArray, o: FloatArray, d: FloatArray, max_range: float, threads: int) -> Hits:
+def cast_on_shapes(floats: Floats, ints: Ints, o: Floats, d: Floats, max_range: float, threads: int) -> Hits:
     """The first hits within max_range [m] of rays with origins o and directions d. Raises: ValueError naming what is wrong."""
     hits = room_for(len(d))
     if not choose_tiles(threads)(floats, ints, o, d, max_range, hits):
@@ -32,7 +29,7 @@ def cast_on_shapes(floats: FloatArray, ints: IntArray, o: FloatArray, d: FloatAr
     return hits
 
 
-def check_rays(origins: FloatArray, directions: FloatArray) -> None:
+def check_rays(origins: Floats, directions: Floats) -> None:
     """Raises: ValueError naming what is wrong with rays."""
     finite("rays", "origins", origins, origins.shape, "m")
     finite("rays", "directions", directions, directions.shape, "1")

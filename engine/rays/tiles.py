@@ -35,11 +35,8 @@ class Primitives(NamedTuple):
 @kernel
 def pose_primitives(floats: Floats, ints: Ints) -> Primitives:
     """The shapes with closed forms where they are now."""
-    state, shape, shape_kind = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.SHAPE),
-        ints_of(ints, at.SHAPE_KIND),
-    )
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
     shapes, found = ints_of(ints, at.COUNT)[0, at.SHAPES], 0
     who = np.zeros(shapes + 1, np.int64)
     for s in range(shapes):

@@ -80,9 +80,8 @@ def rub(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point:
     """Friction at the points first..end - 1 one by one, each within its disc. Returns: the force and moment that they give."""
     f1, f2, m3 = 0.0, 0.0, 0.0
     for i in range(first, end):
-        x, y, mass, most = (
-            point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.TANGENT_MASS], friction * point[i, at.NORMAL_IMPULSE]
-        )  # fmt: skip
+        x, y, mass = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.TANGENT_MASS]
+        most = friction * point[i, at.NORMAL_IMPULSE]
         was_1, was_2 = point[i, at.HELD], point[i, at.HELD + 1]
         one, two = fma(-mass, fma(-y, slide[2], slide[0]), was_1), fma(-mass, fma(x, slide[2], slide[1]), was_2)
         square = fma(two, two, one * one)
@@ -125,9 +124,8 @@ def resist_at(
     Args: points: their first and end; moment: that was given against (V, W) already. Returns: force and moment, with it.
     """
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    normals, tangents, coupling = (
-        load6(manifold, m, at.NORMAL_BLOCK), load6(manifold, m, at.TANGENT_BLOCK), load9(manifold, m, at.COUPLING)
-    )  # fmt: skip
+    normals, tangents = load6(manifold, m, at.NORMAL_BLOCK), load6(manifold, m, at.TANGENT_BLOCK)
+    coupling = load9(manifold, m, at.COUPLING)
     first, end = points
     v, w = motion
     pressed, rubbed = (0.0, moment[0], moment[1]), (0.0, 0.0, moment[2])

@@ -19,9 +19,8 @@ def kept_impulse(contacts: Contacts, m: int, frame: Mat) -> tuple[Vec, Vec]:
     moment = mat_vec(frame, load3(manifold, m, at.SPIN_IMPULSE))
     f1, f2, f3, m1, m2, m3 = 0.0, 0.0, 0.0, moment[0], moment[1], moment[2]
     for i in range(4 * m, 4 * m + key[m, at.POINTS]):
-        x, y, normal, one, two = (
-            point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.NORMAL_IMPULSE], point[i, at.HELD], point[i, at.HELD + 1]
-        )  # fmt: skip
+        x, y, normal, one = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.NORMAL_IMPULSE], point[i, at.HELD]
+        two = point[i, at.HELD + 1]
         f1, f2, f3 = f1 + one, f2 + two, f3 + normal
         m1, m2, m3 = m1 + y * normal, m2 - x * normal, m3 + x * two - y * one
     return (f1, f2, f3), (m1, m2, m3)
@@ -100,9 +99,8 @@ def unbrace(static: float, first: int, end: int, point: Floats) -> None:
     """
     n, cx, cy, f1, f2, moment, spread = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(first, end):
-        x, y, load, one, two = (
-            point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.NORMAL_IMPULSE], point[i, at.HELD], point[i, at.HELD + 1]
-        )  # fmt: skip
+        x, y, load, one = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.NORMAL_IMPULSE], point[i, at.HELD]
+        two = point[i, at.HELD + 1]
         n, cx, cy, spread = n + load, cx + load * x, cy + load * y, spread + load * (x * x + y * y)
         f1, f2, moment = f1 + one, f2 + two, moment + x * two - y * one
     if n <= 0.0:

@@ -65,11 +65,8 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
 def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by implicit midpoint in sub-steps. Returns: as `step_joint_coordinates_euler`."""
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    setting, count, principal = (
-        floats_of(floats, ints, at.SETTING),
-        ints_of(ints, at.COUNT),
-        floats_of(floats, ints, at.PRINCIPAL),
-    )
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    principal = floats_of(floats, ints, at.PRINCIPAL)
     substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
     if take_jumps(tables, bodies, joints) or count[0, at.STEPS] == 0:
@@ -102,17 +99,12 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
 def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by Dormand and Prince's method, sub-step by sub-step. Returns: as `step_joint_coordinates_euler`."""
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    setting, count, principal = (
-        floats_of(floats, ints, at.SETTING),
-        ints_of(ints, at.COUNT),
-        floats_of(floats, ints, at.PRINCIPAL),
-    )
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    principal = floats_of(floats, ints, at.PRINCIPAL)
     substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
-    trial, free = (
-        room_for_trials(tables, joints),
-        Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH))),
-    )
+    trial = room_for_trials(tables, joints)
+    free = Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH)))
     take_jumps(tables, bodies, joints)
     ends = ends_with_laws(tables, joints)
     while done < steps and status == DONE:

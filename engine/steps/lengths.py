@@ -4,16 +4,14 @@ A force that holds gives an impulse in proportion to the step. Source: Catto, It
 2005.
 """
 
-import numpy as np
-from numpy.typing import NDArray
-
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
 
 MOST_GROWTH = 8.0
 """Largest factor [1] on impulses from a short part of a step to a longer one: beyond, their rounding would grow as well."""
 
 
-def fit_impulses(floats: NDArray[np.float64], ints: NDArray[np.int64], span: float) -> None:
+def fit_impulses(floats: Floats, ints: Ints, span: float) -> None:
     """Scale the impulses of the contacts from the time that they belong to to `span` [s]."""
     setting = at.float_table(floats, ints, at.SETTING)[0]
     if span == setting[at.LAST_SPAN]:

@@ -46,10 +46,8 @@ def reach(t: Solids, s: int) -> float:
 def approach_bound(t: Solids, path: Floats, a: int, b: int, n: Vec, time: float, span: float) -> float:
     """A bound mu [m/s] of the rate at which the gap along n can shrink from `time` to the end of the span."""
     i, j = t.shape_kind[a, at.OWNER], t.shape_kind[b, at.OWNER]
-    now, last = (
-        sub(velocity_of(path, j, time), velocity_of(path, i, time)),
-        sub(velocity_of(path, j, span), velocity_of(path, i, span)),
-    )
+    now = sub(velocity_of(path, j, time), velocity_of(path, i, time))
+    last = sub(velocity_of(path, j, span), velocity_of(path, i, span))
     wa, wb = load3(path, i, at.W), load3(path, j, at.W)
     ra, rb = reach(t, a), reach(t, b)
     # A plane that turns sweeps its own normal along: at the other body, as far as that may get.

@@ -17,9 +17,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.errors import ManyImpacts
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
 from engine.options import Options
@@ -28,10 +28,8 @@ from engine.swept.earliest import earliest_impact
 from engine.swept.path import PATH_COLUMNS
 from engine.swept.strike import place_bodies, strike
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
-Search = Callable[[FloatArray, IntArray], int]
+Step = Callable[[Floats, Ints, int], tuple[int, int]]
+Search = Callable[[Floats, Ints], int]
 
 MAX_IMPACTS = 256
 """Impacts of one step [1] that are followed one by one."""
@@ -51,11 +49,11 @@ class Impacts:
 class Earlier:
     """Impulses in the parts of the last step before its last: bodies (k, 2), impulse, point, normal (k, 3), gap (k,)."""
 
-    bodies: IntArray
-    impulse: FloatArray
-    point: FloatArray
-    normal: FloatArray
-    gap: FloatArray
+    bodies: Ints
+    impulse: Floats
+    point: Floats
+    normal: Floats
+    gap: Floats
 
 
 class SweptSteps:
@@ -73,7 +71,7 @@ class SweptSteps:
         self._parts: list[Earlier] = []
         self.impacts = Impacts()
 
-    def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
+    def __call__(self, floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
         for step in range(steps):
             status = self._step(floats, ints)
@@ -92,7 +90,7 @@ class SweptSteps:
             return Earlier(np.empty((0, 2), np.int64), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
         return Earlier(*(np.concatenate([getattr(part, f) for part in self._parts]) for f in Earlier.__slots__))
 
-    def _step(self, floats: FloatArray, ints: IntArray) -> int:
+    def _step(self, floats: Floats, ints: Ints) -> int:
         """One whole step, or what is left of one that waited for a larger arena. Returns: a status."""
         count = at.int_table(ints, at.COUNT)[0]
         if self._left == 0.0:
@@ -105,7 +103,7 @@ class SweptSteps:
             self._left = 0.0
         return status
 
-    def _finish(self, floats: FloatArray, ints: IntArray, number: int) -> int:
+    def _finish(self, floats: Floats, ints: Ints, number: int) -> int:
         """Strike and advance until nothing is left of the step that follows step `number`. Returns: a status."""
         state, count = at.float_table(floats, ints, at.STATE), at.int_table(ints, at.COUNT)[0]
         while True:
@@ -140,7 +138,7 @@ class SweptSteps:
         self.impacts = Impacts(past.count + self._done, past.crowded + int(self._done == MAX_IMPACTS))
         return DONE if np.isfinite(state).all() else DIVERGED
 
-    def _strike(self, floats: FloatArray, ints: IntArray) -> int:
+    def _strike(self, floats: Floats, ints: Ints) -> int:
         """The blow of this instant. Returns: a status."""
         status = self._find_anew(floats, ints) or int(strike(floats, ints, SWEEPS))
         if status == CONVEX_PENDING:
@@ -151,7 +149,7 @@ class SweptSteps:
             self._note(floats, ints)
         return status
 
-    def _advance(self, floats: FloatArray, ints: IntArray, span: float) -> int:
+    def _advance(self, floats: Floats, ints: Ints, span: float) -> int:
         """A contact step of `span` seconds, started from impulses that fit its length. Returns: a status."""
         setting = at.float_table(floats, ints, at.SETTING)[0]
         setting[at.DT] = span
@@ -165,7 +163,7 @@ class SweptSteps:
             _, status = self._trial(floats, ints, 1)
         return status
 
-    def _find_anew(self, floats: FloatArray, ints: IntArray) -> int:
+    def _find_anew(self, floats: Floats, ints: Ints) -> int:
         """Make the next contacts be those of the present poses: find their pairs, and count no body as still.
 
         Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
@@ -173,12 +171,12 @@ class SweptSteps:
         at.float_table(floats, ints, at.REST)[:] = np.inf
         return DONE if self._search is None else self._search(floats, ints)
 
-    def compile(self, floats: FloatArray, ints: IntArray) -> None:
+    def compile(self, floats: Floats, ints: Ints) -> None:
         """Compile what only an impact calls for, in a world to be thrown away."""
         place_bodies(floats, ints, self._path, 0.0)
         self._strike(floats, ints)
 
-    def _note(self, floats: FloatArray, ints: IntArray) -> None:
+    def _note(self, floats: Floats, ints: Ints) -> None:
         """Keep the impulses of this part of the step, which the next part will not know."""
         count, key = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS]), at.int_table(ints, at.MANIFOLD_KEY)
         if count == 0:
@@ -198,14 +196,14 @@ class SweptSteps:
         )
 
 
-def _answer(floats: FloatArray, ints: IntArray) -> None:
+def _answer(floats: Floats, ints: Ints) -> None:
     """Let the convex narrow phase answer the pairs that wait for it."""
     from engine.contact.collide_convex import collide_convex
 
     collide_convex(floats, ints)
 
 
-def _moving(floats: FloatArray, ints: IntArray) -> list[NDArray[np.float64] | NDArray[np.int64]]:
+def _moving(floats: Floats, ints: Ints) -> list[Floats | Ints]:
     """Views of all that a step changes and the next one reads."""
     n = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     return [

@@ -29,11 +29,8 @@ AT_ONCE = 1e-12
 @entry
 def place_bodies(floats: Floats, ints: Ints, path: Floats, time: float) -> None:
     """Put every body that moves where its path is at this time; each keeps its angular momentum."""
-    state, body, turned = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.BODY),
-        floats_of(floats, ints, at.TURNED),
-    )
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    turned = floats_of(floats, ints, at.TURNED)
     kind, count = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)
     for b in range(count[0, at.BODIES]):
         if kind[b, at.MOTION] == at.STATIC:

@@ -27,11 +27,8 @@ def reaches_through(pose: Floats, plane: int, other: int, reach: float) -> bool:
 @entry
 def drop_apart(floats: Floats, ints: Ints) -> None:
     """Keep the pairs of this step whose bounding spheres, widened as the bounds, overlap."""
-    shape, pose, bounds = (
-        floats_of(floats, ints, at.SHAPE),
-        floats_of(floats, ints, at.POSE),
-        floats_of(floats, ints, at.BOUNDS),
-    )
+    shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
+    bounds = floats_of(floats, ints, at.BOUNDS)
     shape_kind, pair, count, kept = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.PAIR), ints_of(ints, at.COUNT), 0
     for p in range(count[0, at.PAIRS]):
         i, j = pair[p, 0], pair[p, 1]

@@ -65,11 +65,8 @@ def write_problem(
 
     Returns: the largest of the velocities J v and of the rebounds [m/s]; no number where one is none.
     """
-    state, body, turned = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.BODY),
-        floats_of(floats, ints, at.TURNED),
-    )
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    turned = floats_of(floats, ints, at.TURNED)
     point, manifold = floats_of(floats, ints, at.POINT), floats_of(floats, ints, at.MANIFOLD)
     k, square, total = len(rows), 0.0, 0.0
     angular, reach = np.empty((k, 2, 3, 3)), np.empty((k, 2, 3, 3))
@@ -127,11 +124,8 @@ def write_problem(
 @entry
 def give_impulses(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, impulse: Floats) -> None:
     """Change the velocities by impulses (k, 3) N s, and keep them with the contact points. Args: as of `write_problem`."""
-    state, body, turned = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.BODY),
-        floats_of(floats, ints, at.TURNED),
-    )
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    turned = floats_of(floats, ints, at.TURNED)
     point = floats_of(floats, ints, at.POINT)
     for i in range(len(point)):
         for c in range(at.NORMAL_IMPULSE, at.TANGENT_IMPULSE + 3):

@@ -15,7 +15,7 @@ from engine.describe.shapes import Placed, Sphere, TriangleMesh
 from engine.maths.arrays import dot, mat_vec, norm, unit
 from engine.options import LEVELS
 
-__all__ = ["Detail", "collision_shapes"]
+__all__ = ["Detail", "collision_shapes", "distances_from"]
 
 FloatArray = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def collision_shapes(
         skin = centre + ball.radius * unit(way)
         out = float(norm(on_mesh - centre).max()) - ball.radius
         ratio = 4 / 3 * math.pi * (ball.radius * ball.radius * ball.radius) / volume
-        return Detail(shapes, ratio, float(_distances(skin, triangles).max()), max(0.0, out))
+        return Detail(shapes, ratio, float(distances_from(skin, triangles).max()), max(0.0, out))
     total, excess, lack = _errors(pieces, triangles, on_mesh, samples, rng)
     return Detail(shapes, total / volume, excess, lack)
 
@@ -88,8 +88,8 @@ def _errors(
         )
 
     surface, facet = _scatter(skin, samples, rng)
-    excess = _distances(surface[outside(surface + step * normals[facet])], triangles)
-    lack = _distances(on_mesh[outside(on_mesh)], skin)
+    excess = distances_from(surface[outside(surface + step * normals[facet])], triangles)
+    lack = distances_from(on_mesh[outside(on_mesh)], skin)
     return sum(float(h.volume) for h in hulls), float(excess.max(initial=0.0)), float(lack.max(initial=0.0))
 
 
@@ -104,7 +104,7 @@ def _scatter(triangles: FloatArray, count: int, rng: np.random.Generator) -> tup
     return np.asarray(a[k] + u * (b - a)[k] + v * (c - a)[k]), np.asarray(k)
 
 
-def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
+def distances_from(points: FloatArray, triangles: FloatArray) -> FloatArray:
     """The distance [m] of each point (n, 3) from the nearest of the triangles (m, 3, 3)."""
     found = np.empty(len(points))
     step = max(1, BLOCK // len(triangles))

@@ -8,7 +8,6 @@ Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Pro
 """
 
 import math
-from typing import Final
 
 import numpy as np
 
@@ -16,13 +15,10 @@ from engine.compile.jit import inlined
 from engine.constrain.careful import careful_solve
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
 from engine.constrain.principal_pivoting import settle_bounds
+from engine.constrain.stages import KNOWN, NEW
 from engine.maths.rows import Floats
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-# Whether the matrix has been solved since it was assembled.
-NEW: Final = 0
-KNOWN: Final = 1
 
 FAR = 1e-3
 """A limit that the velocities at hand [m/s or rad/s] stay off by more than this is held at no impulse to begin with."""

@@ -12,14 +12,9 @@ from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import assemble
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reactions
+from engine.constrain.stages import BEGIN, END, Held
 from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-BEGIN, END = -2, -1
-"""Beside NEW and KNOWN, stages of a sub-step: its rows are written; rotors keep their rates."""
-
-Held = tuple[int, int]
-"""The number of equality rows, and of all rows."""
 
 
 @kernel
@@ -69,10 +64,4 @@ def hold(bodies: Bodies, joints: Joints, rows: Rows, held: Held, stage: int, h: 
         keep_rotors(joints, rows, held[0])
     else:
         hold_joints(bodies, joints, rows, held[0], held[1], stage)
-    return held
-
-
-@kernel
-def hold_nothing(_bodies: Bodies, _joints: Joints, _rows: Rows, held: Held, _stage: int, _h: float) -> Held:
-    """In place of `hold`, where there are no joints."""
     return held

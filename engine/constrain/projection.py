@@ -8,11 +8,12 @@ Integration, section IV.4.
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import NEW, solve_bounded
+from engine.constrain.bounded import solve_bounded
 from engine.constrain.coordinate import implicit_rows
 from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reactions
+from engine.constrain.stages import NEW
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.rows import Floats, load3, load4, store3, store4
 from engine.maths.vec import add, quat_turn

@@ -17,12 +17,13 @@ section VII.1.4.
 import math
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import NEW, solve_bounded
+from engine.constrain.bounded import solve_bounded
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.constrain.reactions import add_reactions
+from engine.constrain.stages import NEW
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.rows import Floats, load3, load4, store3, store4
 from engine.maths.vec import axpy, quat_turn

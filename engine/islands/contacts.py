@@ -7,8 +7,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import KNOWN, NEW
-from engine.constrain.hold_joints import BEGIN, END
+from engine.constrain.stages import BEGIN, END, KNOWN, NEW
 from engine.integrate.semi_implicit_euler import drift, kick
 from engine.maths.rows import Floats, Ints
 from engine.memory import arena as at

@@ -3,8 +3,7 @@
 from collections.abc import Callable
 
 from engine.compile.jit import entry, template
-from engine.constrain.bounded import KNOWN, NEW
-from engine.constrain.hold_joints import BEGIN, END, Held, hold_nothing
+from engine.constrain.stages import BEGIN, END, KNOWN, NEW, Held, hold_nothing
 from engine.contact.colours import leave_as_found
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
 from engine.maths.rows import Floats, Ints

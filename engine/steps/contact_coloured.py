@@ -1,7 +1,7 @@
 """Steps of worlds with contact, without joints, swept by colours: as `contact`, in another order, on one thread or several."""
 
 from engine.compile.jit import parallel_entry
-from engine.constrain.hold_joints import hold_nothing
+from engine.constrain.stages import hold_nothing
 from engine.contact.colours import mark_manifolds
 from engine.maths.rows import Floats, Ints
 from engine.respond.manifold_sweeps import by_colour

@@ -1,7 +1,7 @@
 """Steps of worlds with contact, without joints, by Jacobi sweeps: as `contact`, all contacts at once, on any threads."""
 
 from engine.compile.jit import parallel_entry
-from engine.constrain.hold_joints import hold_nothing
+from engine.constrain.stages import hold_nothing
 from engine.maths.rows import Floats, Ints
 from engine.respond.jacobi import at_once, split_masses
 from engine.steps.contact import advance_contacts

@@ -12,13 +12,14 @@ from typing import Any
 import numpy as np
 
 import engine
-from engine.broad.bounds import pose_shapes
+from engine.broad.bounds import pose_shape
 from engine.compile.jit import entry, kernel
 from engine.maths.arrays import unit
 from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3
 from engine.maths.vec import axpy, dot, mat_vec, norm, scale, sub, tmat_vec
 from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
+from engine.memory.tables import shapes_of
 from engine.rays.cast import as_rays, check_rays
 from engine.rays.hits import Hits, room_for
 from engine.rays.polyhedra import cast_on_polyhedra
@@ -183,7 +184,8 @@ def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, m
     shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
     shape_kind, count = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.COUNT)
     shapes = count[0, at.SHAPES]
-    pose_shapes(floats, ints)
+    for s in range(shapes):
+        pose_shape(floats_of(floats, ints, at.STATE), shape_kind[s, at.OWNER], shapes_of(floats, ints), s)
     for r in range(origins.shape[0]):
         o, d = load3(origins, r, 0), load3(directions, r, 0)
         best, facing, hit_shape = max_range, UP, -1

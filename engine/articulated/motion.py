@@ -19,7 +19,6 @@ from engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_mul, sub
 from engine.memory import arena as at
 
 STILL: Vec = (0.0, 0.0, 0.0)
-UPRIGHT: Quat = (1.0, 0.0, 0.0, 0.0)
 EYE: Mat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 

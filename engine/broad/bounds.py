@@ -28,14 +28,6 @@ def pose_shape(state: Floats, b: int, shapes: Shapes, s: int) -> None:
 
 
 @kernel
-def pose_shapes(floats: Floats, ints: Ints) -> None:
-    """Write position and rotation matrix in W of every shape."""
-    state, shapes = floats_of(floats, ints, at.STATE), shapes_of(floats, ints)
-    for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
-        pose_shape(state, shapes.kind[s, at.OWNER], shapes, s)
-
-
-@kernel
 def bound_shape(state: Floats, b: int, shapes: Shapes, s: int, bounds: Floats, least: float, dt: float) -> None:
     """Write the axis-aligned bounds [m] of shape s of body b, widened by `least` [m] and by its way in dt, and by how much."""
     shape, pose, kind = shapes.shape, shapes.pose, shapes.kind[s, at.TYPE]

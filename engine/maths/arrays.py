@@ -11,8 +11,6 @@ import numpy as np
 
 from engine.maths.types import Floats
 
-Floats = Floats
-
 SWEEPS = 30
 """At most: five did for each of 20 000 random matrices whose moments lay up to 1e16 apart."""
 LOST = 1e-17

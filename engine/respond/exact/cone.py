@@ -28,12 +28,6 @@ def compose(low: Reals, high: Reals, tangent: Reals) -> Reals:
     return np.stack([0.5 * (low + high), half * tangent[:, 0], half * tangent[:, 1]], axis=1)
 
 
-def project(x: Reals) -> Reals:
-    """The points of the cone nearest to the vectors (k, 3)."""
-    low, high, tangent = spectral(x)
-    return compose(np.maximum(low, 0.0), np.maximum(high, 0.0), tangent)
-
-
 def root(value: Reals, width: float) -> tuple[Reals, Reals]:
     """p = (z + sqrt(z^2 + 4 w^2)) / 2, without cancellation, and its conjugate p - z, whose product is w^2."""
     length = 0.5 * (np.abs(value) + np.sqrt(value * value + 4.0 * width * width))

@@ -193,21 +193,21 @@ def give_island(floats: Floats, ints: Ints, i: int) -> None:
 
 @kernel
 def advance_stages(
-    floats: Floats, ints: Ints, i: int, first: int, end: int, told: int, take: Copy, hold: Hold, give: Copy
+    floats: Floats, ints: Ints, i: int, stages: tuple[int, int], told: int, take: Copy, hold: Hold, give: Copy
 ) -> None:
-    """The stages first..end - 1 of the step of island i.
+    """Some stages of the step of island i.
 
     Sub-step s begins in stage 2 s, which also ends the one before it, and is solved in stage 2 s + 1; one more stage ends the
     last. All that islands have to know of each other stands between two stages, and is `told`: whether any of them strikes
     before a sub-step is solved, and whether any is to bounce before it ends.
 
-    Args: take, give: copy the island into its own memory and back; hold: holds its joints in a stage of a sub-step.
+    Args: stages: their first and end; take, give: copy the island into its own memory and back; hold: holds its joints in a stage of a sub-step.
     """
     span, last = ints_of(ints, at.SPAN_OF_ISLAND), 2 * ints_of(ints, at.COUNT)[0, at.SUBSTEPS]
     span[i, at.HIT] = 0
     if span[i, at.FIRST_LOCAL] == span[i + 1, at.FIRST_LOCAL]:
         return
-    for stage in range(first, end):
+    for stage in range(stages[0], stages[1]):
         if stage % 2 == 1:
             span[i, at.HIT] = press_island(floats, ints, i, patience_of(ints, stage, told), hold)
             told = 0
@@ -225,4 +225,4 @@ def advance_stages(
 @kernel
 def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
     """As `advance_stages`, of contacts alone."""
-    advance_stages(floats, ints, i, first, end, told, take_island, hold_nothing, give_island)
+    advance_stages(floats, ints, i, (first, end), told, take_island, hold_nothing, give_island)

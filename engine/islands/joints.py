@@ -98,4 +98,4 @@ def give_jointed_island(floats: Floats, ints: Ints, i: int) -> None:
 @kernel
 def advance_jointed_island(floats: Floats, ints: Ints, i: int, first: int, end: int, told: int) -> None:
     """As `advance_stages`, of contacts and joints."""
-    advance_stages(floats, ints, i, first, end, told, take_jointed_island, hold_island, give_jointed_island)
+    advance_stages(floats, ints, i, (first, end), told, take_jointed_island, hold_island, give_jointed_island)

@@ -201,7 +201,8 @@ def advance_stages(
     last. All that islands have to know of each other stands between two stages, and is `told`: whether any of them strikes
     before a sub-step is solved, and whether any is to bounce before it ends.
 
-    Args: stages: their first and end; take, give: copy the island into its own memory and back; hold: holds its joints in a stage of a sub-step.
+    Args: stages: their first and end; take, give: copy the island into its own memory and back; hold: holds its joints in a
+        stage of a sub-step.
     """
     span, last = ints_of(ints, at.SPAN_OF_ISLAND), 2 * ints_of(ints, at.COUNT)[0, at.SUBSTEPS]
     span[i, at.HIT] = 0

@@ -12,7 +12,9 @@ from engine.options import Options
 
 if TYPE_CHECKING:
     from engine.batch import Batch
-    from engine.world import Contacts, Hits, World
+    from engine.contact.points import Contacts
+    from engine.rays.hits import Hits
+    from engine.world import World
 
 __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",

@@ -5,12 +5,12 @@ from copy import copy
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.articulated.assembly import grow_world
 from engine.contact.choice import load_collide
 from engine.describe.check import finite
 from engine.describe.errors import Diverged, NotSupported
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
 from engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
 from engine.options import GAUSS_SEIDEL
@@ -23,11 +23,6 @@ from engine.steps.many_worlds import (
     advance_worlds_parallel,
 )
 from engine.world import World
-
-__all__ = ["Batch"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LINE = 8
 """Numbers in a cache line: worlds begin on lines of their own, so that threads do not write to the same one."""
@@ -63,7 +58,7 @@ class Batch:
                 raise NotSupported(f"a batch of worlds with sweeps '{world.sweeps}'", "a batch shares worlds among threads")
         self._threads = threads
         self._worlds = [copy(world) for world in worlds]
-        self._kinds: dict[Kernels, IntArray] = {
+        self._kinds: dict[Kernels, Ints] = {
             kernels: np.array([k for k, world in enumerate(worlds) if world.kernels == kernels])
             for kernels in dict.fromkeys(world.kernels for world in worlds)
         }
@@ -106,7 +101,7 @@ class Batch:
                 why = world.open_joint(status)
             raise Diverged(world.steps, why, int(lost[0]))
 
-    def state(self) -> FloatArray:
+    def state(self) -> Floats:
         """A copy of the states (k, n, 13), each as `World.state`."""
         return self._floats[self._state].reshape(len(self), self._bodies, 13)
 
@@ -123,17 +118,17 @@ class Batch:
         """
         return self._worlds[k]
 
-    def save(self) -> list[tuple[FloatArray, IntArray]]:
+    def save(self) -> list[tuple[Floats, Ints]]:
         """All that decides the future of every world."""
         return [world.save() for world in self._worlds]
 
-    def restore(self, saved: Sequence[tuple[FloatArray, IntArray]]) -> None:
+    def restore(self, saved: Sequence[tuple[Floats, Ints]]) -> None:
         """Back to a saved state of this batch."""
         for world, one in zip(self._worlds, saved, strict=True):
             world.restore(one)
         self._lay_out()
 
-    def _advance(self, kernels: Kernels, which: IntArray) -> int:
+    def _advance(self, kernels: Kernels, which: Ints) -> int:
         """Advance the worlds of one kind as far as they go. Returns: how many stopped before."""
         addresses = (*self._addresses[kernels], self._collide.get(kernels.moving_meshes, 0))
         given = (addresses, self._floats, self._ints, self._place, which, self._left, self._status)

@@ -4,11 +4,6 @@ from dataclasses import dataclass
 
 from engine.describe.check import not_negative, positive, whole
 
-__all__ = [
-    "ADAPTIVE", "AUTOMATIC", "BOUNDING_VOLUMES", "BROAD_PHASES", "COLOURED", "CONTINUOUS", "COORDINATES", "FREE_INTEGRATORS",
-    "GAUSS_SEIDEL", "INTEGRATORS", "JACOBI", "JOINT", "LEVELS", "MAXIMAL", "SOLVERS", "SWEEPS", "Options",
-]  # fmt: skip
-
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
     "explicit_euler": "engine.integrate.explicit_euler",

@@ -25,11 +25,11 @@ from engine.describe.check import finite, number, whole
 from engine.describe.errors import Diverged, NotSupported
 from engine.describe.joints import Joint
 from engine.describe.optics import Sun
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
 from engine.options import COLOURED, GAUSS_SEIDEL, Options
-from engine.rays.cast import METHODS, as_rays, cast_on_shapes, unit_directions
+from engine.rays.cast import as_rays, cast_on_shapes
 from engine.rays.hits import Hits
 from engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
 from engine.steps.lengths import fit_impulses
@@ -41,13 +41,8 @@ if TYPE_CHECKING:
     from engine.respond.exact.steps import Certificate
     from engine.swept.steps import Impacts
 
-__all__ = ["Contacts", "Hits", "World"]
-
 GEOMETRIES = ("collision", "visual")
 RENDERERS = ("rasterised", "ray_traced")
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class World:
@@ -90,7 +85,7 @@ class World:
         self._joint_names = [joint.name for joint in joints]
         self._joints = {name: j for j, name in enumerate(self._joint_names)}
         self._names = [body.name for body in bodies]
-        kinds = int_table(self._ints, at.SHAPE_KIND)
+        kinds = at.int_table(self._ints, at.SHAPE_KIND)
         self._polyhedral = bool((kinds[:, at.TYPE] >= at.HULL).any())
         self.moving_meshes = any(moves_meshes(body) for body in bodies)
         self._tree: RayTree | None = None
@@ -104,7 +99,7 @@ class World:
         coloured = self.sweeps == COLOURED
         self._find_pairs = load_search(self.broad_phase, volume, len(kinds), threads, coloured) if self.touching else None
         self._drop_apart = load_volume(volume) if self.touching else None
-        int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
+        at.int_table(self._ints, at.COUNT)[0, at.BROAD] = int(self._find_pairs is not None)
         if self.touching and self.options.sleeping and not islands_know(self.options):
             raise NotSupported("sleep", "islands are known to the soft solver alone, without swept collision")
         self._sort_pairs = load_sorting(coloured)
@@ -160,7 +155,7 @@ class World:
     @property
     def steps(self) -> int:
         """Steps done since the start."""
-        return int(int_table(self._ints, at.COUNT)[0, at.STEPS])
+        return int(at.int_table(self._ints, at.COUNT)[0, at.STEPS])
 
     def step(self, count: int = 1) -> None:
         """Advance by count * dt in one compiled call.
@@ -190,7 +185,7 @@ class World:
         self._dt = dt = number("world", "dt", dt)
         if dt <= 0.0:
             raise ValueError(f"world: dt {dt} s, expected above 0")
-        setting = float_table(self._floats, self._ints, at.SETTING)[0]
+        setting = at.float_table(self._floats, self._ints, at.SETTING)[0]
         setting[at.DT] = setting[at.WHOLE_STEP] = dt
         for steps in (self._exact, self._swept):
             if steps is not None:
@@ -214,7 +209,9 @@ class World:
     def open_joint(self, status: int) -> str:
         """What is to be said of the joint that a step with this status found open."""
         name = self._joint_names[status - OPEN_JOINT]
-        return f"joint '{name}' stays open by {float_table(self._floats, self._ints, at.SETTING)[0, at.OPEN_GAP]:.3g} m or rad"
+        return (
+            f"joint '{name}' stays open by {at.float_table(self._floats, self._ints, at.SETTING)[0, at.OPEN_GAP]:.3g} m or rad"
+        )
 
     def compile(self) -> None:
         """Compile, or load from the cache, every stage that a step may run, by taking one: for a world to be thrown away."""
@@ -237,28 +234,28 @@ class World:
 
     def _all_asleep(self) -> bool:
         """Whether all dynamic bodies sleep."""
-        return self.options.sleeping and self.steps > 0 and int_table(self._ints, at.TALLY)[0, at.AWAKE] == 0
+        return self.options.sleeping and self.steps > 0 and at.int_table(self._ints, at.TALLY)[0, at.AWAKE] == 0
 
-    def state(self) -> FloatArray:
+    def state(self) -> Floats:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step.
 
         In joint coordinates it follows from these: what is written there is lost.
         """
-        return float_table(self._floats, self._ints, at.STATE)[:-1]
+        return at.float_table(self._floats, self._ints, at.STATE)[:-1]
 
     def asleep(self) -> NDArray[np.bool_]:
         """Which bodies (n,) sleep."""
         if not (self.touching and self.options.sleeping):
             return np.zeros(len(self._names), bool)
-        return int_table(self._ints, at.ISLAND)[:-1, at.ASLEEP] > 0
+        return at.int_table(self._ints, at.ISLAND)[:-1, at.ASLEEP] > 0
 
     def set_load(self, f_B_W: Any, tau_B_W: Any) -> None:
         """Apply forces (n, 3) N at the centres of mass and torques (n, 3) N m, in W, from now on. Raises: ValueError."""
-        load = float_table(self._floats, self._ints, at.LOAD)
+        load = at.float_table(self._floats, self._ints, at.LOAD)
         force, torque = self._per_body("f_B_W", f_B_W, "N"), self._per_body("tau_B_W", tau_B_W, "N m")
         load[:-1, :3], load[:-1, 3:] = force, torque
 
-    def _per_body(self, field: str, value: Any, unit: str) -> FloatArray:
+    def _per_body(self, field: str, value: Any, unit: str) -> Floats:
         """One vector (n, 3) for each body. Raises: ValueError naming the first body whose vector is not finite."""
         n = len(self._names)
         try:
@@ -278,7 +275,7 @@ class World:
         if whole("world", "body", body, 0) >= len(self._names):
             raise ValueError(f"world: body {body}, expected at most {len(self._names) - 1}")
         f, point = finite("world", "f_W", f_W, (3,), "N"), finite("world", "point_W", point_W, (3,), "m")
-        load = float_table(self._floats, self._ints, at.LOAD)
+        load = at.float_table(self._floats, self._ints, at.LOAD)
         load[body, :3] += f
         load[body, 3:] += np.cross(point - self.state()[body, :3], f)
 
@@ -296,14 +293,14 @@ class World:
     def command(self, joint: str, target: float, target_velocity: float | None = None) -> None:
         """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError without a drive."""
         j = self._joints.get(joint)
-        if j is None or not int_table(self._ints, at.JOINT_KIND)[j, at.HAS] & at.HAS_DRIVE:
+        if j is None or not at.int_table(self._ints, at.JOINT_KIND)[j, at.HAS] & at.HAS_DRIVE:
             raise ValueError(f"joint '{joint}': has no drive to command")
-        row = float_table(self._floats, self._ints, at.JOINT)[j]
+        row = at.float_table(self._floats, self._ints, at.JOINT)[j]
         row[at.DRIVE + 2] = finite(f"joint '{joint}'", "target", target, (), "rad or m")
         if target_velocity is not None:
             row[at.DRIVE + 3] = finite(f"joint '{joint}'", "target_velocity", target_velocity, (), "rad/s or m/s")
 
-    def reaction(self, joint: str) -> FloatArray:
+    def reaction(self, joint: str) -> Floats:
         """What a joint carried over the last step, springs and drives included: force [N] and torque [N m], (6,), on its child.
 
         The mean over the step, in W, about the child's anchor (of a fixed joint, its centre of mass); NaN before any step.
@@ -313,8 +310,8 @@ class World:
             raise ValueError(f"joint '{joint}': not in this world, expected one of {', '.join(self._joint_names)}")
         if self.steps == 0:
             return np.full(6, np.nan)
-        total = float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
-        mean: FloatArray = total / self._dt
+        total = at.float_table(self._floats, self._ints, at.JOINT)[self._joints[joint], at.REACTION : at.REACTION + 6]
+        mean: Floats = total / self._dt
         return mean
 
     def joint_motion(self, joint: str) -> tuple[float, float]:
@@ -323,7 +320,7 @@ class World:
 
     def contacts(self) -> Contacts:
         """The contact points of the last step, with the force of the whole step; of a swept one, those of all its parts."""
-        count = int(int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
+        count = int(at.int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
         points = sphere_points if self.spheres else manifold_points
         last = points(self._floats, self._ints, count, self.options.margin, self._dt)
         if self._swept is None:
@@ -332,36 +329,25 @@ class World:
         return joined(Contacts(past.bodies, past.point, past.normal, past.gap, past.impulse / self._dt), last)
 
     def cast(
-        self,
-        origins: Any,
-        directions: Any,
-        max_range: float = np.inf,
-        *,
-        geometry: str = "collision",
-        method: str = "tiles",
-        threads: int = 1,
+        self, origins: Any, directions: Any, max_range: float = np.inf, *, geometry: str = "collision", threads: int = 1
     ) -> Hits:
         """The first hit of each ray within max_range [m].
 
         Args:
             origins (r, 3) m, or (3,) for all rays; directions (r, 3), of any length; both in W. Neighbouring rays are faster
             when they are alike, row by row in an image or a scan. geometry: 'collision' or 'visual', the shapes that a body is
-            drawn with. method: 'tiles', or 'brute_force' for one ray and shape after the other. threads: of the tiles.
+            drawn with.
         Raises: ValueError for shapes that do not fit, values that are not finite, a direction of length zero, or other choices.
         """
-        if geometry not in GEOMETRIES or method not in METHODS or threads < 1:
-            raise ValueError(
-                f"rays: geometry '{geometry}', method '{method}', threads {threads}, expected {' or '.join(GEOMETRIES)}, "
-                f"{' or '.join(METHODS)}, at least 1"
-            )
+        if geometry not in GEOMETRIES or threads < 1:
+            expected = f"{' or '.join(GEOMETRIES)}, at least 1"
+            raise ValueError(f"rays: geometry '{geometry}', threads {threads}, expected {expected}")
         if not number("rays", "max_range", max_range) >= 0:
             raise ValueError(f"rays: max_range {max_range} m, expected at least 0")
         if geometry == "visual" and self._drawn is not self:
-            return self._as_drawn().cast(origins, directions, max_range, method=method, threads=threads)
+            return self._as_drawn().cast(origins, directions, max_range, threads=threads)
         o, d = as_rays(origins, directions)
-        if method == "brute_force":
-            d = unit_directions(o, d)
-        hits = cast_on_shapes(self._floats, self._ints, o, d, float(max_range), method, threads)
+        hits = cast_on_shapes(self._floats, self._ints, o, d, float(max_range), threads)
         if self._polyhedral:
             from engine.rays.polyhedra import cast_on_polyhedra
             from engine.rays.tree import ray_tree
@@ -409,19 +395,19 @@ class World:
         self._drawn.state()[:] = self.state()
         return self._drawn
 
-    def save(self) -> tuple[FloatArray, IntArray]:
+    def save(self) -> tuple[Floats, Ints]:
         """All that decides the future, bit for bit, warm-start impulses included."""
         return self._floats.copy(), self._ints.copy()
 
-    def restore(self, saved: tuple[FloatArray, IntArray]) -> None:
+    def restore(self, saved: tuple[Floats, Ints]) -> None:
         """Back to a saved state of this world. Raises: ValueError for that of a world with other bodies, shapes or joints."""
         columns = [at.BODIES, at.SHAPES, at.JOINTS]
-        got, own = (int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
+        got, own = (at.int_table(ints, at.COUNT)[0, columns].tolist() for ints in (saved[1], self._ints))
         if got != own or (self.in_joint_coordinates and not has_same_trees(self._ints, saved[1])):
             raise ValueError(f"world: saved state of {got} bodies, shapes and joints, expected {own} in the same coordinates")
         self._floats, self._ints = saved[0].copy(), saved[1].copy()
 
-    def adopt(self, floats: FloatArray, ints: IntArray) -> None:
+    def adopt(self, floats: Floats, ints: Ints) -> None:
         """Work in this memory from now on, which holds a saved state of this world."""
         self._floats, self._ints = floats, ints
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import engine
 from engine.build.closed_mesh import closed_volume
-from engine.build.level_of_detail import _distances
+from tests.mesh_levels import distances_from
 
 __all__ = [
     "bolt", "bowl", "box", "circle", "deepest", "hexagon", "lofted", "mass_properties", "mesh_body", "nut", "ring", "sag",
@@ -153,7 +153,7 @@ def deepest(points: NDArray[np.float64], mesh: engine.TriangleMesh) -> float:
     dots = (np.einsum("nmi,nmi->nm", *two) * one for *two, one in ((a, b, lc), (b, c, la), (c, a, lb)))
     angle = 2 * np.arctan2(volume, la * lb * lc + sum(dots)).sum(axis=1)
     within = points[angle > 2 * np.pi]
-    return float(_distances(within, t).max(initial=0.0)) if len(within) else 0.0
+    return float(distances_from(within, t).max(initial=0.0)) if len(within) else 0.0
 
 
 def scattered(mesh: engine.TriangleMesh, steps: int) -> NDArray[np.float64]:

@@ -97,8 +97,8 @@ def kernels() -> Kernels:
         step(JOINT_COORDINATES, f"{free}_adaptive"),
         group(RAYS, ("rays.polyhedra.cast_on_polyhedra",), _polyhedra),
         group(RAYS, IMAGES, _pictures),
-        step(FREE, "broad.parallel.uniform_grid.find_candidates"),
-        step(FREE, "broad.parallel.pairs.write_pairs"),
+        step(FREE, "broad.uniform_grid.find_candidates"),
+        step(FREE, "broad.parallel_pairs.write_pairs"),
         *(step(FREE, f"{module.removeprefix('engine.')}.step_{name}") for name, module in FREE_INTEGRATORS.items()),
         group(FREE, ("steps.many_worlds.advance_worlds",), many_worlds),
     )
@@ -156,9 +156,9 @@ def _polyhedra() -> None:
     cast(above_ground(hull, contacts=False))
 
 
-def cast(world: "engine.World", method: str = "tiles", threads: int = 1) -> None:
+def cast(world: "engine.World", threads: int = 1) -> None:
     """Cast a ray down on a body."""
-    world.cast([(0.1, 0.1, 3)], [(0, 0, -1)], method=method, threads=threads)
+    world.cast([(0.1, 0.1, 3)], [(0, 0, -1)], threads=threads)
 
 
 def _pictures() -> None:

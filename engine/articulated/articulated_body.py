@@ -14,49 +14,12 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 (table 
 
 import math
 
-from engine.articulated.tables import (
-    ACCELERATION,
-    ADDED,
-    AXIS_W,
-    BIAS,
-    CHANGE,
-    COLUMNS,
-    COUPLING,
-    FIRST,
-    FORCE,
-    INVERSE,
-    LEFT,
-    PARENT,
-    PULL,
-    PUSH,
-    RATE,
-    ROTATION,
-    TRANSLATION,
-    VELOCITY,
-    Tables,
-)
+from engine.articulated import tables as tree
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.maths.floats import fma
-from engine.maths.vec import (
-    Floats,
-    Mat,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    dot,
-    load3,
-    load6,
-    load9,
-    mat_vec,
-    store3,
-    store6,
-    store9,
-    sym_vec,
-    tmat_vec,
-)  # fmt: skip
-
-__all__ = ["accelerations", "answer_forces", "transmitted"]
+from engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
+from engine.maths.vec import add, axpy, dot, mat_vec, sym_vec, tmat_vec
 
 STILL: Vec = (0.0, 0.0, 0.0)
 
@@ -83,7 +46,7 @@ def mat_less(m: Mat, v: Vec, w: Vec, f: float) -> Mat:
 @kernel
 def add_row(body: Floats, parent: int, i: int) -> None:
     """Add inertia and force of link i to those of its parent."""
-    for c in range(FORCE + 6):
+    for c in range(tree.FORCE + 6):
         body[parent, c] += body[i, c]
 
 
@@ -95,51 +58,51 @@ def inwards(tables: Tables, biased: bool) -> None:
     """
     body, column, kind = tables.body, tables.column, tables.kind
     for i in range(kind.shape[0] - 1, -1, -1):
-        first, parent = kind[i, FIRST], kind[i, PARENT]
-        rotation, translation = load6(body, i, ROTATION), load6(body, i, TRANSLATION)
-        coupling = load9(body, i, COUPLING)
-        torque, force = load3(body, i, FORCE), load3(body, i, FORCE + 3)
-        for k in range(first + kind[i, COLUMNS] - 1, first - 1, -1):
-            turning, sliding = load3(column, k, AXIS_W), load3(column, k, AXIS_W + 3)
+        first, parent = kind[i, tree.FIRST], kind[i, tree.PARENT]
+        rotation, translation = load6(body, i, tree.ROTATION), load6(body, i, tree.TRANSLATION)
+        coupling = load9(body, i, tree.COUPLING)
+        torque, force = load3(body, i, tree.FORCE), load3(body, i, tree.FORCE + 3)
+        for k in range(first + kind[i, tree.COLUMNS] - 1, first - 1, -1):
+            turning, sliding = load3(column, k, tree.AXIS_W), load3(column, k, tree.AXIS_W + 3)
             pull_w = add(sym_vec(rotation, turning), mat_vec(coupling, sliding))
             pull_v = add(tmat_vec(coupling, turning), sym_vec(translation, sliding))
-            store3(column, k, PULL, pull_w)
-            store3(column, k, PULL + 3, pull_v)
-            left = column[k, PUSH] - dot(turning, torque) - dot(sliding, force)
-            if column[k, ADDED] == math.inf:
-                share = column[k, CHANGE]
+            store3(column, k, tree.PULL, pull_w)
+            store3(column, k, tree.PULL + 3, pull_v)
+            left = column[k, tree.PUSH] - dot(turning, torque) - dot(sliding, force)
+            if column[k, tree.ADDED] == math.inf:
+                share = column[k, tree.CHANGE]
             else:
-                inverse = 1.0 / (dot(turning, pull_w) + dot(sliding, pull_v) + column[k, ADDED])
+                inverse = 1.0 / (dot(turning, pull_w) + dot(sliding, pull_v) + column[k, tree.ADDED])
                 rotation = sym_less(rotation, pull_w, inverse)
                 translation = sym_less(translation, pull_v, inverse)
                 coupling = mat_less(coupling, pull_w, pull_v, inverse)
                 share = inverse * left
-                column[k, INVERSE], column[k, LEFT] = inverse, left
+                column[k, tree.INVERSE], column[k, tree.LEFT] = inverse, left
             torque, force = axpy(share, pull_w, torque), axpy(share, pull_v, force)
-        store6(body, i, ROTATION, rotation)
-        store6(body, i, TRANSLATION, translation)
-        store9(body, i, COUPLING, coupling)
-        store3(body, i, FORCE, torque)
-        store3(body, i, FORCE + 3, force)
+        store6(body, i, tree.ROTATION, rotation)
+        store6(body, i, tree.TRANSLATION, translation)
+        store9(body, i, tree.COUPLING, coupling)
+        store3(body, i, tree.FORCE, torque)
+        store3(body, i, tree.FORCE + 3, force)
         if parent < 0:
             continue
         add_row(body, parent, i)
         if biased:
-            bias_w, bias_v = load3(tables.motion, i, BIAS), load3(tables.motion, i, BIAS + 3)
+            bias_w, bias_v = load3(tables.motion, i, tree.BIAS), load3(tables.motion, i, tree.BIAS + 3)
             more_w = add(sym_vec(rotation, bias_w), mat_vec(coupling, bias_v))
             more_v = add(tmat_vec(coupling, bias_w), sym_vec(translation, bias_v))
-            store3(body, parent, FORCE, add(load3(body, parent, FORCE), more_w))
-            store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), more_v))
+            store3(body, parent, tree.FORCE, add(load3(body, parent, tree.FORCE), more_w))
+            store3(body, parent, tree.FORCE + 3, add(load3(body, parent, tree.FORCE + 3), more_v))
 
 
 @kernel
 def before_joint(tables: Tables, i: int) -> tuple[Vec, Vec]:
     """The spatial acceleration of link i but for that along its own columns."""
-    motion, parent = tables.motion, tables.kind[i, PARENT]
-    a_w, a_v = load3(motion, i, BIAS), load3(motion, i, BIAS + 3)
+    motion, parent = tables.motion, tables.kind[i, tree.PARENT]
+    a_w, a_v = load3(motion, i, tree.BIAS), load3(motion, i, tree.BIAS + 3)
     if parent >= 0:
-        a_w = add(a_w, load3(motion, parent, ACCELERATION))
-        a_v = add(a_v, load3(motion, parent, ACCELERATION + 3))
+        a_w = add(a_w, load3(motion, parent, tree.ACCELERATION))
+        a_v = add(a_v, load3(motion, parent, tree.ACCELERATION + 3))
     return a_w, a_v
 
 
@@ -148,17 +111,17 @@ def outwards(tables: Tables) -> None:
     """Write the acceleration of every link and the change of every column's rate."""
     column, kind = tables.column, tables.kind
     for i in range(kind.shape[0]):
-        first = kind[i, FIRST]
+        first = kind[i, tree.FIRST]
         a_w, a_v = before_joint(tables, i)
-        for k in range(first, first + kind[i, COLUMNS]):
-            if column[k, ADDED] != math.inf:
-                taken = dot(load3(column, k, PULL), a_w) + dot(load3(column, k, PULL + 3), a_v)
-                column[k, CHANGE] = column[k, INVERSE] * (column[k, LEFT] - taken)
-            change = column[k, CHANGE]
-            a_w = axpy(change, load3(column, k, AXIS_W), a_w)
-            a_v = axpy(change, load3(column, k, AXIS_W + 3), a_v)
-        store3(tables.motion, i, ACCELERATION, a_w)
-        store3(tables.motion, i, ACCELERATION + 3, a_v)
+        for k in range(first, first + kind[i, tree.COLUMNS]):
+            if column[k, tree.ADDED] != math.inf:
+                taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
+                column[k, tree.CHANGE] = column[k, tree.INVERSE] * (column[k, tree.LEFT] - taken)
+            change = column[k, tree.CHANGE]
+            a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
+            a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
+        store3(tables.motion, i, tree.ACCELERATION, a_w)
+        store3(tables.motion, i, tree.ACCELERATION + 3, a_v)
 
 
 @kernel
@@ -173,21 +136,21 @@ def forces_inwards(tables: Tables) -> None:
     """Write what forces of links alone leave along every column, with pull and inverse as `inwards` left them."""
     body, column, kind = tables.body, tables.column, tables.kind
     for i in range(kind.shape[0] - 1, -1, -1):
-        first, parent = kind[i, FIRST], kind[i, PARENT]
-        torque, force = load3(body, i, FORCE), load3(body, i, FORCE + 3)
-        for k in range(first + kind[i, COLUMNS] - 1, first - 1, -1):
-            if column[k, ADDED] == math.inf:
+        first, parent = kind[i, tree.FIRST], kind[i, tree.PARENT]
+        torque, force = load3(body, i, tree.FORCE), load3(body, i, tree.FORCE + 3)
+        for k in range(first + kind[i, tree.COLUMNS] - 1, first - 1, -1):
+            if column[k, tree.ADDED] == math.inf:
                 continue
-            left = -dot(load3(column, k, AXIS_W), torque) - dot(load3(column, k, AXIS_W + 3), force)
-            column[k, LEFT] = left
-            share = column[k, INVERSE] * left
-            torque = axpy(share, load3(column, k, PULL), torque)
-            force = axpy(share, load3(column, k, PULL + 3), force)
-        store3(body, i, FORCE, torque)
-        store3(body, i, FORCE + 3, force)
+            left = -dot(load3(column, k, tree.AXIS_W), torque) - dot(load3(column, k, tree.AXIS_W + 3), force)
+            column[k, tree.LEFT] = left
+            share = column[k, tree.INVERSE] * left
+            torque = axpy(share, load3(column, k, tree.PULL), torque)
+            force = axpy(share, load3(column, k, tree.PULL + 3), force)
+        store3(body, i, tree.FORCE, torque)
+        store3(body, i, tree.FORCE + 3, force)
         if parent >= 0:
-            store3(body, parent, FORCE, add(load3(body, parent, FORCE), torque))
-            store3(body, parent, FORCE + 3, add(load3(body, parent, FORCE + 3), force))
+            store3(body, parent, tree.FORCE, add(load3(body, parent, tree.FORCE), torque))
+            store3(body, parent, tree.FORCE + 3, add(load3(body, parent, tree.FORCE + 3), force))
 
 
 @kernel
@@ -202,26 +165,26 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
     largest, fastest = 0.0, 0.0
     for i in range(kind.shape[0]):
         a_w, a_v = STILL, STILL
-        if kind[i, PARENT] >= 0:
-            a_w = load3(motion, kind[i, PARENT], ACCELERATION)
-            a_v = load3(motion, kind[i, PARENT], ACCELERATION + 3)
-        for k in range(kind[i, FIRST], kind[i, FIRST] + kind[i, COLUMNS]):
-            if column[k, ADDED] != math.inf:
-                taken = dot(load3(column, k, PULL), a_w) + dot(load3(column, k, PULL + 3), a_v)
-                change = column[k, INVERSE] * (column[k, LEFT] - taken)
-                a_w = axpy(change, load3(column, k, AXIS_W), a_w)
-                a_v = axpy(change, load3(column, k, AXIS_W + 3), a_v)
-                column[k, RATE] += h * change
+        if kind[i, tree.PARENT] >= 0:
+            a_w = load3(motion, kind[i, tree.PARENT], tree.ACCELERATION)
+            a_v = load3(motion, kind[i, tree.PARENT], tree.ACCELERATION + 3)
+        for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
+            if column[k, tree.ADDED] != math.inf:
+                taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
+                change = column[k, tree.INVERSE] * (column[k, tree.LEFT] - taken)
+                a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
+                a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
+                column[k, tree.RATE] += h * change
                 largest = max(largest, abs(h * change))
             else:
-                column[k, LEFT] += dot(load3(column, k, PULL), a_w) + dot(load3(column, k, PULL + 3), a_v)
-                column[k, LEFT] += dot(load3(column, k, AXIS_W), load3(tables.body, i, FORCE))
-                column[k, LEFT] += dot(load3(column, k, AXIS_W + 3), load3(tables.body, i, FORCE + 3))
-            fastest = max(fastest, abs(column[k, RATE]))
-        store3(motion, i, ACCELERATION, a_w)
-        store3(motion, i, ACCELERATION + 3, a_v)
-        store3(motion, i, VELOCITY, axpy(h, a_w, load3(motion, i, VELOCITY)))
-        store3(motion, i, VELOCITY + 3, axpy(h, a_v, load3(motion, i, VELOCITY + 3)))
+                column[k, tree.LEFT] += dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
+                column[k, tree.LEFT] += dot(load3(column, k, tree.AXIS_W), load3(tables.body, i, tree.FORCE))
+                column[k, tree.LEFT] += dot(load3(column, k, tree.AXIS_W + 3), load3(tables.body, i, tree.FORCE + 3))
+            fastest = max(fastest, abs(column[k, tree.RATE]))
+        store3(motion, i, tree.ACCELERATION, a_w)
+        store3(motion, i, tree.ACCELERATION + 3, a_v)
+        store3(motion, i, tree.VELOCITY, axpy(h, a_w, load3(motion, i, tree.VELOCITY)))
+        store3(motion, i, tree.VELOCITY + 3, axpy(h, a_v, load3(motion, i, tree.VELOCITY + 3)))
     return largest, fastest
 
 
@@ -233,7 +196,7 @@ def transmitted(tables: Tables, i: int) -> tuple[Vec, Vec]:
     """
     body = tables.body
     a_w, a_v = before_joint(tables, i)
-    rotation, coupling = load6(body, i, ROTATION), load9(body, i, COUPLING)
+    rotation, coupling = load6(body, i, tree.ROTATION), load9(body, i, tree.COUPLING)
     torque = add(sym_vec(rotation, a_w), mat_vec(coupling, a_v))
-    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, TRANSLATION), a_v))
-    return add(torque, load3(body, i, FORCE)), add(force, load3(body, i, FORCE + 3))
+    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, tree.TRANSLATION), a_v))
+    return add(torque, load3(body, i, tree.FORCE)), add(force, load3(body, i, tree.FORCE + 3))

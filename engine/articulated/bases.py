@@ -8,41 +8,16 @@ is left behind. That is an impulse, which meets the inertia of the links alone:
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 and 11.7 (impulsive dynamics).
 """
 
+from engine.articulated import tables as tree
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.forces import weigh_links
 from engine.articulated.motion import move_links
-from engine.articulated.tables import (
-    ADDED,
-    ANCHOR_A,
-    BASE,
-    BASE_VELOCITY,
-    BIAS,
-    CHANGE,
-    FIRST,
-    JOINT,
-    PARENT,
-    PUSH,
-    RATE,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    add,
-    axpy,
-    cross,
-    load3,
-    load4,
-    mat_vec,
-    quat_mat,
-    quat_turn,
-    store3,
-    store4,
-    sub,
-)  # fmt: skip
-from engine.memory.arena import ARMATURE, HAS, KINEMATIC, MOTION, P, Q, V, W
+from engine.maths.rows import load3, load4, store3, store4
+from engine.maths.vec import add, axpy, cross, mat_vec, quat_mat, quat_turn, sub
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["carry_bases", "free_columns", "take_jumps"]
 
 
 @kernel
@@ -51,9 +26,9 @@ def carry_bases(tables: Tables, bodies: Bodies, h: float) -> None:
     state = bodies.state
     for n in range(tables.other.shape[0]):
         b = tables.other[n, 0]
-        if bodies.kind[b, MOTION] == KINEMATIC:
-            store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
-            store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
+        if bodies.kind[b, at.MOTION] == at.KINEMATIC:
+            store3(state, b, at.P, axpy(h, load3(state, b, at.V), load3(state, b, at.P)))
+            store4(state, b, at.Q, quat_turn(load4(state, b, at.Q), load3(state, b, at.W), h))
 
 
 @kernel
@@ -61,11 +36,11 @@ def free_columns(tables: Tables, joints: Joints) -> None:
     """Let no force act along any column, and rotors turn with those that have one."""
     column, kind = tables.column, tables.kind
     for k in range(column.shape[0]):
-        column[k, ADDED] = column[k, PUSH] = 0.0
+        column[k, tree.ADDED] = column[k, tree.PUSH] = 0.0
     for i in range(kind.shape[0]):
-        j = kind[i, JOINT]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            column[kind[i, FIRST], ADDED] = joints.joint[j, ARMATURE]
+        j = kind[i, tree.JOINT]
+        if j >= 0 and joints.kind[j, at.HAS] != 0:
+            column[kind[i, tree.FIRST], tree.ADDED] = joints.joint[j, at.ARMATURE]
 
 
 @kernel
@@ -73,10 +48,13 @@ def jumped(tables: Tables, bodies: Bodies) -> bool:
     """Whether a base has another velocity than it was last seen with."""
     state, motion, kind = bodies.state, tables.motion, tables.kind
     for i in range(kind.shape[0]):
-        b = kind[i, BASE]
-        if b >= 0 and bodies.kind[b, MOTION] == KINEMATIC:
+        b = kind[i, tree.BASE]
+        if b >= 0 and bodies.kind[b, at.MOTION] == at.KINEMATIC:
             for c in range(3):
-                if motion[i, BASE_VELOCITY + c] != state[b, W + c] or motion[i, BASE_VELOCITY + 3 + c] != state[b, V + c]:
+                if (
+                    motion[i, tree.BASE_VELOCITY + c] != state[b, at.W + c]
+                    or motion[i, tree.BASE_VELOCITY + 3 + c] != state[b, at.V + c]
+                ):
                     return True
     return False
 
@@ -91,17 +69,17 @@ def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> bool:
     weigh_links(tables)
     free_columns(tables, joints)
     for i in range(kind.shape[0]):
-        b = kind[i, BASE]
-        if kind[i, PARENT] >= 0 or b < 0 or bodies.kind[b, MOTION] != KINEMATIC:
+        b = kind[i, tree.BASE]
+        if kind[i, tree.PARENT] >= 0 or b < 0 or bodies.kind[b, at.MOTION] != at.KINEMATIC:
             continue
-        w, v = load3(state, b, W), load3(state, b, V)
-        turning, sliding = sub(w, load3(motion, i, BASE_VELOCITY)), sub(v, load3(motion, i, BASE_VELOCITY + 3))
-        arm = mat_vec(quat_mat(load4(state, b, Q)), load3(tables.link, i, ANCHOR_A))
-        store3(motion, i, BIAS, turning)
-        store3(motion, i, BIAS + 3, add(sliding, cross(turning, arm)))
-        store3(motion, i, BASE_VELOCITY, w)
-        store3(motion, i, BASE_VELOCITY + 3, v)
+        w, v = load3(state, b, at.W), load3(state, b, at.V)
+        turning, sliding = sub(w, load3(motion, i, tree.BASE_VELOCITY)), sub(v, load3(motion, i, tree.BASE_VELOCITY + 3))
+        arm = mat_vec(quat_mat(load4(state, b, at.Q)), load3(tables.link, i, tree.ANCHOR_A))
+        store3(motion, i, tree.BIAS, turning)
+        store3(motion, i, tree.BIAS + 3, add(sliding, cross(turning, arm)))
+        store3(motion, i, tree.BASE_VELOCITY, w)
+        store3(motion, i, tree.BASE_VELOCITY + 3, v)
     accelerations(tables, True)
     for k in range(column.shape[0]):
-        column[k, RATE] += column[k, CHANGE]
+        column[k, tree.RATE] += column[k, tree.CHANGE]
     return True

@@ -9,33 +9,17 @@ Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Pro
 
 from typing import Final
 
+from engine.articulated import tables as tree
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.forces import weigh_links
 from engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, write_laws
 from engine.articulated.momenta import load_momenta, press_links
-from engine.articulated.tables import (
-    ACCELERATION,
-    AXIS_W,
-    BESIDE,
-    BREAKS,
-    CHANGE,
-    COUPLING,
-    FIRST,
-    FORCE,
-    JOINT,
-    LEFT,
-    RATE,
-    ROTATION,
-    SEGMENT,
-    TRANSLATION,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, add, dot, load3, load6, load9, mat_vec, sym_vec, tmat_vec
-from engine.memory.arena import ARMATURE, HAS
+from engine.maths.rows import Floats, load3, load6, load9
+from engine.maths.vec import add, dot, mat_vec, sym_vec, tmat_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["answer_laws", "settle_laws", "solve_laws"]
 
 PATIENCE = 3
 """Rounds, after the best one, in which no fewer columns were on the wrong segment."""
@@ -47,18 +31,18 @@ ROUNDS: Final = 50
 @kernel
 def needed_force(tables: Tables, i: int, armature: float) -> float:
     """The force of the law of the one column of link i that gives the change which is prescribed there."""
-    body, k = tables.body, tables.kind[i, FIRST]
-    a_w, a_v = load3(tables.motion, i, ACCELERATION), load3(tables.motion, i, ACCELERATION + 3)
-    change = tables.column[k, CHANGE]
-    turning, sliding = load3(tables.column, k, AXIS_W), load3(tables.column, k, AXIS_W + 3)
+    body, k = tables.body, tables.kind[i, tree.FIRST]
+    a_w, a_v = load3(tables.motion, i, tree.ACCELERATION), load3(tables.motion, i, tree.ACCELERATION + 3)
+    change = tables.column[k, tree.CHANGE]
+    turning, sliding = load3(tables.column, k, tree.AXIS_W), load3(tables.column, k, tree.AXIS_W + 3)
     # The force has taken in what the change needs, so that the acceleration counts without it.
     a_w = add(a_w, (-change * turning[0], -change * turning[1], -change * turning[2]))
     a_v = add(a_v, (-change * sliding[0], -change * sliding[1], -change * sliding[2]))
-    coupling = load9(body, i, COUPLING)
-    torque = add(sym_vec(load6(body, i, ROTATION), a_w), mat_vec(coupling, a_v))
-    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, TRANSLATION), a_v))
-    torque, force = add(torque, load3(body, i, FORCE)), add(force, load3(body, i, FORCE + 3))
-    return float(dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, BESIDE])
+    coupling = load9(body, i, tree.COUPLING)
+    torque = add(sym_vec(load6(body, i, tree.ROTATION), a_w), mat_vec(coupling, a_v))
+    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, tree.TRANSLATION), a_v))
+    torque, force = add(torque, load3(body, i, tree.FORCE)), add(force, load3(body, i, tree.FORCE + 3))
+    return float(dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, tree.BESIDE])
 
 
 @kernel
@@ -66,18 +50,18 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
     """Let columns on the wrong segment go on to the next, all of them or the first alone. Returns: how many there were."""
     law, column, kind, wrong = tables.law, tables.column, tables.kind, 0
     for i in range(kind.shape[0]):
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j < 0 or joints.kind[j, HAS] == 0 or law[k, BREAKS] == 0.0:
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j < 0 or joints.kind[j, at.HAS] == 0 or law[k, tree.BREAKS] == 0.0:
             continue
-        if int(law[k, SEGMENT]) % 2 == 1:
-            found = column[k, LEFT] = needed_force(tables, i, joints.joint[j, ARMATURE])
+        if int(law[k, tree.SEGMENT]) % 2 == 1:
+            found = column[k, tree.LEFT] = needed_force(tables, i, joints.joint[j, at.ARMATURE])
         else:
-            found = column[k, RATE] + h * column[k, CHANGE]
+            found = column[k, tree.RATE] + h * column[k, tree.CHANGE]
         segment = next_segment(law, k, joints.joint, j, h, found, 0.0)
-        if segment != int(law[k, SEGMENT]):
+        if segment != int(law[k, tree.SEGMENT]):
             wrong += 1
             if wrong == 1 or not alone:
-                law[k, SEGMENT] = segment
+                law[k, tree.SEGMENT] = segment
                 take_segment(tables, k, joints, j, h)
     return wrong
 

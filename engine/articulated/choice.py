@@ -12,8 +12,6 @@ from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
 from engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
 
-__all__ = ["chosen_forest"]
-
 INTEGRATORS = ("semi_implicit_euler", "rk4", "implicit_midpoint", ADAPTIVE)
 """Those that know joint coordinates."""
 

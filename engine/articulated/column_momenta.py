@@ -10,59 +10,18 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.9 (cross 
 Lubich, Wanner, Geometric Numerical Integration, section VI.1 (Hamilton's equations).
 """
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import rates_of
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.bases import free_columns
 from engine.articulated.forces import weigh_links
 from engine.articulated.motion import base_of, move_links
-from engine.articulated.tables import (
-    ANGULAR_DAMPING,
-    AXIS_W,
-    BESIDE,
-    CHANGE,
-    COLUMNS,
-    FIRST,
-    FREE,
-    INERTIA,
-    JOINT,
-    KEPT_CHANGE,
-    KEPT_MOMENTUM,
-    KEPT_RATE,
-    LINEAR_DAMPING,
-    MASS,
-    MATRIX,
-    MOMENTUM,
-    PARENT,
-    PLACE,
-    PUSH,
-    RATE,
-    ROW,
-    TYPE,
-    VELOCITY,
-    WHOLE_FORCE,
-    WHOLE_MOMENTUM,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load6,
-    load9,
-    scale,
-    store3,
-    sym_rotate,
-    sym_vec,
-)  # fmt: skip
-from engine.memory.arena import ARMATURE, GRAVITY, HAS
+from engine.maths.rows import Floats, Vec, load3, load6, load9, store3
+from engine.maths.vec import add, axpy, cross, dot, scale, sym_rotate, sym_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["begin_column_momenta", "column_momenta", "rates_of_momenta"]
 
 STILL: Vec = (0.0, 0.0, 0.0)
 
@@ -70,32 +29,32 @@ STILL: Vec = (0.0, 0.0, 0.0)
 @kernel
 def load_wholes(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int) -> None:
     """Write momentum and outer force of every link alone."""
-    link, motion, passage, g = tables.link, tables.motion, tables.passage, load3(setting, 0, GRAVITY)
+    link, motion, passage, g = tables.link, tables.motion, tables.passage, load3(setting, 0, at.GRAVITY)
     for i in range(link.shape[0]):
-        m, r, b = link[i, MASS], load3(motion, i, PLACE), tables.kind[i, ROW]
-        w = load3(motion, i, VELOCITY)
-        v = add(load3(motion, i, VELOCITY + 3), cross(w, r))
-        spin = sym_vec(sym_rotate(load9(motion, i, MATRIX), load6(link, i, INERTIA)), w)
-        store3(passage, i, WHOLE_MOMENTUM, axpy(m, cross(r, v), spin))
-        store3(passage, i, WHOLE_MOMENTUM + 3, scale(m, v))
-        f = axpy(-m * link[i, LINEAR_DAMPING], v, axpy(m, g, load3(bodies.load, b, 0)))
-        torque = axpy(-link[i, ANGULAR_DAMPING], spin, load3(bodies.load, b, 3))
+        m, r, b = link[i, tree.MASS], load3(motion, i, tree.PLACE), tables.kind[i, tree.ROW]
+        w = load3(motion, i, tree.VELOCITY)
+        v = add(load3(motion, i, tree.VELOCITY + 3), cross(w, r))
+        spin = sym_vec(sym_rotate(load9(motion, i, tree.MATRIX), load6(link, i, tree.INERTIA)), w)
+        store3(passage, i, tree.WHOLE_MOMENTUM, axpy(m, cross(r, v), spin))
+        store3(passage, i, tree.WHOLE_MOMENTUM + 3, scale(m, v))
+        f = axpy(-m * link[i, tree.LINEAR_DAMPING], v, axpy(m, g, load3(bodies.load, b, 0)))
+        torque = axpy(-link[i, tree.ANGULAR_DAMPING], spin, load3(bodies.load, b, 3))
         if gyroscopic == 0:
             # What keeps w, against what would keep the angular momentum.
             torque = add(torque, cross(w, spin))
-        store3(passage, i, WHOLE_FORCE, add(torque, cross(r, f)))
-        store3(passage, i, WHOLE_FORCE + 3, f)
+        store3(passage, i, tree.WHOLE_FORCE, add(torque, cross(r, f)))
+        store3(passage, i, tree.WHOLE_FORCE + 3, f)
 
 
 @kernel
 def carrier(tables: Tables, bodies: Bodies, i: int) -> tuple[Vec, Vec]:
     """The spatial velocity of what carries the axes of link i."""
-    if tables.kind[i, TYPE] == FREE:
+    if tables.kind[i, tree.TYPE] == tree.FREE:
         # The axes of its turning go with its centre of mass.
-        return STILL, rates_of(tables, tables.kind[i, FIRST] + 3)
-    parent = tables.kind[i, PARENT]
+        return STILL, rates_of(tables, tables.kind[i, tree.FIRST] + 3)
+    parent = tables.kind[i, tree.PARENT]
     if parent >= 0:
-        return load3(tables.motion, parent, VELOCITY), load3(tables.motion, parent, VELOCITY + 3)
+        return load3(tables.motion, parent, tree.VELOCITY), load3(tables.motion, parent, tree.VELOCITY + 3)
     _q, w, v, _a = base_of(tables, bodies.state, i)
     return w, v
 
@@ -106,20 +65,20 @@ def column_momenta(tables: Tables, bodies: Bodies, joints: Joints, setting: Floa
     passage, column, kind = tables.passage, tables.column, tables.kind
     load_wholes(tables, bodies, setting, gyroscopic)
     for i in range(kind.shape[0] - 1, -1, -1):
-        spin, momentum = load3(passage, i, WHOLE_MOMENTUM), load3(passage, i, WHOLE_MOMENTUM + 3)
-        torque, force = load3(passage, i, WHOLE_FORCE), load3(passage, i, WHOLE_FORCE + 3)
+        spin, momentum = load3(passage, i, tree.WHOLE_MOMENTUM), load3(passage, i, tree.WHOLE_MOMENTUM + 3)
+        torque, force = load3(passage, i, tree.WHOLE_FORCE), load3(passage, i, tree.WHOLE_FORCE + 3)
         w, v = carrier(tables, bodies, i)
-        for k in range(kind[i, FIRST], kind[i, FIRST] + kind[i, COLUMNS]):
-            turning, sliding = load3(column, k, AXIS_W), load3(column, k, AXIS_W + 3)
-            column[k, MOMENTUM] = dot(turning, spin) + dot(sliding, momentum)
+        for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
+            turning, sliding = load3(column, k, tree.AXIS_W), load3(column, k, tree.AXIS_W + 3)
+            column[k, tree.MOMENTUM] = dot(turning, spin) + dot(sliding, momentum)
             turned = dot(cross(w, turning), spin) + dot(add(cross(w, sliding), cross(v, turning)), momentum)
-            column[k, BESIDE] = turned + dot(turning, torque) + dot(sliding, force)
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            column[k, MOMENTUM] += joints.joint[j, ARMATURE] * column[k, RATE]
-        if kind[i, PARENT] >= 0:
+            column[k, tree.BESIDE] = turned + dot(turning, torque) + dot(sliding, force)
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j >= 0 and joints.kind[j, at.HAS] != 0:
+            column[k, tree.MOMENTUM] += joints.joint[j, at.ARMATURE] * column[k, tree.RATE]
+        if kind[i, tree.PARENT] >= 0:
             for c in range(12):
-                passage[kind[i, PARENT], c] += passage[i, c]
+                passage[kind[i, tree.PARENT], c] += passage[i, c]
 
 
 @kernel
@@ -128,9 +87,9 @@ def begin_column_momenta(tables: Tables, bodies: Bodies, joints: Joints, setting
     move_links(tables, bodies.state)
     column_momenta(tables, bodies, joints, setting, gyroscopic)
     for k in range(tables.column.shape[0]):
-        tables.stage_rate[k, KEPT_RATE] = tables.column[k, RATE]
-        tables.stage_rate[k, KEPT_MOMENTUM] = tables.column[k, MOMENTUM]
-        tables.stage_rate[k, KEPT_CHANGE] = 0.0
+        tables.stage_rate[k, tree.KEPT_RATE] = tables.column[k, tree.RATE]
+        tables.stage_rate[k, tree.KEPT_MOMENTUM] = tables.column[k, tree.MOMENTUM]
+        tables.stage_rate[k, tree.KEPT_CHANGE] = 0.0
 
 
 @kernel
@@ -142,8 +101,8 @@ def rates_of_momenta(tables: Tables, bodies: Bodies, joints: Joints, setting: Fl
     weigh_links(tables)
     free_columns(tables, joints)
     for k in range(column.shape[0]):
-        column[k, PUSH] = tables.stage_rate[k, KEPT_MOMENTUM] - column[k, MOMENTUM]
-        column[k, BESIDE] = 0.0
+        column[k, tree.PUSH] = tables.stage_rate[k, tree.KEPT_MOMENTUM] - column[k, tree.MOMENTUM]
+        column[k, tree.BESIDE] = 0.0
     accelerations(tables, False)
     for k in range(column.shape[0]):
-        column[k, RATE] += column[k, CHANGE]
+        column[k, tree.RATE] += column[k, tree.CHANGE]

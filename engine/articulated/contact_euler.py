@@ -15,6 +15,7 @@ Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; F
 
 from typing import Final, NamedTuple
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import add_reactions, drift_coordinates
 from engine.articulated.articulated_body import answer_forces
 from engine.articulated.bases import carry_bases
@@ -29,49 +30,18 @@ from engine.articulated.responses import write_free_responses, write_responses
 from engine.articulated.secants import bend_links
 from engine.articulated.semi_implicit_euler import close_bends, take_changes
 from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
-from engine.articulated.tables import (
-    ACCELERATION,
-    ANSWERED,
-    BEND,
-    FORCE,
-    ORIENTATION,
-    ORIGIN,
-    PLACE,
-    PRESSURE,
-    RATE,
-    ROOT,
-    SEGMENT,
-    TURNING,
-    VELOCITY,
-    WAY,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.articulated.touched import BODY, LINK, NOWHERE, Touched
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, load3, load4, quat_mul, quat_unit, scale, store3, store4
-from engine.memory.arena import (
-    DYNAMIC,
-    GRAVITY,
-    GYROSCOPIC,
-    ITERATIONS,
-    MANIFOLDS,
-    MOTION,
-    NEW,
-    RELAXATIONS,
-    TOUCHED,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from engine.maths.vec import add, axpy, cross, quat_mul, quat_unit, scale
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts, Joints, Rows, Shapes
 from engine.respond.arms import refresh
 from engine.respond.share_loads import share_loads
 from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach
 from engine.respond.substep import approach, bounce, end_substep, friction_mode
-
-__all__ = ["UNKNOWN", "Mechanisms", "forget_responses", "touching_substep"]
 
 ROUNDS: Final = 4
 """Times at most that laws and contacts are settled in turns in a sub-step. A stop that is struck takes two."""
@@ -103,7 +73,7 @@ class Mechanisms(NamedTuple):
 def forget_responses(tables: Tables) -> None:
     """Let the responses at hand be written anew."""
     for k in range(tables.stage_rate.shape[0]):
-        tables.stage_rate[k, ANSWERED] = UNKNOWN
+        tables.stage_rate[k, tree.ANSWERED] = UNKNOWN
 
 
 @kernel
@@ -111,7 +81,7 @@ def are_answered(tables: Tables) -> bool:
     """Whether the responses at hand are those of the segments that all columns are on."""
     others = 0
     for k in range(tables.stage_rate.shape[0]):
-        others += tables.stage_rate[k, ANSWERED] != tables.law[k, SEGMENT]
+        others += tables.stage_rate[k, tree.ANSWERED] != tables.law[k, tree.SEGMENT]
     return others == 0
 
 
@@ -124,12 +94,12 @@ def show_velocities(mechanisms: Mechanisms, kick_by: Vec, h: float) -> None:
         i, b = touched.kind[k, LINK], touched.kind[k, BODY]
         if i == NOWHERE:
             continue
-        a_w = load3(motion, i, ACCELERATION)
-        a = add(load3(motion, i, ACCELERATION + 3), cross(a_w, load3(motion, i, PLACE)))
-        v = add(add(centre_velocity(tables, i), load3(passage, i, BEND + 3)), kick_by)
-        w = add(load3(motion, i, VELOCITY), load3(passage, i, BEND))
-        store3(state, b, V, v if h == 0.0 else axpy(h, a, v))
-        store3(state, b, W, w if h == 0.0 else axpy(h, a_w, w))
+        a_w = load3(motion, i, tree.ACCELERATION)
+        a = add(load3(motion, i, tree.ACCELERATION + 3), cross(a_w, load3(motion, i, tree.PLACE)))
+        v = add(add(centre_velocity(tables, i), load3(passage, i, tree.BEND + 3)), kick_by)
+        w = add(load3(motion, i, tree.VELOCITY), load3(passage, i, tree.BEND))
+        store3(state, b, at.V, v if h == 0.0 else axpy(h, a, v))
+        store3(state, b, at.W, w if h == 0.0 else axpy(h, a_w, w))
 
 
 @kernel
@@ -140,9 +110,9 @@ def place_links(mechanisms: Mechanisms) -> None:
     for k in range(touched.kind.shape[0]):
         i, b = touched.kind[k, LINK], touched.kind[k, BODY]
         if i != NOWHERE:
-            start = add(load3(motion, tables.kind[i, ROOT], ORIGIN), load3(motion, i, PLACE))
-            store3(state, b, P, add(start, load3(passage, i, WAY)))
-            store4(state, b, Q, quat_unit(quat_mul(load4(passage, i, TURNING), load4(motion, i, ORIENTATION))))
+            start = add(load3(motion, tables.kind[i, tree.ROOT], tree.ORIGIN), load3(motion, i, tree.PLACE))
+            store3(state, b, at.P, add(start, load3(passage, i, tree.WAY)))
+            store4(state, b, at.Q, quat_unit(quat_mul(load4(passage, i, tree.TURNING), load4(motion, i, tree.ORIENTATION))))
 
 
 @kernel
@@ -152,7 +122,7 @@ def press_by_given(mechanisms: Mechanisms) -> None:
     for k in range(touched.kind.shape[0]):
         for c in range(6):
             if touched.kind[k, LINK] != NOWHERE:
-                stage[touched.kind[k, LINK], PRESSURE + c] += touched.given[k, c]
+                stage[touched.kind[k, LINK], tree.PRESSURE + c] += touched.given[k, c]
             touched.given[k, c] = 0.0
 
 
@@ -162,7 +132,7 @@ def answer_given(mechanisms: Mechanisms, h: float, reactions: bool) -> None:
     tables, touched = mechanisms.tables, mechanisms.touched
     for i in range(tables.body.shape[0]):
         for c in range(6):
-            tables.body[i, FORCE + c] = 0.0
+            tables.body[i, tree.FORCE + c] = 0.0
     links = 0
     for k in range(touched.kind.shape[0]):
         i = touched.kind[k, LINK]
@@ -181,7 +151,7 @@ def answer_given(mechanisms: Mechanisms, h: float, reactions: bool) -> None:
 @kernel
 def sweep_all(mechanisms: Mechanisms, count: Ints, soft: Softness, aim: int, sweeps: int, reactions: bool) -> None:
     """Sweep over the contacts so often, and close the loops after each; once where there are loops alone."""
-    joints, touched, n = mechanisms.joints, mechanisms.touched, count[0, MANIFOLDS]
+    joints, touched, n = mechanisms.joints, mechanisms.touched, count[0, at.MANIFOLDS]
     state, loops = mechanisms.bodies.state, count_loop_rows(mechanisms.tables, joints)
     for _ in range(sweeps if n > 0 else 1):
         sweep_trees(state, mechanisms.contacts, touched, n, soft, mechanisms.firm, aim)
@@ -194,9 +164,9 @@ def stands(tables: Tables, h: float) -> bool:
     """Whether all turns of a sub-step are so small that what they bend, a product of two of them, cannot be seen."""
     motion, column, most = tables.motion, tables.column, 0.0
     for i in range(motion.shape[0]):
-        most += abs(motion[i, VELOCITY]) + abs(motion[i, VELOCITY + 1]) + abs(motion[i, VELOCITY + 2])
+        most += abs(motion[i, tree.VELOCITY]) + abs(motion[i, tree.VELOCITY + 1]) + abs(motion[i, tree.VELOCITY + 2])
     for k in range(column.shape[0]):
-        most += abs(column[k, RATE])
+        most += abs(column[k, tree.RATE])
     return h * most * (h * most) <= UNSEEN
 
 
@@ -210,16 +180,16 @@ def settle_contacts(
     for _ in range(ROUNDS):
         if not are_answered(tables):
             write_responses(tables, touched)
-            write_mobilities(bodies, mechanisms.contacts, touched, count[0, MANIFOLDS])
+            write_mobilities(bodies, mechanisms.contacts, touched, count[0, at.MANIFOLDS])
             write_loop_matrix(bodies, touched, rows, count_loop_rows(tables, joints))
             for k in range(tables.stage_rate.shape[0]):
-                tables.stage_rate[k, ANSWERED] = tables.law[k, SEGMENT]
+                tables.stage_rate[k, tree.ANSWERED] = tables.law[k, tree.SEGMENT]
         show_velocities(mechanisms, (0.0, 0.0, 0.0), soft.h)
-        sweep_all(mechanisms, count, soft, PRESS, count[0, ITERATIONS] * times, reactions)
+        sweep_all(mechanisms, count, soft, PRESS, count[0, at.ITERATIONS] * times, reactions)
         if breaks == 0:
             break
         press_by_given(mechanisms)
-        if not settle_laws(tables, bodies, joints, setting, soft.h, count[0, GYROSCOPIC], PRESSED, breaks):
+        if not settle_laws(tables, bodies, joints, setting, soft.h, count[0, at.GYROSCOPIC], PRESSED, breaks):
             return False
         if are_answered(tables):
             break
@@ -230,15 +200,15 @@ def settle_contacts(
 def relax(mechanisms: Mechanisms, count: Ints, sums: Floats, soft: Softness, times: int, reactions: bool) -> None:
     """Take the correction of positions out of the velocities, let what was struck rebound, and choose friction's mode."""
     bodies, contacts = mechanisms.bodies, mechanisms.contacts
-    n = count[0, MANIFOLDS]
+    n = count[0, at.MANIFOLDS]
     place_links(mechanisms)
     write_free_responses(bodies, mechanisms.touched)
     refresh(bodies.state, mechanisms.shapes, contacts, n)
     share_loads(bodies, contacts, n, sums)
     show_velocities(mechanisms, (0.0, 0.0, 0.0), 0.0)
-    sweep_all(mechanisms, count, soft, RELAX, count[0, RELAXATIONS] * times, reactions)
+    sweep_all(mechanisms, count, soft, RELAX, count[0, at.RELAXATIONS] * times, reactions)
     if bounce(contacts, n):
-        sweep_all(mechanisms, count, soft, REBOUND, FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS]), reactions)
+        sweep_all(mechanisms, count, soft, REBOUND, FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS]), reactions)
     friction_mode(bodies, contacts, n)
     end_substep(contacts, n)
 
@@ -247,14 +217,14 @@ def relax(mechanisms: Mechanisms, count: Ints, sums: Floats, soft: Softness, tim
 def start_contacts(mechanisms: Mechanisms, setting: Floats, count: Ints, sums: Floats, h: float, substep: int) -> int:
     """Note what strikes, and press the links by the impulses of the last sub-step. Returns: times as many sweeps."""
     bodies, contacts, touched = mechanisms.bodies, mechanisms.contacts, mechanisms.touched
-    n = count[0, MANIFOLDS]
+    n = count[0, at.MANIFOLDS]
     write_free_responses(bodies, touched)
-    show_velocities(mechanisms, scale(h, load3(setting, 0, GRAVITY)), 0.0)
+    show_velocities(mechanisms, scale(h, load3(setting, 0, at.GRAVITY)), 0.0)
     strikes = approach(bodies, contacts, n, setting, h, slow_approach(setting, h))
     share_loads(bodies, contacts, n, sums)
     start_warm(bodies.state, contacts, touched, n)
     press_by_given(mechanisms)
-    return FRESH if strikes > 0 or (substep == 0 and count[0, NEW] > 0) else 1
+    return FRESH if strikes > 0 or (substep == 0 and count[0, at.NEW] > 0) else 1
 
 
 @kernel
@@ -262,7 +232,7 @@ def move_others(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyros
     """Kick, or move, the touched bodies that no tree has for h seconds."""
     for n in range(tables.other.shape[0]):
         b = tables.other[n, 0]
-        if bodies.kind[b, MOTION] != DYNAMIC or bodies.kind[b, TOUCHED] == 0:
+        if bodies.kind[b, at.MOTION] != at.DYNAMIC or bodies.kind[b, at.TOUCHED] == 0:
             continue
         if drifts:
             drift(bodies, b, h, gyroscopic)
@@ -287,7 +257,7 @@ def touching_substep(
         joints carry. Returns: whether the laws had an answer.
     """
     tables, bodies, joints = mechanisms.tables, mechanisms.bodies, mechanisms.joints
-    h, gyroscopic, touches, times = soft.h, count[0, GYROSCOPIC], mechanisms.touched.kind.shape[0] > 0, 1
+    h, gyroscopic, touches, times = soft.h, count[0, at.GYROSCOPIC], mechanisms.touched.kind.shape[0] > 0, 1
     if tables.closing.shape[0] > 0:
         write_loops(tables, bodies, joints, mechanisms.rows, h)
         forget_responses(tables)
@@ -297,7 +267,7 @@ def touching_substep(
     go_on_bending(tables)
     for i in range(tables.stage.shape[0]):
         for c in range(6):
-            tables.stage[i, PRESSURE + c] = 0.0
+            tables.stage[i, tree.PRESSURE + c] = 0.0
     if touches:
         times = start_contacts(mechanisms, setting, count, sums, h, substep)
     start_laws(tables)

@@ -12,28 +12,13 @@ from typing import Final
 
 from engine.articulated.touched import Touched, change_of
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, cross, neg, store6, store9, tmat_vec
-from engine.memory.arena import (
-    BODY_A,
-    BODY_B,
-    COUPLING,
-    INV_INERTIA,
-    INV_MASS,
-    LAW,
-    NORMAL_BLOCK,
-    NORMAL_MASS,
-    POINTS,
-    SPIN_MASS,
-    SPREAD,
-    TANGENT_BLOCK,
-    TANGENT_MASS,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, store6, store9
+from engine.maths.vec import add, cross, neg, tmat_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.centre import Centre, centre_of, relative_motion
 from engine.respond.mobility import effective_masses, write_stop
 from engine.respond.pair import Motion
-
-__all__ = ["write_mobilities"]
 
 SHARE: Final = 1e-6
 """Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""
@@ -59,15 +44,15 @@ def own_mobility(body: Floats, a: int, b: int) -> tuple[float, float]:
     """What the two bodies alone would give way, by force [1/kg] and by moment [1/(kg m2)]."""
     turning = 0.0
     for c in range(3):
-        turning += body[a, INV_INERTIA + c] + body[b, INV_INERTIA + c]
-    return body[a, INV_MASS] + body[b, INV_MASS], turning / 3.0
+        turning += body[a, at.INV_INERTIA + c] + body[b, at.INV_INERTIA + c]
+    return body[a, at.INV_MASS] + body[b, at.INV_MASS], turning / 3.0
 
 
 @kernel
 def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int) -> None:
     """The blocks of M of manifold m, and the effective masses of its points."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    a, b = touched.place[key[m, BODY_A]], touched.place[key[m, BODY_B]]
+    a, b = touched.place[key[m, at.BODY_A]], touched.place[key[m, at.BODY_B]]
     centre = centre_of(manifold, m)
     still = (0.0, 0.0, 0.0)
     v1, w1 = answer(touched, a, b, centre, UNIT[0], still)
@@ -76,23 +61,23 @@ def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int)
     _, x1 = answer(touched, a, b, centre, still, UNIT[0])
     _, x2 = answer(touched, a, b, centre, still, UNIT[1])
     _, x3 = answer(touched, a, b, centre, still, UNIT[2])
-    shift, turn = own_mobility(bodies.body, key[m, BODY_A], key[m, BODY_B])
+    shift, turn = own_mobility(bodies.body, key[m, at.BODY_A], key[m, at.BODY_B])
     s, t = SHARE * shift, SHARE * turn
     normals = (v3[2] + s, x1[0] + t, x2[1] + t, w3[0], w3[1], x1[1])
     tangents = (v1[0] + s, v2[1] + s, x3[2] + t, v1[1], w1[2], w2[2])
-    store6(manifold, m, NORMAL_BLOCK, normals)
-    store6(manifold, m, TANGENT_BLOCK, tangents)
+    store6(manifold, m, at.NORMAL_BLOCK, normals)
+    store6(manifold, m, at.TANGENT_BLOCK, tangents)
     # Rows V1, V2, W3 by the forces along V3, W1 and W2; M is symmetric.
-    store9(manifold, m, COUPLING, (v1[2], w1[0], w1[1], v2[2], w2[0], w2[1], w3[2], x3[0], x3[1]))
-    for i in range(4 * m, 4 * m + key[m, POINTS]):
-        x, y = point[i, SPREAD], point[i, SPREAD + 1]
-        point[i, NORMAL_MASS], point[i, TANGENT_MASS] = effective_masses(normals, tangents, x, y)
-        if point[i, NORMAL_MASS] * (s + t * (x * x + y * y)) > 0.5:
-            point[i, NORMAL_MASS] = 0.0
+    store9(manifold, m, at.COUPLING, (v1[2], w1[0], w1[1], v2[2], w2[0], w2[1], w3[2], x3[0], x3[1]))
+    for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+        x, y = point[i, at.SPREAD], point[i, at.SPREAD + 1]
+        point[i, at.NORMAL_MASS], point[i, at.TANGENT_MASS] = effective_masses(normals, tangents, x, y)
+        if point[i, at.NORMAL_MASS] * (s + t * (x * x + y * y)) > 0.5:
+            point[i, at.NORMAL_MASS] = 0.0
     write_stop(manifold, m, key, point)
-    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
-        manifold[m, SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
-        manifold[m, SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
+    if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
+        manifold[m, at.SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
+        manifold[m, at.SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
 
 
 @kernel

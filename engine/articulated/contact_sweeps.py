@@ -9,16 +9,15 @@ from typing import Final
 
 from engine.articulated.touched import LINK, NOWHERE, Touched, give
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, cross, neg, tmat_vec
-from engine.memory.arena import BODY_A, BODY_B, HERTZ
+from engine.maths.rows import Floats, Vec
+from engine.maths.vec import add, cross, neg, tmat_vec
+from engine.memory import arena as at
 from engine.memory.tables import Contacts
 from engine.respond.centre import Centre, centre_of, relative_motion
 from engine.respond.pair import motion_of
 from engine.respond.soft import resist
 from engine.respond.softness import Softness
 from engine.respond.substep import kept_impulse
-
-__all__ = ["start_warm", "sweep_trees", "under_machines"]
 
 STIFFEST: Final = 0.249
 """Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""
@@ -36,7 +35,7 @@ def under_machines(setting: Floats, soft: Softness) -> Softness:
     `BORNE`, and a depth is worked off at the same pace, omega / a1. Where one loose body lies on another it is no help: sweeps
     settle stacks more slowly the less their contacts give.
     """
-    if setting[0, HERTZ] * soft.h < STIFFEST:
+    if setting[0, at.HERTZ] * soft.h < STIFFEST:
         return soft
     forgotten = 1.0 / (1.0 + BORNE * soft.mass_scale / soft.impulse_scale)
     return Softness(soft.h, soft.bias_rate, 1.0 - forgotten, forgotten, soft.max_push)
@@ -69,7 +68,7 @@ def start_warm(state: Floats, contacts: Contacts, touched: Touched, manifolds: i
     for m in range(manifolds):
         centre = centre_of(contacts.manifold, m)
         force, moment = kept_impulse(contacts, m, centre.frame)
-        give_pair(touched, state, (key[m, BODY_A], key[m, BODY_B]), centre, force, moment)
+        give_pair(touched, state, (key[m, at.BODY_A], key[m, at.BODY_B]), centre, force, moment)
 
 
 @kernel
@@ -79,7 +78,7 @@ def sweep_trees(
     """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`; firm: where links stand on what stays."""
     manifold, key = contacts.manifold, contacts.key
     for m in range(manifolds):
-        a, b = key[m, BODY_A], key[m, BODY_B]
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         centre = centre_of(manifold, m)
         v, w = relative_motion(centre, motion_of(state, a, b))
         force, moment = resist(contacts, m, v, w, firm if bears_link(touched, a, b) else soft, aim)

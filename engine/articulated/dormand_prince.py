@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import add_reactions, change_rates, rates_of
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.bases import carry_bases
@@ -24,25 +25,15 @@ from engine.articulated.forces import load_links
 from engine.articulated.laws import STIFF_ALONE
 from engine.articulated.motion import move_links
 from engine.articulated.runge_kutta import push_columns
-from engine.articulated.tables import (
-    CHANGE,
-    FIRST,
-    FREE,
-    KEPT_STRIDE,
-    POSITION,
-    RATE,
-    TYPE,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.integrate.dormand_prince import MOST_TRIALS, STAGES, A, E
 from engine.integrate.runge_kutta import quat_rate
 from engine.maths.elementary import fifth_root
-from engine.maths.vec import Floats, load4, quat_unit, store4
-from engine.memory.arena import BALL, PRISMATIC, REACTION, REVOLUTE, STEP_TOLERANCE
+from engine.maths.rows import Floats, load4, store4
+from engine.maths.vec import quat_unit
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["Trial", "dormand_prince", "room_for_trials"]
 
 POSE: Final = 7
 """Numbers of a link's pose in y."""
@@ -80,7 +71,7 @@ def gather(tables: Tables, y: Floats, row: int) -> None:
         for c in range(POSE):
             y[row, POSE * i + c] = tables.coordinate[i, c]
     for k in range(tables.column.shape[0]):
-        y[row, POSE * n + k] = tables.column[k, RATE]
+        y[row, POSE * n + k] = tables.column[k, tree.RATE]
 
 
 @kernel
@@ -91,7 +82,7 @@ def scatter(tables: Tables, y: Floats, row: int) -> None:
         for c in range(POSE):
             tables.coordinate[i, c] = y[row, POSE * i + c]
     for k in range(tables.column.shape[0]):
-        tables.column[k, RATE] = y[row, POSE * n + k]
+        tables.column[k, tree.RATE] = y[row, POSE * n + k]
 
 
 @kernel
@@ -102,7 +93,7 @@ def keep_beside(tables: Tables, bodies: Bodies, joints: Joints, trial: Trial) ->
             trial.base[n, c] = bodies.state[tables.other[n, 0], c]
     for j in range(trial.carried.shape[0]):
         for c in range(6):
-            trial.carried[j, c] = joints.joint[j, REACTION + c]
+            trial.carried[j, c] = joints.joint[j, at.REACTION + c]
 
 
 @kernel
@@ -119,7 +110,7 @@ def reactions_back(joints: Joints, trial: Trial) -> None:
     """Forget what a trial that failed has counted."""
     for j in range(trial.carried.shape[0]):
         for c in range(6):
-            joints.joint[j, REACTION + c] = trial.carried[j, c]
+            joints.joint[j, at.REACTION + c] = trial.carried[j, c]
 
 
 @kernel
@@ -137,16 +128,16 @@ def write_slope(tables: Tables, k: Floats, stage: int) -> None:
     coordinate, column, kind = tables.coordinate, tables.column, tables.kind
     n = kind.shape[0]
     for i in range(n):
-        first, at = kind[i, FIRST], POSE * i
-        if kind[i, TYPE] == REVOLUTE or kind[i, TYPE] == PRISMATIC:
-            k[stage, at] = column[first, RATE]
-        elif kind[i, TYPE] == BALL or kind[i, TYPE] == FREE:
-            store4(k, stage, at, quat_rate(load4(coordinate, i, 0), rates_of(tables, first)))
-        if kind[i, TYPE] == FREE:
+        first, offset = kind[i, tree.FIRST], POSE * i
+        if kind[i, tree.TYPE] == at.REVOLUTE or kind[i, tree.TYPE] == at.PRISMATIC:
+            k[stage, offset] = column[first, tree.RATE]
+        elif kind[i, tree.TYPE] == at.BALL or kind[i, tree.TYPE] == tree.FREE:
+            store4(k, stage, offset, quat_rate(load4(coordinate, i, 0), rates_of(tables, first)))
+        if kind[i, tree.TYPE] == tree.FREE:
             for c in range(3):
-                k[stage, at + POSITION + c] = column[first + 3 + c, RATE]
+                k[stage, offset + tree.POSITION + c] = column[first + 3 + c, tree.RATE]
     for c in range(column.shape[0]):
-        k[stage, POSE * n + c] = column[c, CHANGE]
+        k[stage, POSE * n + c] = column[c, tree.CHANGE]
 
 
 @kernel
@@ -163,7 +154,7 @@ def largest_error(tables: Tables, trial: Trial, h: float) -> float:
         after += y[1, j] * y[1, j]
     largest = abs(h) * math.sqrt(error) / max(math.sqrt(max(before, after)), SLOWEST)
     for i in range(n):
-        if tables.kind[i, TYPE] == PRISMATIC:
+        if tables.kind[i, tree.TYPE] == at.PRISMATIC:
             continue
         error = 0.0
         for c in range(4):
@@ -202,7 +193,7 @@ def try_step(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h:
 def accept(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, ends: bool) -> bool:
     """Make orientations unit ones, and let limits act, after a step h. Returns: whether the laws had an answer."""
     for i in range(tables.kind.shape[0]):
-        if tables.kind[i, TYPE] == BALL or tables.kind[i, TYPE] == FREE:
+        if tables.kind[i, tree.TYPE] == at.BALL or tables.kind[i, tree.TYPE] == tree.FREE:
             store4(tables.coordinate, i, 0, quat_unit(load4(tables.coordinate, i, 0)))
     if ends:
         move_links(tables, bodies.state)
@@ -222,8 +213,8 @@ def dormand_prince(
 
     Args: ends: as `ends_with_laws`. Returns: whether they sufficed, and the laws had an answer.
     """
-    tolerance = setting[0, STEP_TOLERANCE]
-    stride = tables.passage[0, KEPT_STRIDE] if tables.passage[0, KEPT_STRIDE] > 0.0 else end
+    tolerance = setting[0, at.STEP_TOLERANCE]
+    stride = tables.passage[0, tree.KEPT_STRIDE] if tables.passage[0, tree.KEPT_STRIDE] > 0.0 else end
     done, rejected = 0.0, False
     find_accelerations(tables, bodies, joints, setting, gyroscopic)
     gather(tables, trial.y, 0)
@@ -243,7 +234,7 @@ def dormand_prince(
             if not accept(tables, bodies, joints, setting, h, gyroscopic, ends):
                 return False
             if cut:
-                tables.passage[0, KEPT_STRIDE] = stride
+                tables.passage[0, tree.KEPT_STRIDE] = stride
                 return True
             gather(tables, trial.y, 0)
             keep_beside(tables, bodies, joints, trial)

@@ -10,8 +10,6 @@ from engine.describe.bodies import Body
 from engine.describe.joints import Ball, Distance, Joint
 from engine.maths.arrays import dot, eigenvalues
 
-__all__ = ["THINNEST", "Forest", "Link", "NoForest", "forest_of"]
-
 THINNEST = 1e-12
 """Of m l^2, the least moment of inertia of a body whose centre swings at l about a ball joint. Coordinates of a tree know the
 moment about its own arm as what is left of sums of m l^2: round-off of a torque m g l turns it by 2e-4 g / l then."""

@@ -14,6 +14,7 @@ import math
 
 import numpy as np
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.bases import carry_bases, free_columns
@@ -24,26 +25,11 @@ from engine.articulated.laws import SMOOTH, STIFF_ALONE, take_laws, write_laws
 from engine.articulated.mixing import DEPTH, mixed
 from engine.articulated.motion import move_links
 from engine.articulated.runge_kutta import push_columns
-from engine.articulated.tables import (
-    ADDED,
-    BESIDE,
-    CHANGE,
-    FIRST,
-    JOINT,
-    KEPT_CHANGE,
-    KEPT_MOMENTUM,
-    KEPT_RATE,
-    MOMENTUM,
-    PUSH,
-    RATE,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
-from engine.memory.arena import ARMATURE, HAS
+from engine.maths.rows import Floats
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["implicit_midpoint"]
 
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
@@ -70,8 +56,8 @@ def push_by_momenta(tables: Tables, joints: Joints, h: float) -> None:
     """Write into every column the force over h/2 that brings its momentum to that of the middle, and its law at these rates."""
     column = tables.column
     for k in range(column.shape[0]):
-        column[k, BESIDE] += (tables.stage_rate[k, KEPT_MOMENTUM] - column[k, MOMENTUM]) / (0.5 * h)
-        column[k, ADDED], column[k, PUSH] = 0.0, column[k, BESIDE]
+        column[k, tree.BESIDE] += (tables.stage_rate[k, tree.KEPT_MOMENTUM] - column[k, tree.MOMENTUM]) / (0.5 * h)
+        column[k, tree.ADDED], column[k, tree.PUSH] = 0.0, column[k, tree.BESIDE]
     take_laws(tables, joints, 0.5 * h)
 
 
@@ -81,13 +67,13 @@ def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, floa
     column, kind, change, rate = tables.column, tables.kind, 0.0, 0.0
     for i in range(kind.shape[0]):
         # Of what is added to the inertia, the rotor is in the momentum; the rest is a law's force at the new rate.
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            column[k, PUSH] -= (column[k, ADDED] - joints.joint[j, ARMATURE]) * column[k, CHANGE]
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j >= 0 and joints.kind[j, at.HAS] != 0:
+            column[k, tree.PUSH] -= (column[k, tree.ADDED] - joints.joint[j, at.ARMATURE]) * column[k, tree.CHANGE]
     for k in range(column.shape[0]):
-        column[k, MOMENTUM] += 0.5 * h * column[k, PUSH]
-        column[k, RATE] += 0.5 * h * column[k, CHANGE]
-        change, rate = max(change, abs(0.5 * h * column[k, CHANGE])), max(rate, abs(column[k, RATE]))
+        column[k, tree.MOMENTUM] += 0.5 * h * column[k, tree.PUSH]
+        column[k, tree.RATE] += 0.5 * h * column[k, tree.CHANGE]
+        change, rate = max(change, abs(0.5 * h * column[k, tree.CHANGE])), max(rate, abs(column[k, tree.RATE]))
     return change, rate
 
 
@@ -96,7 +82,7 @@ def guess_middle(tables: Tables) -> None:
     """Write the rates from which rounds begin: those of the start, changed as they were in the last step."""
     column, kept = tables.column, tables.stage_rate
     for k in range(column.shape[0]):
-        column[k, RATE] = kept[k, KEPT_RATE] + kept[k, KEPT_CHANGE]
+        column[k, tree.RATE] = kept[k, tree.KEPT_RATE] + kept[k, tree.KEPT_CHANGE]
 
 
 @kernel
@@ -123,17 +109,17 @@ def mix_rounds(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, 
         for row in range(DEPTH, 0, -1):
             guess[row, :], step[row, :] = guess[row - 1], step[row - 1]
         for k in range(column.shape[0]):
-            guess[0, k] = column[k, RATE]
+            guess[0, k] = column[k, tree.RATE]
         change, rate = refine_middle(tables, bodies, joints, setting, h, gyroscopic, breaks)
         if change <= ROUND_OFF * rate:
             return True
         if not math.isfinite(change):
             return False
         for k in range(column.shape[0]):
-            step[0, k] = column[k, RATE] - guess[0, k]
+            step[0, k] = column[k, tree.RATE] - guess[0, k]
         mixed(guess, step, past[2], past[3], min(done, DEPTH) + 1, answer)
         for k in range(column.shape[0]):
-            column[k, RATE] = answer[k]
+            column[k, tree.RATE] = answer[k]
     return False
 
 
@@ -182,9 +168,9 @@ def implicit_midpoint(
     if not find_middle(tables, bodies, joints, setting, h, gyroscopic):
         return False
     for k in range(column.shape[0]):
-        kept[k, KEPT_CHANGE] = column[k, RATE] - kept[k, KEPT_RATE]
-        kept[k, KEPT_RATE] = column[k, RATE]
-        kept[k, KEPT_MOMENTUM] = 2.0 * column[k, MOMENTUM] - kept[k, KEPT_MOMENTUM]
+        kept[k, tree.KEPT_CHANGE] = column[k, tree.RATE] - kept[k, tree.KEPT_RATE]
+        kept[k, tree.KEPT_RATE] = column[k, tree.RATE]
+        kept[k, tree.KEPT_MOMENTUM] = 2.0 * column[k, tree.MOMENTUM] - kept[k, tree.KEPT_MOMENTUM]
     if reactions:
         carry_reactions(tables, bodies, joints, setting, h, gyroscopic)
     drift_coordinates(tables, h)

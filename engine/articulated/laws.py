@@ -16,47 +16,12 @@ graphs).
 import math
 from typing import Final
 
-from engine.articulated.tables import (
-    ADDED,
-    BESIDE,
-    BREAK,
-    BREAKS,
-    CHANGE,
-    FIRST,
-    HIGHEST,
-    JOINT,
-    JUMPS,
-    LOWEST,
-    PUSH,
-    RATE,
-    SEGMENT,
-    WHICH,
-    Tables,
-    X,
-)
+from engine.articulated import tables as tree
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
-from engine.memory.arena import (
-    ARMATURE,
-    DRIVE,
-    FRICTION_LOSS,
-    HAS,
-    HAS_DRIVE,
-    HAS_FRICTION,
-    HAS_LIMITS,
-    HAS_SPEED_LIMIT,
-    HAS_SPRING,
-    IMPLICIT,
-    LOWER,
-    SPEED_LIMIT,
-    SPRING,
-    UPPER,
-)
+from engine.maths.rows import Floats
+from engine.memory import arena as at
 from engine.memory.tables import Joints
-
-__all__ = [
-    "ALL", "PRESSED", "SMOOTH", "STIFF_ALONE", "force_beside", "next_segment", "take_laws", "take_segment", "write_laws",
-]  # fmt: skip
 
 # Which laws act.
 PRESSED: Final = -1
@@ -75,127 +40,129 @@ ROUND_OFF = 1e-12
 
 
 @kernel
-def put_break(law: Floats, k: int, at: float, jumps: float) -> None:
+def put_break(law: Floats, k: int, break_rate: float, jumps: float) -> None:
     """Add a break between the ends of the law of column k, in its order."""
-    n = int(law[k, BREAKS])
+    n = int(law[k, tree.BREAKS])
     place = 0
-    while place < n and law[k, BREAK + place] < at:
+    while place < n and law[k, tree.BREAK + place] < break_rate:
         place += 1
-    if place < n and law[k, BREAK + place] == at:
-        law[k, JUMPS + place] = max(law[k, JUMPS + place], jumps)
+    if place < n and law[k, tree.BREAK + place] == break_rate:
+        law[k, tree.JUMPS + place] = max(law[k, tree.JUMPS + place], jumps)
         return
     for m in range(n, place, -1):
-        law[k, BREAK + m], law[k, JUMPS + m] = law[k, BREAK + m - 1], law[k, JUMPS + m - 1]
-    law[k, BREAK + place], law[k, JUMPS + place] = at, jumps
-    law[k, BREAKS] = n + 1
+        law[k, tree.BREAK + m], law[k, tree.JUMPS + m] = law[k, tree.BREAK + m - 1], law[k, tree.JUMPS + m - 1]
+    law[k, tree.BREAK + place], law[k, tree.JUMPS + place] = break_rate, jumps
+    law[k, tree.BREAKS] = n + 1
 
 
 @kernel
 def write_breaks(law: Floats, k: int, joint: Floats, j: int, h: float) -> None:
     """Write the ends and breaks of the law of column k, of joint j."""
-    has, x = int(law[k, WHICH]), law[k, X]
+    has, x = int(law[k, tree.WHICH]), law[k, tree.X]
     low, high = -math.inf, math.inf
-    if has & HAS_LIMITS:
-        low, high = (joint[j, LOWER] - x) / h, (joint[j, UPPER] - x) / h
-    if has & HAS_SPEED_LIMIT:
-        fastest = joint[j, SPEED_LIMIT]
+    if has & at.HAS_LIMITS:
+        low, high = (joint[j, at.LOWER] - x) / h, (joint[j, at.UPPER] - x) / h
+    if has & at.HAS_SPEED_LIMIT:
+        fastest = joint[j, at.SPEED_LIMIT]
         low, high = min(max(low, -fastest), fastest), max(min(high, fastest), -fastest)
-    law[k, LOWEST], law[k, HIGHEST], law[k, BREAKS] = low, high, 0.0
+    law[k, tree.LOWEST], law[k, tree.HIGHEST], law[k, tree.BREAKS] = low, high, 0.0
     if low > -math.inf:
         put_break(law, k, low, 1.0)
     if high < math.inf:
         put_break(law, k, high, 1.0)
-    if has & HAS_FRICTION and low < 0.0 < high:
+    if has & at.HAS_FRICTION and low < 0.0 < high:
         put_break(law, k, 0.0, 1.0)
-    if has & HAS_DRIVE and joint[j, DRIVE + 4] < math.inf:
+    if has & at.HAS_DRIVE and joint[j, at.DRIVE + 4] < math.inf:
         push, slope = drive_line(joint, j, x, h)
         if slope > 0.0:
             for side in (-1.0, 1.0):
-                at = (push + side * joint[j, DRIVE + 4]) / slope
-                if low < at < high:
-                    put_break(law, k, at, 0.0)
+                break_rate = (push + side * joint[j, at.DRIVE + 4]) / slope
+                if low < break_rate < high:
+                    put_break(law, k, break_rate, 0.0)
 
 
 @kernel
 def drive_line(joint: Floats, j: int, x: float, h: float) -> tuple[float, float]:
     """Force at rate 0, and by how much it falls with the rate, of a drive within its limit."""
-    stiffness, damping = joint[j, DRIVE], joint[j, DRIVE + 1]
-    return stiffness * (joint[j, DRIVE + 2] - x) + damping * joint[j, DRIVE + 3], damping + h * stiffness
+    stiffness, damping = joint[j, at.DRIVE], joint[j, at.DRIVE + 1]
+    return stiffness * (joint[j, at.DRIVE + 2] - x) + damping * joint[j, at.DRIVE + 3], damping + h * stiffness
 
 
 @kernel
 def piece(law: Floats, k: int, joint: Floats, j: int, h: float, rate: float) -> tuple[float, float]:
     """Push and slope of the piece that a rate, between breaks, lies on."""
-    has, x = int(law[k, WHICH]), law[k, X]
+    has, x = int(law[k, tree.WHICH]), law[k, tree.X]
     push, slope = 0.0, 0.0
-    if has & HAS_SPRING:
-        push -= joint[j, SPRING] * (x - joint[j, SPRING + 2])
-        slope += joint[j, SPRING + 1] + h * joint[j, SPRING]
-    if has & HAS_DRIVE:
+    if has & at.HAS_SPRING:
+        push -= joint[j, at.SPRING] * (x - joint[j, at.SPRING + 2])
+        slope += joint[j, at.SPRING + 1] + h * joint[j, at.SPRING]
+    if has & at.HAS_DRIVE:
         line, fall = drive_line(joint, j, x, h)
         if fall > 0.0:
-            force, limit = line - fall * rate, joint[j, DRIVE + 4]
+            force, limit = line - fall * rate, joint[j, at.DRIVE + 4]
             if abs(force) <= limit:
                 push += line
                 slope += fall
             else:
                 push += math.copysign(limit, force)
-    if has & HAS_FRICTION:
-        push -= math.copysign(joint[j, FRICTION_LOSS], rate)
+    if has & at.HAS_FRICTION:
+        push -= math.copysign(joint[j, at.FRICTION_LOSS], rate)
     return push, slope
 
 
 @kernel
 def middle(law: Floats, k: int, i: int, rate: float) -> float:
     """A rate on the piece below break i, or above the last one; the rate itself where there are no breaks."""
-    n = int(law[k, BREAKS])
+    n = int(law[k, tree.BREAKS])
     if n == 0:
         return rate
     if i == 0:
-        return float(law[k, BREAK] - 1.0)
+        return float(law[k, tree.BREAK] - 1.0)
     if i == n:
-        return float(law[k, BREAK + n - 1] + 1.0)
-    return float(0.5 * (law[k, BREAK + i - 1] + law[k, BREAK + i]))
+        return float(law[k, tree.BREAK + n - 1] + 1.0)
+    return float(0.5 * (law[k, tree.BREAK + i - 1] + law[k, tree.BREAK + i]))
 
 
 @kernel
 def first_segment(law: Floats, k: int, rate: float) -> int:
     """Where the rate at the start of a sub-step lies."""
-    n = int(law[k, BREAKS])
+    n = int(law[k, tree.BREAKS])
     for i in range(n):
-        at = law[k, BREAK + i]
-        if law[k, JUMPS + i] == 1.0 and (abs(rate - at) <= NEAR or (rate <= at and at == law[k, LOWEST])):
+        break_rate = law[k, tree.BREAK + i]
+        if law[k, tree.JUMPS + i] == 1.0 and (
+            abs(rate - break_rate) <= NEAR or (rate <= break_rate and break_rate == law[k, tree.LOWEST])
+        ):
             return 2 * i + 1
-        if rate <= at:
+        if rate <= break_rate:
             return 2 * i
-    return 2 * n - 1 if n > 0 and law[k, BREAK + n - 1] == law[k, HIGHEST] else 2 * n
+    return 2 * n - 1 if n > 0 and law[k, tree.BREAK + n - 1] == law[k, tree.HIGHEST] else 2 * n
 
 
 @kernel
 def take_segment(tables: Tables, k: int, joints: Joints, j: int, h: float) -> None:
     """Write what the segment of column k adds to its inertia and pushes it by, or the change that a jump prescribes."""
     law, column, joint = tables.law, tables.column, joints.joint
-    segment = int(law[k, SEGMENT])
+    segment = int(law[k, tree.SEGMENT])
     if segment % 2 == 1:
-        column[k, ADDED] = math.inf
-        column[k, CHANGE] = (law[k, BREAK + segment // 2] - column[k, RATE]) / h
+        column[k, tree.ADDED] = math.inf
+        column[k, tree.CHANGE] = (law[k, tree.BREAK + segment // 2] - column[k, tree.RATE]) / h
         return
-    push, slope = piece(law, k, joint, j, h, middle(law, k, segment // 2, column[k, RATE]))
-    column[k, ADDED] = joint[j, ARMATURE] + h * slope
-    column[k, PUSH] = push - slope * column[k, RATE] + column[k, BESIDE]
+    push, slope = piece(law, k, joint, j, h, middle(law, k, segment // 2, column[k, tree.RATE]))
+    column[k, tree.ADDED] = joint[j, at.ARMATURE] + h * slope
+    column[k, tree.PUSH] = push - slope * column[k, tree.RATE] + column[k, tree.BESIDE]
 
 
 @kernel
 def force_beside(law: Floats, k: int, joint: Floats, j: int, h: float, side: int) -> float:
     """The force just below (side 0) or above (1) the jump that column k is at; infinite beyond the ends of its law."""
-    i = int(law[k, SEGMENT]) // 2
-    at = law[k, BREAK + i]
-    if side == 0 and at == law[k, LOWEST]:
+    i = int(law[k, tree.SEGMENT]) // 2
+    break_rate = law[k, tree.BREAK + i]
+    if side == 0 and break_rate == law[k, tree.LOWEST]:
         return math.inf
-    if side == 1 and at == law[k, HIGHEST]:
+    if side == 1 and break_rate == law[k, tree.HIGHEST]:
         return -math.inf
-    push, slope = piece(law, k, joint, j, h, middle(law, k, i + side, at))
-    return float(push - slope * at)
+    push, slope = piece(law, k, joint, j, h, middle(law, k, i + side, break_rate))
+    return float(push - slope * break_rate)
 
 
 @kernel
@@ -205,7 +172,7 @@ def next_segment(law: Floats, k: int, joint: Floats, j: int, h: float, found: fl
     Args: found: its rate at the end or, where it is at a jump, the force that keeps it there; open_by: how exactly that is
         known, beside round-off.
     """
-    segment = int(law[k, SEGMENT])
+    segment = int(law[k, tree.SEGMENT])
     i = segment // 2
     least = ROUND_OFF * (1.0 + abs(found)) + open_by
     if segment % 2 == 1:
@@ -214,10 +181,10 @@ def next_segment(law: Floats, k: int, joint: Floats, j: int, h: float, found: fl
         if found < force_beside(law, k, joint, j, h, 1) - least:
             return segment + 1
         return segment
-    if i > 0 and found < law[k, BREAK + i - 1] - least:
-        return segment - (1 if law[k, JUMPS + i - 1] == 1.0 else 2)
-    if i < int(law[k, BREAKS]) and found > law[k, BREAK + i] + least:
-        return segment + (1 if law[k, JUMPS + i] == 1.0 else 2)
+    if i > 0 and found < law[k, tree.BREAK + i - 1] - least:
+        return segment - (1 if law[k, tree.JUMPS + i - 1] == 1.0 else 2)
+    if i < int(law[k, tree.BREAKS]) and found > law[k, tree.BREAK + i] + least:
+        return segment + (1 if law[k, tree.JUMPS + i] == 1.0 else 2)
     return segment
 
 
@@ -226,19 +193,19 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
     """Write the laws of all columns for a sub-step h, each on its first segment. Returns: how many breaks they have."""
     law, kind, breaks = tables.law, tables.kind, 0
     for i in range(kind.shape[0]):
-        j = kind[i, JOINT]
-        if j < 0 or joints.kind[j, HAS] == 0:
+        j = kind[i, tree.JOINT]
+        if j < 0 or joints.kind[j, at.HAS] == 0:
             continue
-        k = kind[i, FIRST]
-        acting = -1 if which <= ALL else joints.kind[j, IMPLICIT] | HAS_LIMITS
+        k = kind[i, tree.FIRST]
+        acting = -1 if which <= ALL else joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS
         if which == SMOOTH:
-            acting = HAS_SPRING | HAS_DRIVE
-        law[k, WHICH] = joints.kind[j, HAS] & acting
-        law[k, X] = tables.coordinate[i, 0]
+            acting = at.HAS_SPRING | at.HAS_DRIVE
+        law[k, tree.WHICH] = joints.kind[j, at.HAS] & acting
+        law[k, tree.X] = tables.coordinate[i, 0]
         write_breaks(law, k, joints.joint, j, h)
-        law[k, SEGMENT] = first_segment(law, k, tables.column[k, RATE])
+        law[k, tree.SEGMENT] = first_segment(law, k, tables.column[k, tree.RATE])
         take_segment(tables, k, joints, j, h)
-        breaks += int(law[k, BREAKS])
+        breaks += int(law[k, tree.BREAKS])
     return breaks
 
 
@@ -246,6 +213,6 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
 def take_laws(tables: Tables, joints: Joints, h: float) -> None:
     """Write what the segments of all columns add and push anew, from the present rates on."""
     for i in range(tables.kind.shape[0]):
-        j = tables.kind[i, JOINT]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            take_segment(tables, tables.kind[i, FIRST], joints, j, h)
+        j = tables.kind[i, tree.JOINT]
+        if j >= 0 and joints.kind[j, at.HAS] != 0:
+            take_segment(tables, tables.kind[i, tree.FIRST], joints, j, h)

@@ -18,28 +18,10 @@ from engine.articulated.touched import NOWHERE, Touched, change_of, give
 from engine.compile.jit import kernel
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reaction
-from engine.maths.vec import Floats, Vec, dot, load3, scale
-from engine.memory.arena import (
-    BALL,
-    BIAS,
-    DISTANCE,
-    DYNAMIC,
-    FIXED,
-    GAP,
-    IMPULSE,
-    INV_INERTIA,
-    INV_MASS,
-    JOINT_OF,
-    JOINT_TYPE,
-    MOTION,
-    PIVOT,
-    TOUCHED,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import dot, scale
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["count_loop_rows", "hold_loops", "touch_loops", "write_loop_matrix", "write_loops"]
 
 DEPENDENT: Final = 1e-10
 """Pivots below this share of what the two bodies alone would give way: the row follows from the tree's joints or other rows."""
@@ -50,8 +32,8 @@ def count_loop_rows(tables: Tables, joints: Joints) -> int:
     """How many rows the joints have that close loops."""
     n = 0
     for c in range(tables.closing.shape[0]):
-        kind = joints.kind[tables.closing[c, 0], JOINT_TYPE]
-        n += 6 if kind == FIXED else 3 if kind == BALL else 1 if kind == DISTANCE else 5
+        kind = joints.kind[tables.closing[c, 0], at.JOINT_TYPE]
+        n += 6 if kind == at.FIXED else 3 if kind == at.BALL else 1 if kind == at.DISTANCE else 5
     return n
 
 
@@ -61,8 +43,8 @@ def touch_loops(tables: Tables, bodies: Bodies, joints: Joints) -> None:
     for c in range(tables.closing.shape[0]):
         for side in range(1, 3):
             b = joints.kind[tables.closing[c, 0], side]
-            if bodies.kind[b, MOTION] == DYNAMIC:
-                bodies.kind[b, TOUCHED] = 1
+            if bodies.kind[b, at.MOTION] == at.DYNAMIC:
+                bodies.kind[b, at.TOUCHED] = 1
 
 
 @kernel
@@ -79,8 +61,8 @@ def write_loops(tables: Tables, bodies: Bodies, joints: Joints, rows: Rows | Non
         rest = Rows(rows.row[r:], rows.body[r:], rows.reach, rows.matrix, rows.factor, rows.vector)
         n = equality_rows(bodies.state, Joints(joints.joint[j : j + 1], joints.kind[j : j + 1]), rest)
         for k in range(r, r + n):
-            rows.body[k, JOINT_OF] = j
-            rows.row[k, BIAS] = rows.row[k, GAP] / h
+            rows.body[k, at.JOINT_OF] = j
+            rows.row[k, at.BIAS] = rows.row[k, at.GAP] / h
         r += n
 
 
@@ -100,8 +82,8 @@ def own_mobility(rows: Rows, r: int, body: Floats) -> float:
     total = 0.0
     for side in range(2):
         b, f, t = rows.body[r, side], load3(rows.row, r, 6 * side), load3(rows.row, r, 6 * side + 3)
-        turning = (body[b, INV_INERTIA] + body[b, INV_INERTIA + 1] + body[b, INV_INERTIA + 2]) / 3.0
-        total += body[b, INV_MASS] * dot(f, f) + turning * dot(t, t)
+        turning = (body[b, at.INV_INERTIA] + body[b, at.INV_INERTIA + 1] + body[b, at.INV_INERTIA + 2]) / 3.0
+        total += body[b, at.INV_MASS] * dot(f, f) + turning * dot(t, t)
     return total
 
 
@@ -110,7 +92,7 @@ def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows | None, n: in
     """Write J G J^T of the first n rows and its factor, by Cholesky; rows that depend on others are held (PIVOT 1)."""
     if rows is None:
         return
-    row, matrix, low, pivot = rows.row, rows.matrix, rows.factor, rows.vector[PIVOT]
+    row, matrix, low, pivot = rows.row, rows.matrix, rows.factor, rows.vector[at.PIVOT]
     for r in range(n):
         for s in range(r + 1):
             total = 0.0
@@ -143,20 +125,22 @@ def hold_loops(
         return
     row, low, vector = rows.row, rows.factor, rows.vector
     for r in range(n):
-        total = -share * row[r, BIAS]
+        total = -share * row[r, at.BIAS]
         for side in range(2):
             b = rows.body[r, side]
-            total -= dot(load3(row, r, 6 * side), load3(state, b, V)) + dot(load3(row, r, 6 * side + 3), load3(state, b, W))
+            total -= dot(load3(row, r, 6 * side), load3(state, b, at.V)) + dot(
+                load3(row, r, 6 * side + 3), load3(state, b, at.W)
+            )
         for k in range(r):
-            total -= low[r, k] * vector[IMPULSE, k]
-        vector[IMPULSE, r] = 0.0 if vector[PIVOT, r] == 1.0 else total / low[r, r]
+            total -= low[r, k] * vector[at.IMPULSE, k]
+        vector[at.IMPULSE, r] = 0.0 if vector[at.PIVOT, r] == 1.0 else total / low[r, r]
     for r in range(n - 1, -1, -1):
-        total = vector[IMPULSE, r]
+        total = vector[at.IMPULSE, r]
         for k in range(r + 1, n):
-            total -= low[k, r] * vector[IMPULSE, k]
-        vector[IMPULSE, r] = 0.0 if vector[PIVOT, r] == 1.0 else total / low[r, r]
+            total -= low[k, r] * vector[at.IMPULSE, k]
+        vector[at.IMPULSE, r] = 0.0 if vector[at.PIVOT, r] == 1.0 else total / low[r, r]
     for r in range(n):
-        impulse = vector[IMPULSE, r]
+        impulse = vector[at.IMPULSE, r]
         if impulse == 0.0:
             continue
         for side in range(2):

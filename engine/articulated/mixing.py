@@ -13,9 +13,7 @@ import math
 from typing import Final
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
-
-__all__ = ["DEPTH", "mixed"]
+from engine.maths.rows import Floats
 
 DEPTH: Final = 6
 """Differences that are kept at most."""

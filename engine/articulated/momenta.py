@@ -11,59 +11,17 @@ where nothing acts they are kept to round-off.
 Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.1.4 (SHAKE and RATTLE).
 """
 
+from engine.articulated import tables as tree
 from engine.articulated.forces import put_inertia
 from engine.articulated.motion import move_links
-from engine.articulated.tables import (
-    ANCHOR_B,
-    ANCHOR_W,
-    ANGULAR_DAMPING,
-    BEND,
-    BIAS,
-    FORCE,
-    INERTIA,
-    KEPT_SPIN,
-    KEPT_VELOCITY,
-    LAST_BEND,
-    LINEAR_DAMPING,
-    MASS,
-    MATRIX,
-    PLACE,
-    PRESSURE,
-    ROW,
-    SHARE,
-    SPIN_SHARE,
-    TURNED_INERTIA,
-    VELOCITY,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import turn_inertia
 from engine.maths.elementary import exp
-from engine.maths.vec import (
-    Floats,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    cross,
-    load3,
-    load6,
-    load9,
-    mat_vec,
-    scale,
-    store3,
-    store6,
-    sub,
-    sym_rotate,
-    sym_vec,
-)  # fmt: skip
-from engine.memory.arena import GRAVITY, V, W
+from engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6
+from engine.maths.vec import add, axpy, cross, mat_vec, scale, sub, sym_rotate, sym_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = [
-    "begin_momenta", "centre_velocity", "damp_over", "go_on_bending", "keep_momenta", "load_momenta", "press_links",
-    "put_force", "write_kept_velocities",
-]  # fmt: skip
 
 
 @kernel
@@ -71,28 +29,28 @@ def damp_over(tables: Tables, h: float) -> None:
     """Write what damping leaves of momenta over a sub-step h [s]."""
     link = tables.link
     for i in range(link.shape[0]):
-        link[i, SHARE] = exp(-link[i, LINEAR_DAMPING] * h)
-        link[i, SPIN_SHARE] = exp(-link[i, ANGULAR_DAMPING] * h)
+        link[i, tree.SHARE] = exp(-link[i, tree.LINEAR_DAMPING] * h)
+        link[i, tree.SPIN_SHARE] = exp(-link[i, tree.ANGULAR_DAMPING] * h)
 
 
 @kernel
 def centre_velocity(tables: Tables, i: int) -> Vec:
     """The velocity [m/s] of the centre of mass of link i along the tangent."""
-    w, r = load3(tables.motion, i, VELOCITY), load3(tables.motion, i, PLACE)
-    return add(load3(tables.motion, i, VELOCITY + 3), cross(w, r))
+    w, r = load3(tables.motion, i, tree.VELOCITY), load3(tables.motion, i, tree.PLACE)
+    return add(load3(tables.motion, i, tree.VELOCITY + 3), cross(w, r))
 
 
 @kernel
 def put_force(tables: Tables, i: int, torque: Vec, f: Vec) -> None:
     """Write the force of link i, of a torque and a force at its centre of mass."""
-    store3(tables.body, i, FORCE, add(torque, cross(load3(tables.motion, i, PLACE), f)))
-    store3(tables.body, i, FORCE + 3, f)
+    store3(tables.body, i, tree.FORCE, add(torque, cross(load3(tables.motion, i, tree.PLACE), f)))
+    store3(tables.body, i, tree.FORCE + 3, f)
 
 
 @kernel
 def kept_spin(tables: Tables, i: int, inertia: Sym, gyroscopic: int) -> Vec:
     """The angular momentum [kg m2/s] that link i comes with; without the gyroscopic effect it is w that stays."""
-    kept = load3(tables.passage, i, KEPT_SPIN)
+    kept = load3(tables.passage, i, tree.KEPT_SPIN)
     return kept if gyroscopic == 1 else sym_vec(inertia, kept)
 
 
@@ -101,22 +59,22 @@ def keep_momenta(tables: Tables, gyroscopic: int) -> None:
     """Keep the momenta of this sub-step, from velocities along the tangent and their bends."""
     passage = tables.passage
     for i in range(passage.shape[0]):
-        w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
-        spin = sym_vec(load6(passage, i, TURNED_INERTIA), w) if gyroscopic == 1 else w
-        store3(passage, i, KEPT_SPIN, spin)
-        store3(passage, i, KEPT_VELOCITY, add(centre_velocity(tables, i), load3(passage, i, BEND + 3)))
+        w = add(load3(tables.motion, i, tree.VELOCITY), load3(passage, i, tree.BEND))
+        spin = sym_vec(load6(passage, i, tree.TURNED_INERTIA), w) if gyroscopic == 1 else w
+        store3(passage, i, tree.KEPT_SPIN, spin)
+        store3(passage, i, tree.KEPT_VELOCITY, add(centre_velocity(tables, i), load3(passage, i, tree.BEND + 3)))
 
 
 @kernel
 def write_kept_velocities(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
     """Write the velocities that the kept momenta mean to the bodies, whose poses are there already."""
     for i in range(tables.kind.shape[0]):
-        b, spin = tables.kind[i, ROW], load3(tables.passage, i, KEPT_SPIN)
+        b, spin = tables.kind[i, tree.ROW], load3(tables.passage, i, tree.KEPT_SPIN)
         if gyroscopic == 1:
             turn_inertia(bodies.state, bodies.body, bodies.turned, b)
             spin = sym_vec(load6(bodies.turned, b, 0), spin)
-        store3(bodies.state, b, V, load3(tables.passage, i, KEPT_VELOCITY))
-        store3(bodies.state, b, W, spin)
+        store3(bodies.state, b, at.V, load3(tables.passage, i, tree.KEPT_VELOCITY))
+        store3(bodies.state, b, at.W, spin)
 
 
 @kernel
@@ -125,9 +83,9 @@ def begin_momenta(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
     move_links(tables, bodies.state)
     for i in range(tables.passage.shape[0]):
         for c in range(6):
-            tables.passage[i, BEND + c] = tables.passage[i, LAST_BEND + c] = 0.0
-        inertia = sym_rotate(load9(tables.motion, i, MATRIX), load6(tables.link, i, INERTIA))
-        store6(tables.passage, i, TURNED_INERTIA, inertia)
+            tables.passage[i, tree.BEND + c] = tables.passage[i, tree.LAST_BEND + c] = 0.0
+        inertia = sym_rotate(load9(tables.motion, i, tree.MATRIX), load6(tables.link, i, tree.INERTIA))
+        store6(tables.passage, i, tree.TURNED_INERTIA, inertia)
     keep_momenta(tables, gyroscopic)
 
 
@@ -137,29 +95,31 @@ def go_on_bending(tables: Tables) -> None:
     passage = tables.passage
     for i in range(passage.shape[0]):
         for c in range(6):
-            bend = passage[i, BEND + c]
-            passage[i, BEND + c] = 2.0 * bend - passage[i, LAST_BEND + c]
-            passage[i, LAST_BEND + c] = bend
+            bend = passage[i, tree.BEND + c]
+            passage[i, tree.BEND + c] = 2.0 * bend - passage[i, tree.LAST_BEND + c]
+            passage[i, tree.LAST_BEND + c] = bend
 
 
 @kernel
 def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyroscopic: int) -> None:
     """Write inertia of every link, and the force that it needs to go on by the present rates and its bend."""
-    link, passage, load, g = tables.link, tables.passage, bodies.load, load3(setting, 0, GRAVITY)
+    link, passage, load, g = tables.link, tables.passage, bodies.load, load3(setting, 0, at.GRAVITY)
     for i in range(link.shape[0]):
-        m, b, turn = link[i, MASS], tables.kind[i, ROW], load9(tables.motion, i, MATRIX)
-        inertia = sym_rotate(turn, load6(link, i, INERTIA))
-        store6(passage, i, TURNED_INERTIA, inertia)
-        store3(passage, i, ANCHOR_W, add(load3(tables.motion, i, PLACE), mat_vec(turn, load3(link, i, ANCHOR_B))))
-        w = add(load3(tables.motion, i, VELOCITY), load3(passage, i, BEND))
-        v = add(centre_velocity(tables, i), load3(passage, i, BEND + 3))
-        pushed = axpy(h, load3(load, b, 0), scale(m, axpy(h, g, load3(passage, i, KEPT_VELOCITY))))
+        m, b, turn = link[i, tree.MASS], tables.kind[i, tree.ROW], load9(tables.motion, i, tree.MATRIX)
+        inertia = sym_rotate(turn, load6(link, i, tree.INERTIA))
+        store6(passage, i, tree.TURNED_INERTIA, inertia)
+        store3(
+            passage, i, tree.ANCHOR_W, add(load3(tables.motion, i, tree.PLACE), mat_vec(turn, load3(link, i, tree.ANCHOR_B)))
+        )
+        w = add(load3(tables.motion, i, tree.VELOCITY), load3(passage, i, tree.BEND))
+        v = add(centre_velocity(tables, i), load3(passage, i, tree.BEND + 3))
+        pushed = axpy(h, load3(load, b, 0), scale(m, axpy(h, g, load3(passage, i, tree.KEPT_VELOCITY))))
         turned = axpy(h, load3(load, b, 3), kept_spin(tables, i, inertia, gyroscopic))
-        torque = axpy(-link[i, SPIN_SHARE], turned, sym_vec(inertia, w))
-        put_force(tables, i, scale(1.0 / h, torque), scale(1.0 / h, axpy(-link[i, SHARE], pushed, scale(m, v))))
-        put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, PLACE))
+        torque = axpy(-link[i, tree.SPIN_SHARE], turned, sym_vec(inertia, w))
+        put_force(tables, i, scale(1.0 / h, torque), scale(1.0 / h, axpy(-link[i, tree.SHARE], pushed, scale(m, v))))
+        put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, tree.PLACE))
         for c in range(6):
-            tables.motion[i, BIAS + c] = 0.0
+            tables.motion[i, tree.BIAS + c] = 0.0
 
 
 @kernel
@@ -167,7 +127,7 @@ def press_links(tables: Tables, h: float) -> None:
     """Take from the force that every link needs what contacts give it over h."""
     body = tables.body
     for i in range(body.shape[0]):
-        f = scale(1.0 / h, load3(tables.stage, i, PRESSURE))
-        torque = axpy(1.0 / h, load3(tables.stage, i, PRESSURE + 3), cross(load3(tables.motion, i, PLACE), f))
-        store3(body, i, FORCE, sub(load3(body, i, FORCE), torque))
-        store3(body, i, FORCE + 3, sub(load3(body, i, FORCE + 3), f))
+        f = scale(1.0 / h, load3(tables.stage, i, tree.PRESSURE))
+        torque = axpy(1.0 / h, load3(tables.stage, i, tree.PRESSURE + 3), cross(load3(tables.motion, i, tree.PLACE), f))
+        store3(body, i, tree.FORCE, sub(load3(body, i, tree.FORCE), torque))
+        store3(body, i, tree.FORCE + 3, sub(load3(body, i, tree.FORCE + 3), f))

@@ -9,57 +9,16 @@ in the axes of its parent; a free root's are w_WB and v_WB.
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.2 (spatial vectors), 3.5 (acceleration) and 4.4 (joints).
 """
 
-from engine.articulated.tables import (
-    ANCHOR_A,
-    ANCHOR_B,
-    AXIS,
-    AXIS_W,
-    BASE,
-    BIAS,
-    FIRST,
-    FREE,
-    MATRIX,
-    ORIENTATION,
-    ORIGIN,
-    PARENT,
-    PLACE,
-    POSITION,
-    RATE,
-    START_X,
-    TURN,
-    TURNED_AXIS,
-    TYPE,
-    VELOCITY,
-    Tables,
-)
+from engine.articulated import tables as tree
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
 from engine.maths.floats import fma
-from engine.maths.vec import (
-    Floats,
-    Mat,
-    Quat,
-    Vec,
-    add,
-    axpy,
-    cross,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    neg,
-    quat_mul,
-    store3,
-    store4,
-    store9,
-    sub,
-)  # fmt: skip
-from engine.memory.arena import BALL, FIXED, PRISMATIC, REVOLUTE, P, Q, V, W
-
-__all__ = ["hinge_turn", "move_links", "turn_of"]
+from engine.maths.rows import Floats, Mat, Quat, Vec, load3, load4, load9, store3, store4, store9
+from engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_mul, sub
+from engine.memory import arena as at
 
 STILL: Vec = (0.0, 0.0, 0.0)
-UPRIGHT: Quat = (1.0, 0.0, 0.0, 0.0)
 EYE: Mat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -77,9 +36,9 @@ def turn_of(q: Quat) -> Mat:
 @kernel
 def hinge_turn(tables: Tables, i: int, x: float) -> Quat:
     """The orientation of link i on its parent, where its hinge stands at x [rad]."""
-    half = 0.5 * (x - tables.link[i, START_X])
+    half = 0.5 * (x - tables.link[i, tree.START_X])
     c, s = cos_sin(half)
-    start, about = load4(tables.link, i, TURN), load4(tables.link, i, TURNED_AXIS)
+    start, about = load4(tables.link, i, tree.TURN), load4(tables.link, i, tree.TURNED_AXIS)
     return (
         fma(c, start[0], s * about[0]),
         fma(c, start[1], s * about[1]),
@@ -91,8 +50,8 @@ def hinge_turn(tables: Tables, i: int, x: float) -> Quat:
 @kernel
 def put_axis(column: Floats, k: int, angular: Vec, linear: Vec) -> None:
     """Write the motion along column k."""
-    store3(column, k, AXIS_W, angular)
-    store3(column, k, AXIS_W + 3, linear)
+    store3(column, k, tree.AXIS_W, angular)
+    store3(column, k, tree.AXIS_W + 3, linear)
 
 
 @kernel
@@ -101,10 +60,10 @@ def base_of(tables: Tables, state: Floats, i: int) -> tuple[Quat, Vec, Vec, Vec]
 
     The base keeps its velocities. What is at a point at rest changes as the base goes by: by -w x v of its centre.
     """
-    b = tables.kind[i, BASE]
-    q, w, v = load4(state, b, Q), load3(state, b, W), load3(state, b, V)
-    arm = mat_vec(turn_of(q), load3(tables.link, i, ANCHOR_A))
-    store3(tables.motion, i, ORIGIN, add(load3(state, b, P), arm))
+    b = tables.kind[i, tree.BASE]
+    q, w, v = load4(state, b, at.Q), load3(state, b, at.W), load3(state, b, at.V)
+    arm = mat_vec(turn_of(q), load3(tables.link, i, tree.ANCHOR_A))
+    store3(tables.motion, i, tree.ORIGIN, add(load3(state, b, at.P), arm))
     return q, w, add(v, cross(w, arm)), neg(cross(w, v))
 
 
@@ -113,64 +72,64 @@ def move_links(tables: Tables, state: Floats) -> None:
     """Write pose, velocity and bias of every link and the axes of its columns, from coordinates, rates and the bases."""
     link, motion, column, coordinate = tables.link, tables.motion, tables.column, tables.coordinate
     for i in range(tables.kind.shape[0]):
-        kind, parent, first = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
+        kind, parent, first = tables.kind[i, tree.TYPE], tables.kind[i, tree.PARENT], tables.kind[i, tree.FIRST]
         bias = STILL
-        if kind == FREE:
+        if kind == tree.FREE:
             q = load4(coordinate, i, 0)
-            w = (column[first, RATE], column[first + 1, RATE], column[first + 2, RATE])
-            v = (column[first + 3, RATE], column[first + 4, RATE], column[first + 5, RATE])
+            w = (column[first, tree.RATE], column[first + 1, tree.RATE], column[first + 2, tree.RATE])
+            v = (column[first + 3, tree.RATE], column[first + 4, tree.RATE], column[first + 5, tree.RATE])
             for k in range(3):
                 e = (EYE[3 * k], EYE[3 * k + 1], EYE[3 * k + 2])
                 put_axis(column, first + k, e, STILL)
                 put_axis(column, first + 3 + k, STILL, e)
-            store3(motion, i, ORIGIN, load3(coordinate, i, POSITION))
-            store4(motion, i, ORIENTATION, q)
-            store9(motion, i, MATRIX, turn_of(q))
-            store3(motion, i, PLACE, STILL)
-            store3(motion, i, VELOCITY, w)
-            store3(motion, i, VELOCITY + 3, v)
-            store3(motion, i, BIAS, STILL)
-            store3(motion, i, BIAS + 3, neg(cross(w, v)))
+            store3(motion, i, tree.ORIGIN, load3(coordinate, i, tree.POSITION))
+            store4(motion, i, tree.ORIENTATION, q)
+            store9(motion, i, tree.MATRIX, turn_of(q))
+            store3(motion, i, tree.PLACE, STILL)
+            store3(motion, i, tree.VELOCITY, w)
+            store3(motion, i, tree.VELOCITY + 3, v)
+            store3(motion, i, tree.BIAS, STILL)
+            store3(motion, i, tree.BIAS + 3, neg(cross(w, v)))
             continue
         if parent >= 0:
-            q_a, anchor = load4(motion, parent, ORIENTATION), load3(motion, parent, PLACE)
-            w_a, v_a = load3(motion, parent, VELOCITY), load3(motion, parent, VELOCITY + 3)
-            turn_a = load9(motion, parent, MATRIX)
-            anchor = add(anchor, mat_vec(turn_a, load3(link, i, ANCHOR_A)))
+            q_a, anchor = load4(motion, parent, tree.ORIENTATION), load3(motion, parent, tree.PLACE)
+            w_a, v_a = load3(motion, parent, tree.VELOCITY), load3(motion, parent, tree.VELOCITY + 3)
+            turn_a = load9(motion, parent, tree.MATRIX)
+            anchor = add(anchor, mat_vec(turn_a, load3(link, i, tree.ANCHOR_A)))
         else:
             q_a, w_a, v_a, bias = base_of(tables, state, i)
             turn_a, anchor = turn_of(q_a), STILL
-        turn_ab = load4(link, i, TURN)
+        turn_ab = load4(link, i, tree.TURN)
         w, v = w_a, v_a
-        if kind == REVOLUTE:
+        if kind == at.REVOLUTE:
             turn_ab = hinge_turn(tables, i, coordinate[i, 0])
-            n = mat_vec(turn_a, load3(link, i, AXIS))
-            lever, rate = cross(anchor, n), column[first, RATE]
+            n = mat_vec(turn_a, load3(link, i, tree.AXIS))
+            lever, rate = cross(anchor, n), column[first, tree.RATE]
             put_axis(column, first, n, lever)
             w, v = axpy(rate, n, w), axpy(rate, lever, v)
-        elif kind == PRISMATIC:
-            n = mat_vec(turn_a, load3(link, i, AXIS))
+        elif kind == at.PRISMATIC:
+            n = mat_vec(turn_a, load3(link, i, tree.AXIS))
             put_axis(column, first, STILL, n)
-            v = axpy(column[first, RATE], n, v)
-            anchor = axpy(coordinate[i, 0] - link[i, START_X], n, anchor)
-        elif kind == BALL:
+            v = axpy(column[first, tree.RATE], n, v)
+            anchor = axpy(coordinate[i, 0] - link[i, tree.START_X], n, anchor)
+        elif kind == at.BALL:
             turn_ab = load4(coordinate, i, 0)
             for k in range(3):
                 n = (turn_a[k], turn_a[3 + k], turn_a[6 + k])
-                lever, rate = cross(anchor, n), column[first + k, RATE]
+                lever, rate = cross(anchor, n), column[first + k, tree.RATE]
                 put_axis(column, first + k, n, lever)
                 w, v = axpy(rate, n, w), axpy(rate, lever, v)
         q_b = quat_mul(q_a, turn_ab)
         turn_b = turn_of(q_b)
-        store9(motion, i, MATRIX, turn_b)
-        store4(motion, i, ORIENTATION, q_b)
-        store3(motion, i, PLACE, sub(anchor, mat_vec(turn_b, load3(link, i, ANCHOR_B))))
-        store3(motion, i, VELOCITY, w)
-        store3(motion, i, VELOCITY + 3, v)
-        if kind == FIXED:
-            store3(motion, i, BIAS, STILL)
-            store3(motion, i, BIAS + 3, bias)
+        store9(motion, i, tree.MATRIX, turn_b)
+        store4(motion, i, tree.ORIENTATION, q_b)
+        store3(motion, i, tree.PLACE, sub(anchor, mat_vec(turn_b, load3(link, i, tree.ANCHOR_B))))
+        store3(motion, i, tree.VELOCITY, w)
+        store3(motion, i, tree.VELOCITY + 3, v)
+        if kind == at.FIXED:
+            store3(motion, i, tree.BIAS, STILL)
+            store3(motion, i, tree.BIAS + 3, bias)
         else:
             turning, sliding = sub(w, w_a), sub(v, v_a)
-            store3(motion, i, BIAS, cross(w_a, turning))
-            store3(motion, i, BIAS + 3, add(bias, add(cross(w_a, sliding), cross(v_a, turning))))
+            store3(motion, i, tree.BIAS, cross(w_a, turning))
+            store3(motion, i, tree.BIAS + 3, add(bias, add(cross(w_a, sliding), cross(v_a, turning))))

@@ -13,14 +13,13 @@ Kreutz-Delgado, A spatial operator algebra for manipulator modeling and control,
 
 import math
 
-from engine.articulated.tables import ADDED, AXIS_W, COLUMNS, FIRST, INVERSE, PARENT, PLACE, PULL, Tables
+from engine.articulated import tables as tree
+from engine.articulated.tables import Tables
 from engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, FIRST_TAKEN, LINK, NOWHERE, Touched
 from engine.compile.jit import kernel
-from engine.maths.vec import load3, load6
-from engine.memory.arena import INV_MASS
+from engine.maths.rows import load3, load6
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["write_free_responses", "write_responses"]
 
 
 @kernel
@@ -28,7 +27,7 @@ def take_in(tables: Tables, touched: Touched, place: int) -> None:
     """Write what unit impulses on the link of a place leave along the columns from there to the root."""
     column, kind, taken, force = tables.column, tables.kind, touched.taken, touched.force
     x = touched.kind[place, LINK]
-    r, row = load3(tables.motion, x, PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
+    r, row = load3(tables.motion, x, tree.PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
     for c in range(36):
         force[c] = 0.0
     for c in range(3):
@@ -36,21 +35,21 @@ def take_in(tables: Tables, touched: Touched, place: int) -> None:
     force[1], force[2], force[6] = -r[2], r[1], r[2]
     force[8], force[12], force[13] = -r[0], -r[1], r[0]
     while x >= 0:
-        for k in range(kind[x, FIRST] + kind[x, COLUMNS] - 1, kind[x, FIRST] - 1, -1):
+        for k in range(kind[x, tree.FIRST] + kind[x, tree.COLUMNS] - 1, kind[x, tree.FIRST] - 1, -1):
             row -= 1
-            free = column[k, ADDED] != math.inf
-            share = math.sqrt(column[k, INVERSE]) if free else 0.0
+            free = column[k, tree.ADDED] != math.inf
+            share = math.sqrt(column[k, tree.INVERSE]) if free else 0.0
             for c in range(6):
                 left = 0.0
                 for d in range(6):
-                    left += column[k, AXIS_W + d] * force[6 * d + c]
+                    left += column[k, tree.AXIS_W + d] * force[6 * d + c]
                 taken[row, c] = share * left
             if free:
                 for d in range(6):
-                    pulled = column[k, PULL + d] * share
+                    pulled = column[k, tree.PULL + d] * share
                     for c in range(6):
                         force[6 * d + c] -= pulled * taken[row, c]
-        x = kind[x, PARENT]
+        x = kind[x, tree.PARENT]
 
 
 @kernel
@@ -60,9 +59,9 @@ def shared_columns(tables: Tables, touched: Touched, one: int, other: int) -> in
     while a != b:
         # A link comes behind its parent.
         if a > b:
-            a = tables.kind[a, PARENT]
+            a = tables.kind[a, tree.PARENT]
         else:
-            b = tables.kind[b, PARENT]
+            b = tables.kind[b, tree.PARENT]
     return int(touched.depth[a])
 
 
@@ -108,7 +107,7 @@ def write_free_responses(bodies: Bodies, touched: Touched) -> None:
             continue
         b, n = kind[k, BODY], kind[k, FIRST_BLOCK]
         inverse = load6(bodies.turned, b, 0)
-        block[n, 0] = block[n, 7] = block[n, 14] = bodies.body[b, INV_MASS]
+        block[n, 0] = block[n, 7] = block[n, 14] = bodies.body[b, at.INV_MASS]
         block[n, 21], block[n, 28], block[n, 35] = inverse[0], inverse[1], inverse[2]
         block[n, 22] = block[n, 27] = inverse[3]
         block[n, 23] = block[n, 33] = inverse[4]

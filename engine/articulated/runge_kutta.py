@@ -7,6 +7,7 @@ Nothing has to be projected: the coordinates leave the bodies no way off their j
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1, table 1.2 (1901, Kutta).
 """
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import add_reactions, change_rates, rates_of
 from engine.articulated.articulated_body import accelerations
 from engine.articulated.bases import carry_bases, free_columns
@@ -14,39 +15,15 @@ from engine.articulated.bounded import solve_laws
 from engine.articulated.forces import load_links, weigh_links
 from engine.articulated.laws import STIFF_ALONE
 from engine.articulated.motion import move_links
-from engine.articulated.tables import (
-    ADDED,
-    CHANGE,
-    FIRST,
-    FREE,
-    JOINT,
-    POSITION,
-    PUSH,
-    RATE,
-    TYPE,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.constrain.coordinate import explicit_force
 from engine.constrain.stiffness import DAMPED, STIFF
 from engine.integrate.runge_kutta import quat_rate
-from engine.maths.vec import Floats, load4, quat_unit, store4
-from engine.memory.arena import (
-    ARMATURE,
-    BALL,
-    DRIVE,
-    HAS,
-    HAS_DRIVE,
-    HAS_LIMITS,
-    HAS_SPRING,
-    IMPLICIT,
-    PRISMATIC,
-    REVOLUTE,
-    SPRING,
-)
+from engine.maths.rows import Floats, load4, store4
+from engine.maths.vec import quat_unit
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["ends_with_laws", "mark_stiff_columns", "runge_kutta"]
 
 SUM = 7
 """The column of a link's stages from which the weighted sum of slopes stands, behind the coordinates at the start."""
@@ -57,18 +34,18 @@ def push_columns(tables: Tables, joints: Joints) -> None:
     """Write what springs and drives push now, and rotors, for a stage."""
     kind, column = tables.kind, tables.column
     for i in range(kind.shape[0]):
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            column[k, ADDED] = joints.joint[j, ARMATURE]
-            column[k, PUSH] = explicit_force(joints, j, tables.coordinate[i, 0], column[k, RATE])
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j >= 0 and joints.kind[j, at.HAS] != 0:
+            column[k, tree.ADDED] = joints.joint[j, at.ARMATURE]
+            column[k, tree.PUSH] = explicit_force(joints, j, tables.coordinate[i, 0], column[k, tree.RATE])
 
 
 @kernel
 def ends_with_laws(tables: Tables, joints: Joints) -> bool:
     """Whether a step ends with a change of rates: there are limits, or springs or drives that are taken implicitly."""
     for i in range(tables.kind.shape[0]):
-        j = tables.kind[i, JOINT]
-        if j >= 0 and joints.kind[j, HAS] & (joints.kind[j, IMPLICIT] | HAS_LIMITS) != 0:
+        j = tables.kind[i, tree.JOINT]
+        if j >= 0 and joints.kind[j, at.HAS] & (joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS) != 0:
             return True
     return False
 
@@ -79,20 +56,20 @@ def mark_stiff_columns(tables: Tables, bodies: Bodies, joints: Joints, dt: float
     kind, column, joint = tables.kind, tables.column, joints.joint
     move_links(tables, bodies.state)
     for i in range(kind.shape[0]):
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j < 0 or joints.kind[j, HAS] == 0:
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j < 0 or joints.kind[j, at.HAS] == 0:
             continue
-        joints.kind[j, IMPLICIT] = 0
+        joints.kind[j, at.IMPLICIT] = 0
         free_columns(tables, joints)
-        column[k, PUSH] = 1.0
+        column[k, tree.PUSH] = 1.0
         weigh_links(tables)
         accelerations(tables, False)
-        mobility = column[k, CHANGE]
-        for law, has in ((SPRING, HAS_SPRING), (DRIVE, HAS_DRIVE)):
+        mobility = column[k, tree.CHANGE]
+        for law, has in ((at.SPRING, at.HAS_SPRING), (at.DRIVE, at.HAS_DRIVE)):
             stiff = dt * dt * joint[j, law] * mobility > STIFF or dt * joint[j, law + 1] * mobility > DAMPED
-            if joints.kind[j, HAS] & has and stiff:
-                joints.kind[j, IMPLICIT] |= has
-        column[k, PUSH] = 0.0
+            if joints.kind[j, at.HAS] & has and stiff:
+                joints.kind[j, at.IMPLICIT] |= has
+        column[k, tree.PUSH] = 0.0
 
 
 @kernel
@@ -100,26 +77,26 @@ def write_slopes(tables: Tables, weight: float, ahead: float, last: bool) -> Non
     """Add the slopes to their weighted sum, and go on from the start by them for `ahead` seconds, or by the sum at the last."""
     stage, coordinate, kind, column = tables.stage, tables.coordinate, tables.kind, tables.column
     for i in range(kind.shape[0]):
-        k, slope = kind[i, FIRST], (0.0, 0.0, 0.0, 0.0)
-        if kind[i, TYPE] == REVOLUTE or kind[i, TYPE] == PRISMATIC:
-            slope = (column[k, RATE], 0.0, 0.0, 0.0)
-        elif kind[i, TYPE] == BALL or kind[i, TYPE] == FREE:
+        k, slope = kind[i, tree.FIRST], (0.0, 0.0, 0.0, 0.0)
+        if kind[i, tree.TYPE] == at.REVOLUTE or kind[i, tree.TYPE] == at.PRISMATIC:
+            slope = (column[k, tree.RATE], 0.0, 0.0, 0.0)
+        elif kind[i, tree.TYPE] == at.BALL or kind[i, tree.TYPE] == tree.FREE:
             slope = quat_rate(load4(coordinate, i, 0), rates_of(tables, k))
         for c in range(4):
             stage[i, SUM + c] += weight * slope[c]
             coordinate[i, c] = stage[i, c] + (ahead / 6.0 * stage[i, SUM + c] if last else ahead * slope[c])
-        if kind[i, TYPE] == BALL or kind[i, TYPE] == FREE:
+        if kind[i, tree.TYPE] == at.BALL or kind[i, tree.TYPE] == tree.FREE:
             store4(coordinate, i, 0, quat_unit(load4(coordinate, i, 0)))
-        if kind[i, TYPE] == FREE:
+        if kind[i, tree.TYPE] == tree.FREE:
             for c in range(3):
-                rate = column[k + 3 + c, RATE]
-                stage[i, SUM + POSITION + c] += weight * rate
-                way = ahead / 6.0 * stage[i, SUM + POSITION + c] if last else ahead * rate
-                coordinate[i, POSITION + c] = stage[i, POSITION + c] + way
+                rate = column[k + 3 + c, tree.RATE]
+                stage[i, SUM + tree.POSITION + c] += weight * rate
+                way = ahead / 6.0 * stage[i, SUM + tree.POSITION + c] if last else ahead * rate
+                coordinate[i, tree.POSITION + c] = stage[i, tree.POSITION + c] + way
     for k in range(column.shape[0]):
-        tables.stage_rate[k, 1] += weight * column[k, CHANGE]
-        change = ahead / 6.0 * tables.stage_rate[k, 1] if last else ahead * column[k, CHANGE]
-        column[k, RATE] = tables.stage_rate[k, 0] + change
+        tables.stage_rate[k, 1] += weight * column[k, tree.CHANGE]
+        change = ahead / 6.0 * tables.stage_rate[k, 1] if last else ahead * column[k, tree.CHANGE]
+        column[k, tree.RATE] = tables.stage_rate[k, 0] + change
 
 
 @kernel
@@ -135,7 +112,7 @@ def runge_kutta(
         for c in range(7):
             stage[i, c], stage[i, SUM + c] = tables.coordinate[i, c], 0.0
     for k in range(stage_rate.shape[0]):
-        stage_rate[k, 0], stage_rate[k, 1] = tables.column[k, RATE], 0.0
+        stage_rate[k, 0], stage_rate[k, 1] = tables.column[k, tree.RATE], 0.0
     for n in range(4):
         weight = 1.0 if n == 0 or n == 3 else 2.0
         if n == 1 or n == 3:

@@ -12,50 +12,16 @@ and what slides goes h q' D_parent n more.
 import math
 from typing import Final
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import rates_of
 from engine.articulated.momenta import centre_velocity, put_force
-from engine.articulated.tables import (
-    ANCHOR_W,
-    AXIS_W,
-    BASE,
-    BEND,
-    FIRST,
-    FREE,
-    MASS,
-    ORIGIN,
-    PARENT,
-    PLACE,
-    RATE,
-    TURNED_INERTIA,
-    TURNING,
-    TYPE,
-    VELOCITY,
-    WAY,
-    Tables,
-)
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
 from engine.maths.elementary import atan2, cos_sin
-from engine.maths.vec import (
-    Quat,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    load6,
-    quat_mul,
-    scale,
-    store3,
-    store4,
-    sub,
-    sym_vec,
-)  # fmt: skip
-from engine.memory.arena import BALL, KINEMATIC, MOTION, PRISMATIC, REVOLUTE, P, V, W
+from engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4
+from engine.maths.vec import add, axpy, cross, dot, quat_mul, scale, sub, sym_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["bend_links"]
 
 SMALL: Final = 2.5e-3
 """The square of half an angle, or of its sine, up to which the series here are as good as round-off: below 1e-17 is left."""
@@ -115,38 +81,42 @@ def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
 @kernel
 def base_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
     """The turn of the base of root i in h seconds, and the way of the tree's origin on it."""
-    state, b = bodies.state, tables.kind[i, BASE]
-    if bodies.kind[b, MOTION] != KINEMATIC:
+    state, b = bodies.state, tables.kind[i, tree.BASE]
+    if bodies.kind[b, at.MOTION] != at.KINEMATIC:
         return NO_TURN, STILL
-    d = turn_by(scale(h, load3(state, b, W)))
-    arm = sub(load3(tables.motion, i, ORIGIN), load3(state, b, P))
-    return d, axpy(h, load3(state, b, V), moved_by(d, arm))
+    d = turn_by(scale(h, load3(state, b, at.W)))
+    arm = sub(load3(tables.motion, i, tree.ORIGIN), load3(state, b, at.P))
+    return d, axpy(h, load3(state, b, at.V), moved_by(d, arm))
 
 
 @kernel
 def go_to_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
     """The turn of link i in h seconds by the present rates, and the way of its centre of mass, its parent's being known."""
     passage, motion, column = tables.passage, tables.motion, tables.column
-    kind, parent, k = tables.kind[i, TYPE], tables.kind[i, PARENT], tables.kind[i, FIRST]
-    if kind == FREE:
+    kind, parent, k = tables.kind[i, tree.TYPE], tables.kind[i, tree.PARENT], tables.kind[i, tree.FIRST]
+    if kind == tree.FREE:
         return turn_by(scale(h, rates_of(tables, k))), scale(h, rates_of(tables, k + 3))
-    anchor = load3(passage, i, ANCHOR_W)
+    anchor = load3(passage, i, tree.ANCHOR_W)
     if parent >= 0:
-        d = load4(passage, parent, TURNING)
-        way = add(load3(passage, parent, WAY), moved_by(d, sub(anchor, load3(motion, parent, PLACE))))
+        d = load4(passage, parent, tree.TURNING)
+        way = add(load3(passage, parent, tree.WAY), moved_by(d, sub(anchor, load3(motion, parent, tree.PLACE))))
     else:
         d, way = base_end(tables, bodies, i, h)
         way = add(way, moved_by(d, anchor))
-    if kind == REVOLUTE:
-        d = quat_mul(d, turn_by(scale(h * column[k, RATE], load3(column, k, AXIS_W))))
-    elif kind == PRISMATIC:
-        n = load3(column, k, AXIS_W + 3)
-        way = axpy(h * column[k, RATE], add(n, moved_by(d, n)), way)
-    elif kind == BALL:
+    if kind == at.REVOLUTE:
+        d = quat_mul(d, turn_by(scale(h * column[k, tree.RATE], load3(column, k, tree.AXIS_W))))
+    elif kind == at.PRISMATIC:
+        n = load3(column, k, tree.AXIS_W + 3)
+        way = axpy(h * column[k, tree.RATE], add(n, moved_by(d, n)), way)
+    elif kind == at.BALL:
         x, y, z = rates_of(tables, k)
-        w = axpy(x, load3(column, k, AXIS_W), axpy(y, load3(column, k + 1, AXIS_W), scale(z, load3(column, k + 2, AXIS_W))))
+        w = axpy(
+            x,
+            load3(column, k, tree.AXIS_W),
+            axpy(y, load3(column, k + 1, tree.AXIS_W), scale(z, load3(column, k + 2, tree.AXIS_W))),
+        )
         d = quat_mul(d, turn_by(scale(h, w)))
-    return d, add(way, moved_by(d, sub(load3(motion, i, PLACE), anchor)))
+    return d, add(way, moved_by(d, sub(load3(motion, i, tree.PLACE), anchor)))
 
 
 @kernel
@@ -155,13 +125,13 @@ def bend_links(tables: Tables, bodies: Bodies, h: float) -> None:
     link, motion, passage = tables.link, tables.motion, tables.passage
     for i in range(link.shape[0]):
         d, way = go_to_end(tables, bodies, i, h)
-        store4(passage, i, TURNING, d)
-        store3(passage, i, WAY, way)
-        tangent = load3(motion, i, VELOCITY)
+        store4(passage, i, tree.TURNING, d)
+        store3(passage, i, tree.WAY, way)
+        tangent = load3(motion, i, tree.VELOCITY)
         turning = sub(angular_velocity(d, h, tangent), tangent)
         sliding = axpy(1.0 / h, way, scale(-1.0, centre_velocity(tables, i)))
-        more_w, more_v = sub(turning, load3(passage, i, BEND)), sub(sliding, load3(passage, i, BEND + 3))
-        store3(passage, i, BEND, turning)
-        store3(passage, i, BEND + 3, sliding)
-        torque = sym_vec(load6(passage, i, TURNED_INERTIA), more_w)
-        put_force(tables, i, scale(1.0 / h, torque), scale(link[i, MASS] / h, more_v))
+        more_w, more_v = sub(turning, load3(passage, i, tree.BEND)), sub(sliding, load3(passage, i, tree.BEND + 3))
+        store3(passage, i, tree.BEND, turning)
+        store3(passage, i, tree.BEND + 3, sliding)
+        torque = sym_vec(load6(passage, i, tree.TURNED_INERTIA), more_w)
+        put_force(tables, i, scale(1.0 / h, torque), scale(link[i, tree.MASS] / h, more_v))

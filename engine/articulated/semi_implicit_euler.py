@@ -18,6 +18,7 @@ section VII.1.4; Leimkuhler, Patrick, A symplectic integrator for Riemannian man
 
 import math
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
 from engine.articulated.articulated_body import answer_forces
 from engine.articulated.bounded import settle_laws
@@ -26,12 +27,10 @@ from engine.articulated.momenta import go_on_bending, keep_momenta
 from engine.articulated.motion import move_links
 from engine.articulated.secants import bend_links
 from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
-from engine.articulated.tables import ACCELERATION, VELOCITY, Tables
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["close_bends", "semi_implicit_euler", "take_changes"]
 
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that no round is made for. It leaves out as small a share of the way of
@@ -51,7 +50,7 @@ def take_changes(tables: Tables, joints: Joints, h: float, reactions: bool) -> N
     motion = tables.motion
     for i in range(motion.shape[0]):
         for c in range(6):
-            motion[i, VELOCITY + c] += h * motion[i, ACCELERATION + c]
+            motion[i, tree.VELOCITY + c] += h * motion[i, tree.ACCELERATION + c]
 
 
 @kernel

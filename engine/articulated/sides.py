@@ -13,16 +13,15 @@ section 31 (proximations).
 
 from typing import Final
 
+from engine.articulated import tables as tree
 from engine.articulated.advance import add_reactions
 from engine.articulated.bounded import answer_laws
 from engine.articulated.laws import next_segment, take_laws
-from engine.articulated.tables import AXIS_W, BESIDE, BREAKS, FIRST, JOINT, LEFT, PULL, RATE, SEGMENT, STARTED, Tables
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
-from engine.memory.arena import ARMATURE, HAS
+from engine.maths.rows import Floats
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints
-
-__all__ = ["MOST_TURNS", "are_settled", "start_again", "start_laws"]
 
 MOST_TURNS: Final = 50
 """By the contraction above these are beyond what rounding tells for c up to a fifth; a step that needs more is far too long."""
@@ -35,8 +34,8 @@ KNOWN = 1e-12
 def start_laws(tables: Tables) -> None:
     """Note the rates at the start of a sub-step, before its laws are written."""
     for k in range(tables.column.shape[0]):
-        tables.stage_rate[k, STARTED] = tables.column[k, RATE]
-        tables.column[k, BESIDE] = 0.0
+        tables.stage_rate[k, tree.STARTED] = tables.column[k, tree.RATE]
+        tables.column[k, tree.BESIDE] = 0.0
 
 
 @kernel
@@ -44,18 +43,18 @@ def are_settled(tables: Tables, joints: Joints, h: float) -> bool:
     """Whether every column is on the right segment at its present rate and, at a jump, under the force that this takes."""
     law, column, kind, fastest = tables.law, tables.column, tables.kind, 0.0
     for k in range(column.shape[0]):
-        fastest = max(fastest, abs(column[k, RATE]))
+        fastest = max(fastest, abs(column[k, tree.RATE]))
     for i in range(kind.shape[0]):
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j < 0 or joints.kind[j, HAS] == 0 or law[k, BREAKS] == 0.0:
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j < 0 or joints.kind[j, at.HAS] == 0 or law[k, tree.BREAKS] == 0.0:
             continue
-        found, open_by = column[k, RATE], KNOWN * fastest
-        if int(law[k, SEGMENT]) % 2 == 1:
-            inertia = joints.joint[j, ARMATURE]
+        found, open_by = column[k, tree.RATE], KNOWN * fastest
+        if int(law[k, tree.SEGMENT]) % 2 == 1:
+            inertia = joints.joint[j, at.ARMATURE]
             for c in range(6):
-                inertia += column[k, AXIS_W + c] * column[k, PULL + c]
-            found, open_by = column[k, LEFT], open_by * inertia / h
-        if next_segment(law, k, joints.joint, j, h, found, open_by) != int(law[k, SEGMENT]):
+                inertia += column[k, tree.AXIS_W + c] * column[k, tree.PULL + c]
+            found, open_by = column[k, tree.LEFT], open_by * inertia / h
+        if next_segment(law, k, joints.joint, j, h, found, open_by) != int(law[k, tree.SEGMENT]):
             return False
     return True
 
@@ -70,9 +69,11 @@ def start_again(
     """
     column, kind = tables.column, tables.kind
     for i in range(kind.shape[0]):
-        j, k = kind[i, JOINT], kind[i, FIRST]
-        if j >= 0 and joints.kind[j, HAS] != 0:
-            column[k, BESIDE] = joints.joint[j, ARMATURE] * (tables.stage_rate[k, STARTED] - column[k, RATE]) / h
+        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
+        if j >= 0 and joints.kind[j, at.HAS] != 0:
+            column[k, tree.BESIDE] = (
+                joints.joint[j, at.ARMATURE] * (tables.stage_rate[k, tree.STARTED] - column[k, tree.RATE]) / h
+            )
     take_laws(tables, joints, h)
     if reactions:
         # With all on their segments, nothing changes and the joints carry what was counted.

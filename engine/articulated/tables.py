@@ -10,10 +10,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.carve import table_within
-
-__all__ = ["FLOAT_COLUMNS", "INT_COLUMNS", "Tables", "float_view", "int_view", "tables_of"]
 
 # Links: what stays.
 LINK: Final = 0
@@ -147,15 +145,15 @@ class Tables(NamedTuple):
 def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
     """Table k of floats, (rows, columns), without a copy."""
     d = ints[len(ints) - 1] + 2 * k
-    at, rows, columns = ints[d], ints[d + 1], FLOAT_COLUMNS[k]
-    return floats[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[d], ints[d + 1], FLOAT_COLUMNS[k]
+    return floats[offset : offset + rows * columns].reshape((rows, columns))
 
 
 def int_view(ints: Ints, k: int) -> Ints:
     """Table k of integers, (rows, columns), without a copy."""
     d = ints[len(ints) - 1] + 2 * (FLOAT_TABLES + k)
-    at, rows, columns = ints[d], ints[d + 1], INT_COLUMNS[k]
-    return ints[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[d], ints[d + 1], INT_COLUMNS[k]
+    return ints[offset : offset + rows * columns].reshape((rows, columns))
 
 
 @inlined

@@ -15,15 +15,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from engine.articulated.tables import COLUMNS, PARENT, ROOT, ROW, Tables
+from engine.articulated import tables as tree
+from engine.articulated.tables import Tables
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, load3, scale
-from engine.memory.arena import DYNAMIC, MOTION, TOUCHED, V
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import axpy, scale
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = [
-    "BEGIN", "BODY", "END", "FIRST_BLOCK", "FIRST_TAKEN", "LINK", "NOWHERE", "Touched", "change_of", "find_touched", "give",
-]  # fmt: skip
 
 # Places.
 BODY: Final = 0
@@ -61,28 +59,29 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
     place, depth = np.empty(bodies.state.shape[0], np.int64), np.empty(links, np.int64)
     for b in range(bodies.state.shape[0]):
         place[b] = NOWHERE
-        if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
+        if bodies.kind[b, at.TOUCHED] == 1 and bodies.kind[b, at.MOTION] == at.DYNAMIC:
             n += 1
-    kind, at, blocks, rows, begin, root = np.empty((n, 6), np.int64), 0, 0, 0, 0, NOWHERE
+    kind, slot, blocks, rows, begin, root = np.empty((n, 6), np.int64), 0, 0, 0, 0, NOWHERE
     for i in range(links):
-        b, parent = tables.kind[i, ROW], tables.kind[i, PARENT]
-        depth[i] = tables.kind[i, COLUMNS] + (depth[parent] if parent >= 0 else 0)
-        if bodies.kind[b, TOUCHED] == 0:
+        b, parent = tables.kind[i, tree.ROW], tables.kind[i, tree.PARENT]
+        depth[i] = tables.kind[i, tree.COLUMNS] + (depth[parent] if parent >= 0 else 0)
+        if bodies.kind[b, at.TOUCHED] == 0:
             continue
-        if tables.kind[i, ROOT] != root:
-            root, begin = tables.kind[i, ROOT], at
-        place[b] = at
-        kind[at, BODY], kind[at, LINK], kind[at, BEGIN], kind[at, FIRST_TAKEN] = b, i, begin, rows
+        if tables.kind[i, tree.ROOT] != root:
+            root, begin = tables.kind[i, tree.ROOT], slot
+        place[b] = slot
+        kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, FIRST_TAKEN] = b, i, begin, rows
         rows += depth[i]
-        at += 1
-        for k in range(begin, at):
-            kind[k, END] = at
+        slot += 1
+        for k in range(begin, slot):
+            kind[k, END] = slot
     for m in range(tables.other.shape[0]):
         b = tables.other[m, 0]
-        if bodies.kind[b, TOUCHED] == 1 and bodies.kind[b, MOTION] == DYNAMIC:
-            place[b] = at
-            kind[at, BODY], kind[at, LINK], kind[at, BEGIN], kind[at, END], kind[at, FIRST_TAKEN] = b, NOWHERE, at, at + 1, rows
-            at += 1
+        if bodies.kind[b, at.TOUCHED] == 1 and bodies.kind[b, at.MOTION] == at.DYNAMIC:
+            place[b] = slot
+            kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, END] = b, NOWHERE, slot, slot + 1
+            kind[slot, FIRST_TAKEN] = rows
+            slot += 1
     for k in range(n):
         kind[k, FIRST_BLOCK] = blocks
         blocks += kind[k, END] - kind[k, BEGIN]
@@ -113,7 +112,7 @@ def give(touched: Touched, state: Floats, k: int, f: Vec, t: Vec) -> None:
         for r in range(6):
             total = block[first, r] * f[0] + block[first, 6 + r] * f[1] + block[first, 12 + r] * f[2]
             total += block[first, 18 + r] * t[0] + block[first, 24 + r] * t[1] + block[first, 30 + r] * t[2]
-            state[b, V + r] += total
+            state[b, at.V + r] += total
         first += 1
 
 

@@ -7,94 +7,55 @@ import math
 
 from engine.broad.collision_filter import CollisionFilter, kept_apart
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints, add, load3, load4, load9, mat_vec, norm, quat_mat, quat_mul, store3, store9
-from engine.memory.arena import (
-    ANEW,
-    BALL_RADIUS,
-    BODY_KIND,
-    BOUNDS,
-    BOX,
-    CAPSULE,
-    COUNT,
-    ELLIPSOID,
-    GRAVITY,
-    HULL,
-    LEAST,
-    MARGIN,
-    MOTION,
-    OFFSET,
-    OWNER,
-    PLACED,
-    PLANE,
-    PROGRESS,
-    SETTING,
-    SHAPES,
-    SIZE,
-    SPHERE,
-    STATE,
-    STATIC,
-    TURN,
-    TYPE,
-    WHOLE_STEP,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
+from engine.maths.vec import add, mat_vec, norm, quat_mat, quat_mul
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Shapes, shapes_of
-
-__all__ = ["boxes_overlap", "brute_force", "overlap", "place_shapes", "pose_shapes", "reaches_plane"]
 
 
 @kernel
 def pose_shape(state: Floats, b: int, shapes: Shapes, s: int) -> None:
     """Write position and rotation matrix in W of shape s of body b."""
-    shape, offset = shapes.shape, load3(shapes.shape, s, OFFSET)
-    if shapes.kind[s, TYPE] == SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
+    shape, offset = shapes.shape, load3(shapes.shape, s, at.OFFSET)
+    if shapes.kind[s, at.TYPE] == at.SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
         # A ball about the centre of mass looks the same however it is turned: its matrix stays as it was at the start.
-        store3(shapes.pose, s, 0, load3(state, b, P))
+        store3(shapes.pose, s, 0, load3(state, b, at.P))
         return
-    q = load4(state, b, Q)
-    store3(shapes.pose, s, 0, add(load3(state, b, P), mat_vec(quat_mat(q), offset)))
-    store9(shapes.pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
-
-
-@kernel
-def pose_shapes(floats: Floats, ints: Ints) -> None:
-    """Write position and rotation matrix in W of every shape."""
-    state, shapes = floats_of(floats, ints, STATE), shapes_of(floats, ints)
-    for s in range(ints_of(ints, COUNT)[0, SHAPES]):
-        pose_shape(state, shapes.kind[s, OWNER], shapes, s)
+    q = load4(state, b, at.Q)
+    store3(shapes.pose, s, 0, add(load3(state, b, at.P), mat_vec(quat_mat(q), offset)))
+    store9(shapes.pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))
 
 
 @kernel
 def bound_shape(state: Floats, b: int, shapes: Shapes, s: int, bounds: Floats, least: float, dt: float) -> None:
     """Write the axis-aligned bounds [m] of shape s of body b, widened by `least` [m] and by its way in dt, and by how much."""
-    shape, pose, kind = shapes.shape, shapes.pose, shapes.kind[s, TYPE]
-    grow = least + dt * norm(load3(state, b, V))
-    if shape[s, BALL_RADIUS] < math.inf:
-        swing = norm(load3(shape, s, OFFSET)) + (shape[s, BALL_RADIUS] if kind != SPHERE else 0.0)
+    shape, pose, kind = shapes.shape, shapes.pose, shapes.kind[s, at.TYPE]
+    grow = least + dt * norm(load3(state, b, at.V))
+    if shape[s, at.BALL_RADIUS] < math.inf:
+        swing = norm(load3(shape, s, at.OFFSET)) + (shape[s, at.BALL_RADIUS] if kind != at.SPHERE else 0.0)
         if swing > 0.0:
-            grow += dt * norm(load3(state, b, W)) * swing
+            grow += dt * norm(load3(state, b, at.W)) * swing
     m = load9(pose, s, 3)
     for k in range(3):
-        if kind == PLANE:
+        if kind == at.PLANE:
             half = math.inf
-        elif kind == SPHERE:
-            half = shape[s, SIZE]
-        elif kind == CAPSULE:
-            half = shape[s, SIZE] + shape[s, SIZE + 1] * abs(m[3 * k + 2])
-        elif kind == BOX or kind >= HULL:
+        elif kind == at.SPHERE:
+            half = shape[s, at.SIZE]
+        elif kind == at.CAPSULE:
+            half = shape[s, at.SIZE] + shape[s, at.SIZE + 1] * abs(m[3 * k + 2])
+        elif kind == at.BOX or kind >= at.HULL:
             half = (
-                shape[s, SIZE] * abs(m[3 * k]) + shape[s, SIZE + 1] * abs(m[3 * k + 1]) + shape[s, SIZE + 2] * abs(m[3 * k + 2])
+                shape[s, at.SIZE] * abs(m[3 * k])
+                + shape[s, at.SIZE + 1] * abs(m[3 * k + 1])
+                + shape[s, at.SIZE + 2] * abs(m[3 * k + 2])
             )
-        elif kind == ELLIPSOID:
-            one, two = shape[s, SIZE] * m[3 * k], shape[s, SIZE + 1] * m[3 * k + 1]
-            three = shape[s, SIZE + 2] * m[3 * k + 2]
+        elif kind == at.ELLIPSOID:
+            one, two = shape[s, at.SIZE] * m[3 * k], shape[s, at.SIZE + 1] * m[3 * k + 1]
+            three = shape[s, at.SIZE + 2] * m[3 * k + 2]
             half = math.sqrt(one * one + two * two + three * three)
         else:
-            half = shape[s, BALL_RADIUS]
+            half = shape[s, at.BALL_RADIUS]
         bounds[s, k] = pose[s, k] - half - grow
         bounds[s, k + 3] = pose[s, k] + half + grow
     bounds[s, 6] = grow
@@ -103,9 +64,9 @@ def bound_shape(state: Floats, b: int, shapes: Shapes, s: int, bounds: Floats, l
 @kernel
 def is_placed(state: Floats, b: int, placed: Floats, least: float) -> bool:
     """Whether the shapes of body b are where they were placed last, and as wide; from now on they are."""
-    same = placed[b, LEAST] == least
-    placed[b, LEAST] = least
-    for k in range(LEAST):
+    same = placed[b, at.LEAST] == least
+    placed[b, at.LEAST] = least
+    for k in range(at.LEAST):
         same = same and placed[b, k] == state[b, k]
         placed[b, k] = state[b, k]
     return bool(same)
@@ -118,18 +79,18 @@ def place_shapes(floats: Floats, ints: Ints) -> None:
     Two shapes together are widened by no less than `look_ahead`, so that no contact depends on the bounds. Shapes of a body
     follow one another.
     """
-    state, placed, kind = floats_of(floats, ints, STATE), floats_of(floats, ints, PLACED), ints_of(ints, BODY_KIND)
-    shapes, bounds, setting = shapes_of(floats, ints), floats_of(floats, ints, BOUNDS), floats_of(floats, ints, SETTING)
-    dt = setting[0, WHOLE_STEP]
-    least = setting[0, MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, GRAVITY))
+    state, placed, kind = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.PLACED), ints_of(ints, at.BODY_KIND)
+    shapes, bounds, setting = shapes_of(floats, ints), floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.SETTING)
+    dt = setting[0, at.WHOLE_STEP]
+    least = setting[0, at.MARGIN] + 0.5 * dt * dt * norm(load3(setting, 0, at.GRAVITY))
     last, lies = -1, False
-    for s in range(ints_of(ints, COUNT)[0, SHAPES]):
-        b = shapes.kind[s, OWNER]
+    for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
+        b = shapes.kind[s, at.OWNER]
         if b != last:
-            static = kind[b, MOTION] == STATIC
+            static = kind[b, at.MOTION] == at.STATIC
             last, lies = b, static and is_placed(state, b, placed, least)
             if static and not lies:
-                ints_of(ints, PROGRESS)[0, ANEW] = 1
+                ints_of(ints, at.PROGRESS)[0, at.ANEW] = 1
         if not lies:
             pose_shape(state, b, shapes, s)
             bound_shape(state, b, shapes, s, bounds, least, dt)
@@ -157,10 +118,10 @@ def reaches_plane(bounds: Floats, pose: Floats, plane: int, other: int) -> bool:
 @inlined
 def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> bool:
     """Whether the bounds of shapes i and j overlap, or those of one reach the plane that the other is."""
-    if shape_kind[i, TYPE] == PLANE or shape_kind[j, TYPE] == PLANE:
-        if shape_kind[i, TYPE] == shape_kind[j, TYPE]:
+    if shape_kind[i, at.TYPE] == at.PLANE or shape_kind[j, at.TYPE] == at.PLANE:
+        if shape_kind[i, at.TYPE] == shape_kind[j, at.TYPE]:
             return False
-        return reaches_plane(bounds, pose, i, j) if shape_kind[i, TYPE] == PLANE else reaches_plane(bounds, pose, j, i)
+        return reaches_plane(bounds, pose, i, j) if shape_kind[i, at.TYPE] == at.PLANE else reaches_plane(bounds, pose, j, i)
     return boxes_overlap(bounds, i, j)
 
 

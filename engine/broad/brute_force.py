@@ -3,20 +3,12 @@
 import math
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import add_pair, count_shapes, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 
 @kernel
@@ -25,28 +17,26 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
     Returns: their number, perhaps beyond the room.
     """
-    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
-    shape_kind, kind = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND)
+    fat, shape = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE)
+    shape_kind, kind = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND)
     found = 0
     for i in range(first, last):
-        if shape[i, BALL_RADIUS] == math.inf:
+        if shape[i, at.BALL_RADIUS] == math.inf:
             continue
         moves = may_move(shape_kind, kind, i)
         for j in range(i + 1, shapes):
-            if (moves or may_move(shape_kind, kind, j)) and shape[j, BALL_RADIUS] < math.inf and boxes_overlap(fat, i, j):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = i, j
-                found += 1
+            if (moves or may_move(shape_kind, kind, j)) and shape[j, at.BALL_RADIUS] < math.inf and boxes_overlap(fat, i, j):
+                found = add_pair(candidate, found, i, j)
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        shapes = ints_of(ints, COUNT)[0, SHAPES]
-        found = search_range(floats, ints, 0, shapes, ints_of(ints, CANDIDATE), shapes)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, count_shapes, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, count_shapes, search_range)

@@ -9,20 +9,12 @@ import math
 import numpy as np
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 LEAF = 4
 """Shapes of a node that is not split further."""
@@ -60,38 +52,38 @@ def select_middle(member: Ints, centre: Floats, axis: int, low: int, high: int) 
 @kernel
 def build_tree(floats: Floats, ints: Ints) -> Tree:
     """The tree of all bounded shapes."""
-    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
-    shapes = ints_of(ints, COUNT)[0, SHAPES]
+    fat, shape = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE)
+    shapes = ints_of(ints, at.COUNT)[0, at.SHAPES]
     member, centre, held = np.empty(shapes, np.int64), np.empty((shapes, 3)), 0
     for s in range(shapes):
-        if shape[s, BALL_RADIUS] < math.inf:
+        if shape[s, at.BALL_RADIUS] < math.inf:
             member[held] = s
             held += 1
             for k in range(3):
                 centre[s, k] = 0.5 * (fat[s, k] + fat[s, k + 3])
     node, box = np.empty((2 * held + 1, 3), np.int64), np.empty((2 * held + 1, 6))
     node[0, 0], node[0, 1] = 0, held
-    used, at = 1, 0
-    while at < used:
-        low, high = node[at, 0], node[at, 1]
+    used, current = 1, 0
+    while current < used:
+        low, high = node[current, 0], node[current, 1]
         axis, spread = 0, -1.0
         for k in range(3):
-            box[at, k], box[at, k + 3] = math.inf, -math.inf
+            box[current, k], box[current, k + 3] = math.inf, -math.inf
             least, most = math.inf, -math.inf
             for c in range(low, high):
                 s = member[c]
-                box[at, k], box[at, k + 3] = min(box[at, k], fat[s, k]), max(box[at, k + 3], fat[s, k + 3])
+                box[current, k], box[current, k + 3] = min(box[current, k], fat[s, k]), max(box[current, k + 3], fat[s, k + 3])
                 least, most = min(least, centre[s, k]), max(most, centre[s, k])
             if most - least > spread:
                 axis, spread = k, most - least
-        node[at, 2] = -1
+        node[current, 2] = -1
         if high - low > LEAF:
             select_middle(member, centre, axis, low, high)
-            node[at, 2] = used
+            node[current, 2] = used
             node[used, 0], node[used, 1] = low, (low + high) // 2
             node[used + 1, 0], node[used + 1, 1] = (low + high) // 2, high
             used += 2
-        at += 1
+        current += 1
     return member, node, box
 
 
@@ -101,43 +93,41 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
     Returns: their number, perhaps beyond the room.
     """
-    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
-    shape_kind, kind = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND)
+    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
+    shape_kind, kind = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND)
     member, node, box = tree
     stack = np.empty(128, np.int64)
     for i in range(first, last):
-        if shape[i, BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
+        if shape[i, at.BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
             continue
         stack[0], waiting = 0, 1
         while waiting > 0:
             waiting -= 1
-            at = stack[waiting]
+            current = stack[waiting]
             meets = True
             for k in range(3):
-                if fat[i, k] > box[at, k + 3] or box[at, k] > fat[i, k + 3]:
+                if fat[i, k] > box[current, k + 3] or box[current, k] > fat[i, k + 3]:
                     meets = False
             if not meets:
                 continue
-            if node[at, 2] >= 0:
-                stack[waiting], stack[waiting + 1] = node[at, 2], node[at, 2] + 1
+            if node[current, 2] >= 0:
+                stack[waiting], stack[waiting + 1] = node[current, 2], node[current, 2] + 1
                 waiting += 2
                 continue
-            for c in range(node[at, 0], node[at, 1]):
+            for c in range(node[current, 0], node[current, 1]):
                 j = member[c]
                 if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
-                    if found < candidate.shape[0]:
-                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                    found += 1
+                    found = add_pair(candidate, found, i, j)
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        tree = build_tree(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), tree)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, build_tree, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, build_tree, search_range)

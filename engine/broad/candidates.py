@@ -7,41 +7,18 @@ Source: Verlet, Phys. Rev. 159, 1967 (lists with a skin); Catto, Dynamic Boundin
 """
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from engine.broad.bounds import overlap, place_shapes, reaches_plane
 from engine.broad.collision_filter import collision_filter_of, kept_apart
-from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    ANEW,
-    BALL_RADIUS,
-    BODY_KIND,
-    BOUNDS,
-    CANDIDATE,
-    CANDIDATES,
-    COUNT,
-    DYNAMIC,
-    FAT,
-    KINEMATIC,
-    MOTION,
-    OWNER,
-    PAIR,
-    PAIRS,
-    POSE,
-    PROGRESS,
-    SEARCHED,
-    SHAPE,
-    SHAPE_KIND,
-    SHAPES,
-    STATIC,
-    TALLY,
-)  # fmt: skip
+from engine.compile.jit import inlined, kernel, template
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE, FULL
-
-__all__ = ["add_unbounded", "bounds_are_stale", "keep_candidates", "may_move", "compare_candidates", "write_pairs"]
 
 SKIN = 0.1
 """By how much candidates' bounds are widened on each side, as a share of the shape's bounding radius [1]."""
@@ -50,33 +27,41 @@ SKIN = 0.1
 @inlined
 def may_move(shape_kind: Ints, kind: Ints, s: int) -> bool:
     """Whether shape s belongs to a dynamic body."""
-    return bool(kind[shape_kind[s, OWNER], MOTION] == DYNAMIC)
+    return bool(kind[shape_kind[s, at.OWNER], at.MOTION] == at.DYNAMIC)
+
+
+@inlined
+def add_pair(pair: Ints, found: int, i: int, j: int) -> int:
+    """Write shapes i and j, the lower first, behind those that were found, where there is room. Returns: the new number."""
+    if found < pair.shape[0]:
+        pair[found, 0], pair[found, 1] = min(i, j), max(i, j)
+    return found + 1
 
 
 @kernel
 def bounds_are_stale(floats: Floats, ints: Ints) -> bool:
     """Write this step's poses and bounds; where one has left its widened bounds, or a plane moves, widen all anew."""
-    shape, bounds, fat = floats_of(floats, ints, SHAPE), floats_of(floats, ints, BOUNDS), floats_of(floats, ints, FAT)
-    kind, shape_kind, progress = ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND), ints_of(ints, PROGRESS)
-    shapes = ints_of(ints, COUNT)[0, SHAPES]
+    shape, bounds, fat = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.FAT)
+    kind, shape_kind, progress = ints_of(ints, at.BODY_KIND), ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.PROGRESS)
+    shapes = ints_of(ints, at.COUNT)[0, at.SHAPES]
     place_shapes(floats, ints)
-    stale = progress[0, CANDIDATES] < 0
-    ground = stale or progress[0, ANEW] == 1
-    progress[0, ANEW] = 0
+    stale = progress[0, at.CANDIDATES] < 0
+    ground = stale or progress[0, at.ANEW] == 1
+    progress[0, at.ANEW] = 0
     for s in range(shapes):
-        motion = kind[shape_kind[s, OWNER], MOTION]
-        if motion == STATIC and not ground:
+        motion = kind[shape_kind[s, at.OWNER], at.MOTION]
+        if motion == at.STATIC and not ground:
             continue
-        if shape[s, BALL_RADIUS] == math.inf:
-            stale = stale or motion == KINEMATIC
+        if shape[s, at.BALL_RADIUS] == math.inf:
+            stale = stale or motion == at.KINEMATIC
         for k in range(3):
             stale = stale or bounds[s, k] < fat[s, k] or bounds[s, k + 3] > fat[s, k + 3]
     if stale:
         for s in range(shapes):
-            motion = kind[shape_kind[s, OWNER], MOTION]
-            if motion == STATIC and not ground:
+            motion = kind[shape_kind[s, at.OWNER], at.MOTION]
+            if motion == at.STATIC and not ground:
                 continue
-            skin = SKIN * shape[s, BALL_RADIUS] if motion == DYNAMIC else 0.0
+            skin = SKIN * shape[s, at.BALL_RADIUS] if motion == at.DYNAMIC else 0.0
             for k in range(3):
                 fat[s, k], fat[s, k + 3] = bounds[s, k] - skin, bounds[s, k + 3] + skin
     return bool(stale)
@@ -85,16 +70,14 @@ def bounds_are_stale(floats: Floats, ints: Ints) -> bool:
 @kernel
 def add_unbounded(floats: Floats, ints: Ints, found: int) -> int:
     """Append the pairs of unbounded shapes, which no cell or tree holds, with those that can move. Returns: the new number."""
-    shape, pose, fat = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, FAT)
-    candidate, shapes = ints_of(ints, CANDIDATE), ints_of(ints, COUNT)[0, SHAPES]
+    shape, pose, fat = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE), floats_of(floats, ints, at.FAT)
+    candidate, shapes = ints_of(ints, at.CANDIDATE), ints_of(ints, at.COUNT)[0, at.SHAPES]
     for i in range(shapes):
-        if shape[i, BALL_RADIUS] < math.inf:
+        if shape[i, at.BALL_RADIUS] < math.inf:
             continue
         for j in range(shapes):
-            if shape[j, BALL_RADIUS] < math.inf and reaches_plane(fat, pose, i, j):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                found += 1
+            if shape[j, at.BALL_RADIUS] < math.inf and reaches_plane(fat, pose, i, j):
+                found = add_pair(candidate, found, i, j)
     return found
 
 
@@ -104,10 +87,10 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
 
     Returns: DONE, or FULL where the arena has no room for them.
     """
-    rules, candidate = collision_filter_of(floats, ints), ints_of(ints, CANDIDATE)
-    progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
+    rules, candidate = collision_filter_of(floats, ints), ints_of(ints, at.CANDIDATE)
+    progress, shapes = ints_of(ints, at.PROGRESS), ints_of(ints, at.COUNT)[0, at.SHAPES]
     if found > candidate.shape[0]:
-        progress[0, CANDIDATES], ints_of(ints, COUNT)[0, PAIRS] = -1, found
+        progress[0, at.CANDIDATES], ints_of(ints, at.COUNT)[0, at.PAIRS] = -1, found
         return FULL
     kept = 0
     for c in range(found):
@@ -132,28 +115,50 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
     for s in range(shapes):
         for c in range(start[s], start[s + 1]):
             candidate[c, 0], candidate[c, 1] = s, second[c]
-    progress[0, CANDIDATES] = kept
+    progress[0, at.CANDIDATES] = kept
     return DONE
 
 
 @kernel
 def compare_candidates(floats: Floats, ints: Ints, first: int, last: int, pair: Ints, candidate: Ints) -> int:
     """Write the candidates of a range whose bounds of this step overlap. Returns: their number, perhaps beyond the room."""
-    pose, bounds, shape_kind = floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS), ints_of(ints, SHAPE_KIND)
+    pose, bounds = floats_of(floats, ints, at.POSE), floats_of(floats, ints, at.BOUNDS)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
     found = 0
     for c in range(first, last):
         i, j = candidate[c, 0], candidate[c, 1]
         if overlap(bounds, shape_kind, pose, i, j):
-            if found < pair.shape[0]:
-                pair[found, 0], pair[found, 1] = i, j
-            found += 1
+            found = add_pair(pair, found, i, j)
     return found
+
+
+@kernel
+def count_shapes(_: Floats, ints: Ints) -> int:
+    """How many shapes there are."""
+    return int(ints_of(ints, at.COUNT)[0, at.SHAPES])
 
 
 @kernel
 def write_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    pair = ints_of(ints, PAIR)
-    found = compare_candidates(floats, ints, 0, ints_of(ints, PROGRESS)[0, CANDIDATES], pair, ints_of(ints, CANDIDATE))
-    ints_of(ints, COUNT)[0, PAIRS], ints_of(ints, TALLY)[0, SEARCHED] = found, 1
+    pair = ints_of(ints, at.PAIR)
+    found = compare_candidates(floats, ints, 0, ints_of(ints, at.PROGRESS)[0, at.CANDIDATES], pair, ints_of(ints, at.CANDIDATE))
+    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, 1
     return FULL if found > pair.shape[0] else DONE
+
+
+@template
+def search_anew(floats: Floats, ints: Ints, build: Callable[..., Any], search: Callable[..., int]) -> int:
+    """Write the pairs of this step, and before that, where bounds have left their skins, the candidates.
+
+    Args: build: (floats, ints) -> what is searched: a tuple of tables, a table, or a number; search: (floats, ints, first
+        shape, end, candidates, what is searched) -> number of candidates found, perhaps beyond the room.
+    Returns: DONE, or FULL where the arena has no room for them.
+    """
+    if bounds_are_stale(floats, ints):
+        among = build(floats, ints)
+        found = search(floats, ints, 0, count_shapes(floats, ints), ints_of(ints, at.CANDIDATE), among)
+        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+        if status != DONE:
+            return status
+    return write_pairs(floats, ints)

@@ -3,17 +3,11 @@
 from collections.abc import Callable
 from importlib import import_module
 
-import numpy as np
-from numpy.typing import NDArray
-
+from engine.maths.types import Floats, Ints
 from engine.memory.status import DONE
 
-__all__ = ["FEW", "DropApart", "FindPairs", "choose_broad_phase", "load_search", "load_volume", "search_pairs"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-FindPairs = Callable[[FloatArray, IntArray], int]
-DropApart = Callable[[FloatArray, IntArray], None]
+FindPairs = Callable[[Floats, Ints], int]
+DropApart = Callable[[Floats, Ints], None]
 
 FEW = 24
 """Shapes up to which all pairs are tested inside the step, which is then cheaper than any search before it."""
@@ -41,11 +35,11 @@ def load_search(broad_phase: str, volume: str, shapes: int, threads: int, colour
     if threads == 1:
         found: FindPairs = import_module(f"engine.broad.{broad_phase}").find_pairs
         return found
-    from engine.broad.parallel.pairs import write_pairs
+    from engine.broad.parallel_pairs import write_pairs
 
-    search = import_module(f"engine.broad.parallel.{broad_phase}").find_candidates
+    search = import_module(f"engine.broad.{broad_phase}").find_candidates
 
-    def find_pairs(floats: FloatArray, ints: IntArray) -> int:
+    def find_pairs(floats: Floats, ints: Ints) -> int:
         return int(search(floats, ints, threads) or write_pairs(floats, ints, threads))
 
     return find_pairs
@@ -59,7 +53,7 @@ def load_volume(name: str) -> DropApart | None:
     return tested
 
 
-def search_pairs(find_pairs: FindPairs, drop_apart: DropApart | None, floats: FloatArray, ints: IntArray) -> int:
+def search_pairs(find_pairs: FindPairs, drop_apart: DropApart | None, floats: Floats, ints: Ints) -> int:
     """Find the pairs of the coming step. Returns: DONE, or FULL."""
     status = find_pairs(floats, ints)
     if status == DONE and drop_apart is not None:

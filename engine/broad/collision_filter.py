@@ -3,24 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    APART,
-    BODY_KIND,
-    COUNT,
-    DYNAMIC,
-    EXCLUDED,
-    EXCLUSIONS,
-    MATERIAL,
-    MATERIALS,
-    MOTION,
-    OWNER,
-    SHAPE_KIND,
-    SURFACE,
-)
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["CollisionFilter", "collision_filter_of", "kept_apart"]
 
 
 class CollisionFilter(NamedTuple):
@@ -41,24 +26,24 @@ class CollisionFilter(NamedTuple):
 @kernel
 def collision_filter_of(floats: Floats, ints: Ints) -> CollisionFilter:
     """The filter of an arena."""
-    count = ints_of(ints, COUNT)
+    count = ints_of(ints, at.COUNT)
     return CollisionFilter(
-        ints_of(ints, BODY_KIND),
-        ints_of(ints, SHAPE_KIND),
-        floats_of(floats, ints, SURFACE),
-        count[0, MATERIALS],
-        ints_of(ints, EXCLUDED),
-        count[0, EXCLUSIONS],
+        ints_of(ints, at.BODY_KIND),
+        ints_of(ints, at.SHAPE_KIND),
+        floats_of(floats, ints, at.SURFACE),
+        count[0, at.MATERIALS],
+        ints_of(ints, at.EXCLUDED),
+        count[0, at.EXCLUSIONS],
     )
 
 
 @inlined
 def kept_apart(rules: CollisionFilter, i: int, j: int) -> bool:
     """Whether shapes i and j never touch: neither can move, or they belong to one body, or a joint or material parts them."""
-    a, b = rules.shape_kind[i, OWNER], rules.shape_kind[j, OWNER]
-    if a == b or (rules.kind[a, MOTION] != DYNAMIC and rules.kind[b, MOTION] != DYNAMIC):
+    a, b = rules.shape_kind[i, at.OWNER], rules.shape_kind[j, at.OWNER]
+    if a == b or (rules.kind[a, at.MOTION] != at.DYNAMIC and rules.kind[b, at.MOTION] != at.DYNAMIC):
         return True
-    if rules.surface[rules.shape_kind[i, MATERIAL] * rules.materials + rules.shape_kind[j, MATERIAL], APART] == 1.0:
+    if rules.surface[rules.shape_kind[i, at.MATERIAL] * rules.materials + rules.shape_kind[j, at.MATERIAL], at.APART] == 1.0:
         return True
     for e in range(rules.exclusions):
         one, two = rules.excluded[e, 0], rules.excluded[e, 1]

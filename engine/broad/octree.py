@@ -11,20 +11,12 @@ import math
 import numpy as np
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 DEEPEST = 20
 """Levels below the root; smaller shapes share the cells of the last one."""
@@ -40,7 +32,7 @@ def root_cube(fat: Floats, shape: Floats, shapes: int) -> tuple[float, float, fl
     """Lower corner and side [m] of a cube that holds all centres and is no narrower than any shape."""
     low, high, side = np.full(3, math.inf), np.full(3, -math.inf), 1e-300
     for s in range(shapes):
-        if shape[s, BALL_RADIUS] < math.inf:
+        if shape[s, at.BALL_RADIUS] < math.inf:
             for k in range(3):
                 middle = 0.5 * (fat[s, k] + fat[s, k + 3])
                 low[k], high[k] = min(low[k], middle), max(high[k], middle)
@@ -63,35 +55,35 @@ def depth_of(fat: Floats, s: int, side: float) -> int:
 @kernel
 def build_octree(floats: Floats, ints: Ints) -> Octree:
     """The octree of all bounded shapes."""
-    fat, shape = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE)
-    shapes = ints_of(ints, COUNT)[0, SHAPES]
+    fat, shape = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE)
+    shapes = ints_of(ints, at.COUNT)[0, at.SHAPES]
     x0, y0, z0, side = root_cube(fat, shape, shapes)
     nodes = 1
     for s in range(shapes):
-        if shape[s, BALL_RADIUS] < math.inf:
+        if shape[s, at.BALL_RADIUS] < math.inf:
             nodes += depth_of(fat, s, side)
     child, first = np.full((nodes, 8), -1, np.int64), np.full(nodes, -1, np.int64)
     following, cube = np.empty(shapes, np.int64), np.empty((nodes, 4))
     cube[0, 0], cube[0, 1], cube[0, 2], cube[0, 3] = x0, y0, z0, side
     used = 1
     for s in range(shapes - 1, -1, -1):
-        if shape[s, BALL_RADIUS] == math.inf:
+        if shape[s, at.BALL_RADIUS] == math.inf:
             continue
-        at = 0
+        cell = 0
         for _ in range(depth_of(fat, s, side)):
-            half, octant = 0.5 * cube[at, 3], 0
+            half, octant = 0.5 * cube[cell, 3], 0
             for k in range(3):
-                if 0.5 * (fat[s, k] + fat[s, k + 3]) >= cube[at, k] + half:
+                if 0.5 * (fat[s, k] + fat[s, k + 3]) >= cube[cell, k] + half:
                     octant += 1 << k
-            if child[at, octant] < 0:
-                child[at, octant] = used
+            if child[cell, octant] < 0:
+                child[cell, octant] = used
                 for k in range(3):
-                    cube[used, k] = cube[at, k] + (half if octant >> k & 1 else 0.0)
+                    cube[used, k] = cube[cell, k] + (half if octant >> k & 1 else 0.0)
                 cube[used, 3] = half
                 used += 1
-            at = child[at, octant]
-        following[s] = first[at]
-        first[at] = s
+            cell = child[cell, octant]
+        following[s] = first[cell]
+        first[cell] = s
     return child, first, following, cube
 
 
@@ -101,45 +93,43 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
     Returns: their number, perhaps beyond the room.
     """
-    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
-    shape_kind, kind = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND)
+    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
+    shape_kind, kind = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND)
     child, head, following, cube = octree
     stack = np.empty(8 * DEEPEST + 8, np.int64)
     for i in range(first, last):
-        if shape[i, BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
+        if shape[i, at.BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
             continue
         stack[0], waiting = 0, 1
         while waiting > 0:
             waiting -= 1
-            at = stack[waiting]
+            cell = stack[waiting]
             # Widened a little more than by half, for the rounding of the cell's corner.
-            loose, meets = 0.5000001 * cube[at, 3], True
+            loose, meets = 0.5000001 * cube[cell, 3], True
             for k in range(3):
-                if fat[i, k] > cube[at, k] + cube[at, 3] + loose or fat[i, k + 3] < cube[at, k] - loose:
+                if fat[i, k] > cube[cell, k] + cube[cell, 3] + loose or fat[i, k + 3] < cube[cell, k] - loose:
                     meets = False
             if not meets:
                 continue
-            j = head[at]
+            j = head[cell]
             while j >= 0:
                 if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
-                    if found < candidate.shape[0]:
-                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                    found += 1
+                    found = add_pair(candidate, found, i, j)
                 j = following[j]
             for octant in range(8):
-                if child[at, octant] >= 0:
-                    stack[waiting] = child[at, octant]
+                if child[cell, octant] >= 0:
+                    stack[waiting] = child[cell, octant]
                     waiting += 1
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        octree = build_octree(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), octree)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, build_octree, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, build_octree, search_range)

@@ -10,20 +10,12 @@ Rigid Bodies, 1992, section 2.3.
 import math
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import AXIS, BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, ORDER, PROGRESS, SHAPE, SHAPE_KIND, SHAPES
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 
 @kernel
@@ -33,7 +25,7 @@ def widest_axis(fat: Floats, shape: Floats, shapes: int, last: int) -> int:
     for k in range(3):
         number, mean, square = 0, 0.0, 0.0
         for s in range(shapes):
-            if shape[s, BALL_RADIUS] < math.inf:
+            if shape[s, at.BALL_RADIUS] < math.inf:
                 number += 1
                 step = fat[s, k] - mean
                 mean += step / number
@@ -48,14 +40,14 @@ def widest_axis(fat: Floats, shape: Floats, shapes: int, last: int) -> int:
 @kernel
 def sort_shapes(floats: Floats, ints: Ints) -> int:
     """Put the shapes into the order of their lower bounds along one axis. Returns: the axis."""
-    fat, shape, order = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, ORDER)
-    progress, shapes = ints_of(ints, PROGRESS), ints_of(ints, COUNT)[0, SHAPES]
-    axis = widest_axis(fat, shape, shapes, progress[0, AXIS])
-    progress[0, AXIS] = axis
-    for at in range(1, shapes):
-        s = order[at, 0]
+    fat, shape, order = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), ints_of(ints, at.ORDER)
+    progress, shapes = ints_of(ints, at.PROGRESS), ints_of(ints, at.COUNT)[0, at.SHAPES]
+    axis = widest_axis(fat, shape, shapes, progress[0, at.AXIS])
+    progress[0, at.AXIS] = axis
+    for rank in range(1, shapes):
+        s = order[rank, 0]
         low = fat[s, axis]
-        to = at
+        to = rank
         while to > 0 and fat[order[to - 1, 0], axis] > low:
             order[to, 0] = order[to - 1, 0]
             to -= 1
@@ -69,32 +61,30 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
     Returns: their number, perhaps beyond the room.
     """
-    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
-    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
-    order = ints_of(ints, ORDER)
-    for at in range(first, last):
-        s = order[at, 0]
-        if shape[s, BALL_RADIUS] == math.inf:
+    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)[0, at.SHAPES]
+    order = ints_of(ints, at.ORDER)
+    for rank in range(first, last):
+        s = order[rank, 0]
+        if shape[s, at.BALL_RADIUS] == math.inf:
             continue
         high, moves = fat[s, 3 + axis], may_move(shape_kind, kind, s)
-        for to in range(at + 1, shapes):
+        for to in range(rank + 1, shapes):
             t = order[to, 0]
             if fat[t, axis] > high:
                 break
-            if (moves or may_move(shape_kind, kind, t)) and shape[t, BALL_RADIUS] < math.inf and boxes_overlap(fat, s, t):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = min(s, t), max(s, t)
-                found += 1
+            if (moves or may_move(shape_kind, kind, t)) and shape[t, at.BALL_RADIUS] < math.inf and boxes_overlap(fat, s, t):
+                found = add_pair(candidate, found, s, t)
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        axis = sort_shapes(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), axis)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, sort_shapes, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, sort_shapes, search_range)

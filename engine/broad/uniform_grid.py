@@ -13,21 +13,13 @@ import math
 import numpy as np
 
 from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import (
-    add_unbounded,
-    bounds_are_stale,
-    keep_candidates,
-    may_move,
-    write_pairs,
-)  # fmt: skip
-from engine.compile.jit import entry, kernel
+from engine.broad.candidates import add_pair, may_move, search_anew
+from engine.broad.shares import search_in_shares_anew
+from engine.compile.jit import entry, kernel, parallel_entry
 from engine.maths.elementary import exp, log
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BALL_RADIUS, BODY_KIND, CANDIDATE, COUNT, FAT, SHAPE, SHAPE_KIND, SHAPES
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-
-__all__ = ["find_pairs"]
 
 LARGE = 4.0
 """Times the geometric mean of all widths from which a shape meets every other one instead of lying in a cell."""
@@ -71,11 +63,11 @@ def mark_outside(floats: Floats, ints: Ints, cell: Ints) -> int:
 
     Returns: the number of the rest.
     """
-    fat, shape, kind = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), ints_of(ints, BODY_KIND)
-    shape_kind, low, high, rest = ints_of(ints, SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf), 0
+    fat, shape, kind = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), ints_of(ints, at.BODY_KIND)
+    shape_kind, low, high, rest = ints_of(ints, at.SHAPE_KIND), np.full(3, math.inf), np.full(3, -math.inf), 0
     moving = 0
     for s in range(len(cell)):
-        bounded = shape[s, BALL_RADIUS] < math.inf
+        bounded = shape[s, at.BALL_RADIUS] < math.inf
         cell[s, 3] = IN_NONE if bounded else OUTSIDE
         rest += 1 if bounded else 0
         moving += 1 if bounded and may_move(shape_kind, kind, s) else 0
@@ -114,8 +106,8 @@ def cell_side(fat: Floats, cell: Ints) -> float:
 @kernel
 def fill_grid(floats: Floats, ints: Ints) -> Grid:
     """The grid of all bounded shapes but those that lie where nothing can move."""
-    fat, kind, shape_kind = floats_of(floats, ints, FAT), ints_of(ints, BODY_KIND), ints_of(ints, SHAPE_KIND)
-    shapes, inside, moving = ints_of(ints, COUNT)[0, SHAPES], 0, 0
+    fat, kind, shape_kind = floats_of(floats, ints, at.FAT), ints_of(ints, at.BODY_KIND), ints_of(ints, at.SHAPE_KIND)
+    shapes, inside, moving = ints_of(ints, at.COUNT)[0, at.SHAPES], 0, 0
     cell = np.empty((shapes, 4), np.int64)
     rest = mark_outside(floats, ints, cell)
     side, buckets = cell_side(fat, cell), 1
@@ -146,8 +138,8 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
 
     Returns: their number, perhaps beyond the room.
     """
-    fat, shape, found = floats_of(floats, ints, FAT), floats_of(floats, ints, SHAPE), 0
-    shape_kind, kind, shapes = ints_of(ints, SHAPE_KIND), ints_of(ints, BODY_KIND), ints_of(ints, COUNT)[0, SHAPES]
+    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
+    shape_kind, kind, shapes = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)[0, at.SHAPES]
     cell, start, member, around = grid
     buckets = len(start) - 1
     for i in range(first, last):
@@ -157,12 +149,10 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
         if cell[i, 3] == IN_NONE:
             for j in range(shapes):
                 wide = cell[j, 3] == IN_NONE
-                if shape[j, BALL_RADIUS] == math.inf or (wide and j <= i) or not boxes_overlap(fat, i, j):
+                if shape[j, at.BALL_RADIUS] == math.inf or (wide and j <= i) or not boxes_overlap(fat, i, j):
                     continue
                 if moves or may_move(shape_kind, kind, j):
-                    if found < candidate.shape[0]:
-                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                    found += 1
+                    found = add_pair(candidate, found, i, j)
             continue
         if around and not moves:
             continue
@@ -176,9 +166,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
                 movable = may_move(shape_kind, kind, j)
                 # Of two that look into each other's cells the first finds the other.
                 if (moves or movable) and not (around and movable and j <= i):
-                    if found < candidate.shape[0]:
-                        candidate[found, 0], candidate[found, 1] = min(i, j), max(i, j)
-                    found += 1
+                    found = add_pair(candidate, found, i, j)
         if around:
             continue
         for c in range(start[cell[i, 3]], start[cell[i, 3] + 1]):
@@ -186,19 +174,17 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             if j <= i or cell[j, 0] != cell[i, 0] or cell[j, 1] != cell[i, 1] or cell[j, 2] != cell[i, 2]:
                 continue
             if (moves or may_move(shape_kind, kind, j)) and boxes_overlap(fat, i, j):
-                if found < candidate.shape[0]:
-                    candidate[found, 0], candidate[found, 1] = i, j
-                found += 1
+                found = add_pair(candidate, found, i, j)
     return found
 
 
 @entry
 def find_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    if bounds_are_stale(floats, ints):
-        grid = fill_grid(floats, ints)
-        found = search_range(floats, ints, 0, ints_of(ints, COUNT)[0, SHAPES], ints_of(ints, CANDIDATE), grid)
-        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
-        if status != DONE:
-            return status
-    return write_pairs(floats, ints)
+    """Write the pairs of this step. Returns: as `search_anew`."""
+    return search_anew(floats, ints, fill_grid, search_range)
+
+
+@parallel_entry
+def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
+    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
+    return search_in_shares_anew(floats, ints, threads, fill_grid, search_range)

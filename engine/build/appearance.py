@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from engine.describe.bodies import Body
 from engine.describe.shapes import Placed
 
-__all__ = ["looks_of", "may_touch"]
-
 
 def looks_of(body: Body) -> Sequence[Placed]:
     """What a body is drawn with."""

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.build.closed_mesh import closed_volume
 from engine.build.joint_order import ROWS
@@ -17,22 +16,17 @@ from engine.describe.errors import NotSupported
 from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
 from engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table, new_arena
 from engine.memory.layout import FLOATS, INTS, Per, shapes_of
 from engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
-
-__all__ = ["assemble_world", "grow", "islands_know", "moves_meshes", "spheres_only", "wants_islands"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
 ENDLESS = 1e9
 """The extent [m] of a plane: where it turns at all, it does not count as still."""
 
 
-def six(m: FloatArray) -> list[float]:
+def six(m: Floats) -> list[float]:
     """(xx, yy, zz, xy, xz, yz) of a symmetric matrix."""
     return [m[0, 0], m[1, 1], m[2, 2], m[0, 1], m[0, 2], m[1, 2]]
 
@@ -94,7 +88,7 @@ def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
     options: Options, apart: Sequence[tuple[str, str]] = (), islands: bool = False,
-) -> tuple[FloatArray, IntArray]:  # fmt: skip
+) -> tuple[Floats, Ints]:  # fmt: skip
     """The arena of a world at its start, with room for islands where it has any. Raises: ValueError, NotSupported."""
     _check_pairs(surfaces, apart)
     n, nj = len(bodies), len(joints)
@@ -136,37 +130,37 @@ def assemble_world(
         **_convex_sizes([polyhedron for _, polyhedron in polyhedra], pairs if convex else 0, convex, options.continuous),
         **_island_sizes(n, nj, pairs, options, islands),
     }  # fmt: skip
-    floats, ints = new_arena(shapes_of(FLOATS, sizes), shapes_of(INTS, sizes))
+    floats, ints = at.new_arena(shapes_of(FLOATS, sizes), shapes_of(INTS, sizes))
     _write_bodies(floats, ints, bodies)
-    float_table(floats, ints, at.REST)[:] = np.inf
-    float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
+    at.float_table(floats, ints, at.REST)[:] = np.inf
+    at.float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
     for s, (i, solid) in enumerate(shapes):
         if solid.kind == at.PLANE and bodies[i].motion == "dynamic":
             raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
-        row = float_table(floats, ints, at.SHAPE)[s]
+        row = at.float_table(floats, ints, at.SHAPE)[s]
         row[at.OFFSET : at.OFFSET + 3] = solid.offset
         row[at.TURN : at.TURN + 4] = solid.turn
         row[at.SIZE : at.SIZE + 3] = solid.size
         row[at.BALL_RADIUS] = solid.radius
-        body = float_table(floats, ints, at.BODY)[i]
+        body = at.float_table(floats, ints, at.BODY)[i]
         body[at.EXTENT] = max(body[at.EXTENT], min(float(norm(solid.offset)) + solid.radius, ENDLESS))
-        int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
-        int_table(ints, at.ORDER)[s, 0] = s
-        int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
+        at.int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
+        at.int_table(ints, at.ORDER)[s, 0] = s
+        at.int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
     _write_polyhedra(floats, ints, polyhedra)
     for j, joint in enumerate(joints):
         _write_joint(floats, ints, j, joint, index, bodies)
     for (one, two), law in surfaces.items():
         for a, b in ((one, two), (two, one)):
-            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), :5] = (
+            at.float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), :5] = (
                 law.static_friction, law.kinetic_friction, law.restitution, law.rolling_friction, law.torsional_friction,
             )  # fmt: skip
     for one, two in apart:
         for a, b in ((one, two), (two, one)):
-            float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), at.APART] = 1.0
+            at.float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), at.APART] = 1.0
     if excluded:
-        int_table(ints, at.EXCLUDED)[:] = excluded
-    setting = float_table(floats, ints, at.SETTING)[0]
+        at.int_table(ints, at.EXCLUDED)[:] = excluded
+    setting = at.float_table(floats, ints, at.SETTING)[0]
     setting[at.DT] = setting[at.WHOLE_STEP] = setting[at.LAST_SPAN] = options.dt
     setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
     hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
@@ -174,16 +168,16 @@ def assemble_world(
     setting[at.MAX_PUSH], setting[at.MARGIN] = options.max_push, options.margin
     setting[at.STEP_TOLERANCE] = options.used_step_tolerance or 0.0
     setting[at.BOUNCE_SPEED] = -1.0 if options.bounce_speed is None else options.bounce_speed
-    count = int_table(ints, at.COUNT)[0]
+    count = at.int_table(ints, at.COUNT)[0]
     count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
     count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
     count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
     count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), CONTINUOUS.index(options.continuous)
-    int_table(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
+    at.int_table(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
-    int_table(ints, at.TALLY)[0, at.THREADS] = options.threads
+    at.int_table(ints, at.TALLY)[0, at.THREADS] = options.threads
     if options.sleeping:
-        float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
+        at.float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
     return floats, ints
 
 
@@ -257,10 +251,10 @@ def _island_sizes(bodies: int, joints: int, pairs: int, options: Options, wanted
     }
 
 
-def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
+def _write_polyhedra(floats: Floats, ints: Ints, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
     """Fill the tables of corners and faces; the number in front of each polyhedron is its shape."""
-    vertex, face = float_table(floats, ints, at.VERTEX), float_table(floats, ints, at.FACE)
-    table, span, loop = int_table(ints, at.POLYHEDRON), int_table(ints, at.SPAN), int_table(ints, at.LOOP)
+    vertex, face = at.float_table(floats, ints, at.VERTEX), at.float_table(floats, ints, at.FACE)
+    table, span, loop = at.int_table(ints, at.POLYHEDRON), at.int_table(ints, at.SPAN), at.int_table(ints, at.LOOP)
     v, f, c = 0, 0, 0
     for s, one in polyhedra:
         table[s, : at.INNER] = v, len(one.vertices), f, len(one.loops)
@@ -272,11 +266,11 @@ def _write_polyhedra(floats: FloatArray, ints: IntArray, polyhedra: Sequence[tup
         v += len(one.vertices)
 
 
-def _write_bodies(floats: FloatArray, ints: IntArray, bodies: Sequence[Body]) -> None:
+def _write_bodies(floats: Floats, ints: Ints, bodies: Sequence[Body]) -> None:
     """Fill the tables of states, masses and kinds."""
-    state, table = float_table(floats, ints, at.STATE), float_table(floats, ints, at.BODY)
-    turned, kind = float_table(floats, ints, at.TURNED), int_table(ints, at.BODY_KIND)
-    principal = float_table(floats, ints, at.PRINCIPAL)
+    state, table = at.float_table(floats, ints, at.STATE), at.float_table(floats, ints, at.BODY)
+    turned, kind = at.float_table(floats, ints, at.TURNED), at.int_table(ints, at.BODY_KIND)
+    principal = at.float_table(floats, ints, at.PRINCIPAL)
     state[:, at.Q] = 1.0
     for i, body in enumerate(bodies):
         label = f"body '{body.name}'"
@@ -305,7 +299,7 @@ def _along(joint: Joint) -> int:
     return (joint.armature > 0) + (joint.friction_loss > 0) + 2 * (joint.speed_limit < math.inf)
 
 
-def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArray, anchor: FloatArray) -> float:
+def _rate(joint: Joint, axis: Floats, state_a: Floats, state_b: Floats, anchor: Floats) -> float:
     """The rate of a joint's coordinate at the start [rad/s or m/s], of bodies in these states (13,), about or along an axis."""
     w_a, w_b = state_a[at.W : at.W + 3], state_b[at.W : at.W + 3]
     if isinstance(joint, Revolute):
@@ -314,9 +308,7 @@ def _rate(joint: Joint, axis: FloatArray, state_a: FloatArray, state_b: FloatArr
     return float(dot(axis, v_b - v_a))
 
 
-def _write_joint(
-    floats: FloatArray, ints: IntArray, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]
-) -> None:
+def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]) -> None:
     """Fill one row of the tables of joints. Raises: ValueError for unknown bodies, or two that cannot move."""
     label = f"joint '{joint.name}'"
     for role in ("parent", "child"):
@@ -327,8 +319,8 @@ def _write_joint(
         raise ValueError(f"{label}: parent and child are both '{joint.parent}'")
     if all(i == len(bodies) or bodies[i].motion != "dynamic" for i in (a, b)):
         raise ValueError(f"{label}: neither '{joint.parent}' nor '{joint.child}' is dynamic")
-    state = float_table(floats, ints, at.STATE)
-    row, kind = float_table(floats, ints, at.JOINT)[j], int_table(ints, at.JOINT_KIND)[j]
+    state = at.float_table(floats, ints, at.STATE)
+    row, kind = at.float_table(floats, ints, at.JOINT)[j], at.int_table(ints, at.JOINT_KIND)[j]
     ra, rb = quat_mat(state[a, at.Q : at.Q + 4]), quat_mat(state[b, at.Q : at.Q + 4])
     row[at.LOWER], row[at.UPPER], row[at.DRIVE + 4] = -math.inf, math.inf, math.inf
     kind[[at.PARENT, at.CHILD]] = a, b
@@ -373,20 +365,20 @@ def _write_joint(
         row[at.SPRING : at.SPRING + 3] = joint.spring.stiffness, joint.spring.damping, joint.spring.rest
 
 
-def grow(floats: FloatArray, ints: IntArray) -> tuple[FloatArray, IntArray]:
+def grow(floats: Floats, ints: Ints) -> tuple[Floats, Ints]:
     """The same world in an arena with room for twice as many pairs, or so often twice that those found find it."""
-    old_floats = [float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
-    old_ints = [int_table(ints, k) for k in range(at.INT_TABLES)]
+    old_floats = [at.float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
+    old_ints = [at.int_table(ints, k) for k in range(at.INT_TABLES)]
     times, room, found = 2, len(old_ints[at.PAIR]), old_ints[at.COUNT][0, at.PAIRS]
     while 0 < times * room < found:
         times *= 2
     more = [[times if table.rows.grows else 1 for table in tables] for tables in (FLOATS, INTS)]
-    new_floats, new_ints = new_arena(
+    new_floats, new_ints = at.new_arena(
         [(grown * old.shape[0], old.shape[1]) for grown, old in zip(more[0], old_floats, strict=True)],
         [(grown * old.shape[0], old.shape[1]) for grown, old in zip(more[1], old_ints, strict=True)],
     )
     for k, table in enumerate(old_floats):
-        float_table(new_floats, new_ints, k)[: table.shape[0]] = table
+        at.float_table(new_floats, new_ints, k)[: table.shape[0]] = table
     for k, whole in enumerate(old_ints):
-        int_table(new_ints, k)[: whole.shape[0]] = whole
+        at.int_table(new_ints, k)[: whole.shape[0]] = whole
     return new_floats, new_ints

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["closed_volume"]
+from engine.maths.types import Floats
 
 
-def closed_volume(vertices: NDArray[np.float64], faces: NDArray[Any]) -> float:
+def closed_volume(vertices: Floats, faces: NDArray[Any]) -> float:
     """The volume [m3] within a mesh. Raises: ValueError where an edge lacks its neighbour, or faces look inwards."""
     edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
     there, back = ({tuple(edge) for edge in way.tolist()} for way in (edges, edges[:, ::-1]))

@@ -3,16 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Ball, Distance, Fixed, Joint, Revolute
 from engine.maths.arrays import dot, norm, unit
-
-__all__ = ["check_initial_rates"]
-
-FloatArray = NDArray[np.float64]
+from engine.maths.types import Floats
 
 AGREES = 1e-6
 """Rates below this share of the speeds that they are made of are none: a scene in single precision is off by half an ulp, 6e-8,
@@ -43,7 +39,7 @@ def check_initial_rates(bodies: Sequence[Body], joints: Sequence[Joint]) -> None
                 )
 
 
-def _motion(body: Body | None, anchor: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+def _motion(body: Body | None, anchor: Floats) -> tuple[Floats, Floats, float]:
     """The velocity of the body's point at the anchor, its angular velocity, and the sum of the speeds that make the first."""
     if body is None or body.motion == "static":
         return np.zeros(3), np.zeros(3), 0.0
@@ -51,7 +47,7 @@ def _motion(body: Body | None, anchor: FloatArray) -> tuple[FloatArray, FloatArr
     return v + np.cross(w, arm), w, float(norm(v) + norm(w) * norm(arm))
 
 
-def _forbidden(joint: Joint, dv: FloatArray, dw: FloatArray, way: FloatArray) -> tuple[float, float]:
+def _forbidden(joint: Joint, dv: Floats, dw: Floats, way: Floats) -> tuple[float, float]:
     """How much of the relative velocity [m/s] and angular velocity [rad/s] at the anchors the joint forbids."""
     if isinstance(joint, Distance):
         kept = joint.limits is None and joint.spring is None

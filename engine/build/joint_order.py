@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from engine.describe.bodies import Body
 from engine.describe.joints import Ball, Distance, Fixed, Joint, Prismatic, Revolute
 
-__all__ = ["ROWS", "elimination_order", "factor_cost"]
-
 ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 """The equality rows of each type of joint."""
 
@@ -25,19 +23,14 @@ def elimination_order(bodies: Sequence[Body], joints: Sequence[Joint]) -> Sequen
     """The joints, reordered where that makes the factor cheaper; mechanisms of their own stay together."""
     if len(joints) < 3:
         return joints
-    beside = _neighbours(bodies, joints)
+    beside = neighbours(bodies, joints)
     found = [j for part in _parts(beside) for j in _best(part, beside, joints)]
-    if _cost(found, beside, joints) < _cost(range(len(joints)), beside, joints):
+    if factor_cost(found, beside, joints) < factor_cost(range(len(joints)), beside, joints):
         return [joints[j] for j in found]
     return joints
 
 
-def factor_cost(bodies: Sequence[Body], joints: Sequence[Joint]) -> int:
-    """The squared widths of all rows in the factor, summed, in the order of the joints: what it costs, in units of one."""
-    return _cost(range(len(joints)), _neighbours(bodies, joints), joints)
-
-
-def _neighbours(bodies: Sequence[Body], joints: Sequence[Joint]) -> list[list[int]]:
+def neighbours(bodies: Sequence[Body], joints: Sequence[Joint]) -> list[list[int]]:
     """For each joint the others on its dynamic bodies, ascending: those that it couples with."""
     on: dict[str, list[int]] = {body.name: [] for body in bodies if body.motion == "dynamic"}
     for j, joint in enumerate(joints):
@@ -48,8 +41,11 @@ def _neighbours(bodies: Sequence[Body], joints: Sequence[Joint]) -> list[list[in
     ]
 
 
-def _cost(order: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequence[Joint]) -> int:
-    """As `factor_cost`, in this order."""
+def factor_cost(order: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequence[Joint]) -> int:
+    """The squared widths of all rows in the factor, summed, in this order of the joints: what it costs, in units of one.
+
+    Args: beside: as `neighbours` returns it.
+    """
     place = {j: k for k, j in enumerate(order)}
     begin = [0]
     for j in order:
@@ -81,7 +77,7 @@ def _best(part: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequence
     orders = [sorted(part)]
     for j in dict.fromkeys(starts):
         orders += [_layers(j, beside)[::-1], _children_first(j, beside)]
-    costs = [_cost(order, beside, joints) for order in orders]
+    costs = [factor_cost(order, beside, joints) for order in orders]
     return orders[costs.index(min(costs))]
 
 

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.maths.arrays import cross, dot, norm, unit
-
-__all__ = ["FLAT", "Polyhedron", "box_polyhedron", "hull_polyhedron", "inner_edges", "triangle_polyhedron"]
+from engine.maths.types import Floats, Ints
 
 FLAT = 1e-9
 """Share of the size within which facets lie in one plane [1]: quickhull's own facets of one face differ by rounding only."""
@@ -25,8 +24,8 @@ class Polyhedron:
     Terms: vertices (n, 3) m; normals (f, 3) outward; loops: the corners of each face, counter-clockwise seen from outside.
     """
 
-    vertices: NDArray[np.float64]
-    normals: NDArray[np.float64]
+    vertices: Floats
+    normals: Floats
     loops: tuple[tuple[int, ...], ...]
 
 
@@ -59,7 +58,7 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     corners = points[kept]
     at = np.searchsorted(kept, facets)
     left = np.ones(len(facets), bool)
-    normals: list[NDArray[np.float64]] = []
+    normals: list[Floats] = []
     loops: list[tuple[int, ...]] = []
     rings_of: dict[int, list[frozenset[int]]] = {}
     for first in np.argsort(-areas, kind="stable").tolist():
@@ -85,9 +84,7 @@ def hull_polyhedron(vertices: Any) -> Polyhedron:
     return Polyhedron(corners, np.array(normals), tuple(loops))
 
 
-def _canonical(
-    points: NDArray[np.float64], facets: NDArray[Any], planes: NDArray[np.float64], size: float
-) -> tuple[NDArray[Any], NDArray[np.float64], NDArray[np.float64]]:
+def _canonical(points: Floats, facets: NDArray[Any], planes: Floats, size: float) -> tuple[NDArray[Any], Floats, Floats]:
     """Facets (f, 3) by their corners, twice their areas [m2], and their planes (f, 4): the outer normal and the offset.
 
     Args: planes: as Quickhull has them, which remain where a facet is too thin to have a normal.
@@ -105,19 +102,19 @@ def _canonical(
     return rows, areas, planes
 
 
-def _as_angle(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def _as_angle(x: Floats, y: Floats) -> Floats:
     """What grows as the angle of the direction (x, y) does, from -2 to 2."""
     share = y / (np.abs(x) + np.abs(y))
     return np.asarray(np.where(x >= 0.0, share, np.copysign(2.0, y) - share))
 
 
-def triangle_polyhedron(corners: NDArray[np.float64]) -> Polyhedron:
+def triangle_polyhedron(corners: Floats) -> Polyhedron:
     """A triangle (3, 3) as a solid without thickness; the first face is the outer one."""
     n = unit(cross(corners[1] - corners[0], corners[2] - corners[0]))
     return Polyhedron(corners, np.array([n, -n]), ((0, 1, 2), (0, 2, 1)))
 
 
-def inner_edges(vertices: NDArray[np.float64], faces: NDArray[Any]) -> NDArray[np.int64]:
+def inner_edges(vertices: Floats, faces: NDArray[Any]) -> Ints:
     """For each triangle, bit k is set where no edge sticks out between its corners k and k + 1: there its neighbour lies in
     its plane or above it.
 

@@ -1,16 +1,12 @@
 """The principal frame of a body's inertia, found once when a world is built."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.maths.arrays import det, eigen, unit
-
-__all__ = ["principal_frame"]
-
-FloatArray = NDArray[np.float64]
+from engine.maths.types import Floats
 
 
-def principal_frame(inertia: FloatArray) -> tuple[FloatArray, FloatArray]:
+def principal_frame(inertia: Floats) -> tuple[Floats, Floats]:
     """The principal moments and axes of an inertia, I_B = R_BP diag(moments) R_BP^T.
 
     Args: inertia (3, 3) kg m2, symmetric, in B.

@@ -9,8 +9,6 @@ from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
 from engine.maths.arrays import eigenvalues
 
-__all__ = ["SLENDEREST", "check_slenderness"]
-
 SLENDEREST = 1e10
 """The largest ratio of a body's principal moments. In the world's axes each entry of the inverse inertia is rounded to 1e-16 of
 the largest, about the thin axis: a rod of 1e10 (4 micrometres thick, a metre long) has six digits left across it, one of 1e14

@@ -8,18 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, inner_edges, triangle_polyhedron
 from engine.describe.bodies import Body
 from engine.describe.check import unit_quaternion
 from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from engine.maths.arrays import cross, dot, mat_mat, mat_vec, norm, unit
+from engine.maths.types import Floats
 from engine.memory import arena as at
-
-__all__ = ["Solid", "body_solids", "mat_quat", "quat_mat", "quat_mul"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,26 +29,26 @@ class Solid:
     kind: int
     size: tuple[float, float, float]
     radius: float
-    offset: FloatArray
-    turn: FloatArray
+    offset: Floats
+    turn: Floats
     part: int
     polyhedron: Polyhedron | None = None
     inner: int = 0
 
 
-def quat_mul(a: FloatArray, b: FloatArray) -> FloatArray:
+def quat_mul(a: Floats, b: Floats) -> Floats:
     """Hamilton product: first b, then a."""
     w = a[0] * b[0] - dot(a[1:], b[1:])
     return np.concatenate(([w], a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])))
 
 
-def quat_mat(q: FloatArray) -> FloatArray:
+def quat_mat(q: Floats) -> Floats:
     """The rotation matrix (3, 3) of a unit quaternion."""
     x = np.array([[0, -q[3], q[2]], [q[3], 0, -q[1]], [-q[2], q[1], 0]])
     return np.asarray(np.eye(3) + 2 * q[0] * x + mat_mat(2 * x, x))
 
 
-def from_z(n: FloatArray) -> FloatArray:
+def from_z(n: Floats) -> Floats:
     """The shortest rotation that takes z to the unit vector n."""
     if n[2] < -1 + 1e-12:
         return np.array([0.0, 1.0, 0.0, 0.0])
@@ -60,7 +56,7 @@ def from_z(n: FloatArray) -> FloatArray:
     return unit(q)
 
 
-def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
+def _closed_form(shape: Shape) -> tuple[int, list[float], float, Floats]:
     """Type, three sizes, bounding radius and own turn of a shape that a few numbers describe."""
     turn = np.array([1.0, 0.0, 0.0, 0.0])
     if isinstance(shape, Sphere):
@@ -84,7 +80,7 @@ def _closed_form(shape: Shape) -> tuple[int, list[float], float, FloatArray]:
     raise TypeError(f"{type(shape).__name__} is made of several numbers")
 
 
-def mat_quat(m: FloatArray) -> FloatArray:
+def mat_quat(m: Floats) -> Floats:
     """The unit quaternion (w, x, y, z) of a rotation matrix.
 
     Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1, 1978.
@@ -101,7 +97,7 @@ def mat_quat(m: FloatArray) -> FloatArray:
     return unit(q)
 
 
-def _hull(vertices: FloatArray, offset: FloatArray, turn: FloatArray, part: int) -> Solid:
+def _hull(vertices: Floats, offset: Floats, turn: Floats, part: int) -> Solid:
     """The convex hull of vertices, about the middle of its bounds."""
     middle = (vertices.max(axis=0) + vertices.min(axis=0)) / 2
     made = hull_polyhedron(vertices - middle)
@@ -110,7 +106,7 @@ def _hull(vertices: FloatArray, offset: FloatArray, turn: FloatArray, part: int)
     return Solid(at.HULL, (half[0], half[1], half[2]), radius, offset + mat_vec(quat_mat(turn), middle), turn, part, made)
 
 
-def _triangle(corners: FloatArray, inner: int, offset: FloatArray, turn: FloatArray, part: int) -> Solid:
+def _triangle(corners: Floats, inner: int, offset: Floats, turn: Floats, part: int) -> Solid:
     """A triangle with its normal along z and its origin in its plane."""
     x = unit(corners[1] - corners[0])
     z = unit(cross(x, corners[2] - corners[0]))

@@ -24,11 +24,6 @@ import platformdirs
 
 from engine.compile.sources import closure_digest
 
-__all__ = [
-    "cache_directory", "entry", "inlined", "jit_is_off", "kernel", "linker", "most_threads", "parallel_entry", "prepare",
-    "seldom", "stream", "template",
-]  # fmt: skip
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 LINKED = ("0.68",)

@@ -8,8 +8,6 @@ import os
 import warnings
 from pathlib import Path
 
-__all__ = ["read_checked", "write_checked"]
-
 _DIGITS = 64
 
 

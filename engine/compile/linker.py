@@ -29,11 +29,6 @@ from numba.core.runtime.nrt import rtsys
 from engine.compile.kernel_cache import read_checked, write_checked
 from engine.compile.table_type import Table, as_given, get_item, set_item, within
 
-__all__ = [
-    "checked_files", "compiled_under", "entry_options", "entry_point", "for_all_values", "inlined_options", "kernel_options",
-    "loaded_lightly", "seldom_options", "stream_options", "table_finder",
-]  # fmt: skip
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 types: Any = numba.types
 llvm: Any = llvmlite.binding
@@ -330,6 +325,7 @@ class InferTypes(typed.NopythonTypeInference):
     _name = "plumbline_infer_types"
 
     def run_pass(self, state: Any) -> Any:
+        """Infer the types of one function."""
         known = state.typingctx
         state.typingctx = Remembering(known)
         try:
@@ -361,6 +357,7 @@ class CountNothing(machinery.AnalysisPass):
         machinery.AnalysisPass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
+        """Switch off the counting of users where no array is made or returned."""
         values = {
             one.target.name: one.value
             for block in state.func_ir.blocks.values()
@@ -385,6 +382,7 @@ class WriteKernel(typed.BaseNativeLowering):
 
     @property
     def lowering_class(self) -> type:
+        """The writer of LLVM."""
         return LowerKernel
 
 
@@ -398,6 +396,7 @@ class Forget(machinery.AnalysisPass):
         machinery.AnalysisPass.__init__(self)
 
     def run_pass(self, state: Any) -> bool:
+        """Clear all blocks."""
         for block in state.func_ir.blocks.values():
             block.body.clear()
         return True

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-__all__ = ["closure", "closure_digest", "source_digest"]
-
 _IMPORT = re.compile(
     rb"^[ \t]*(?:from[ \t]+(engine[\w.]*)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)|import[ \t]+(engine[\w.]*))", re.MULTILINE
 )

@@ -15,8 +15,6 @@ import numba
 import numpy as np
 from numba import extending
 
-__all__ = ["Table", "as_given", "get_item", "set_item", "within"]
-
 types: Any = numba.types
 extend: Any = extending
 llvm: Any = llvmlite.ir

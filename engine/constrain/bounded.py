@@ -8,7 +8,6 @@ Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Pro
 """
 
 import math
-from typing import Final
 
 import numpy as np
 
@@ -16,15 +15,10 @@ from engine.compile.jit import inlined
 from engine.constrain.careful import careful_solve
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
 from engine.constrain.principal_pivoting import settle_bounds
-from engine.maths.vec import Floats
-from engine.memory.arena import BIAS, BOUND, HIGH, HIGHEST, IMPULSE, LOW, LOWEST, PIVOT, RIGHT, SOFTNESS, WORK
+from engine.constrain.stages import KNOWN, NEW
+from engine.maths.rows import Floats
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["KNOWN", "NEW", "solve_bounded"]
-
-# Whether the matrix has been solved since it was assembled.
-NEW: Final = 0
-KNOWN: Final = 1
 
 FAR = 1e-3
 """A limit that the velocities at hand [m/s or rad/s] stay off by more than this is held at no impulse to begin with."""
@@ -40,12 +34,12 @@ ROUND_OFF = 1e-12
 def unmet(change: Floats, rows: Rows, r: int, n: int, careful: bool) -> tuple[float, float]:
     """What row r still asks for, -(J v + softness * impulse + bias) after all impulses, and what of it may be round-off."""
     row, vector = rows.row, rows.vector
-    left, largest = vector[WORK, r], abs(vector[WORK, r])
+    left, largest = vector[at.WORK, r], abs(vector[at.WORK, r])
     if careful:
-        left -= rate(change, rows, r) + row[r, SOFTNESS] * vector[IMPULSE, r]
+        left -= rate(change, rows, r) + row[r, at.SOFTNESS] * vector[at.IMPULSE, r]
     else:
         for s in range(n):
-            term = rows.matrix[r, s] * vector[IMPULSE, s]
+            term = rows.matrix[r, s] * vector[at.IMPULSE, s]
             left -= term
             largest = max(largest, abs(term))
     return left, ROUND_OFF * (1.0 + largest)
@@ -55,27 +49,27 @@ def unmet(change: Floats, rows: Rows, r: int, n: int, careful: bool) -> tuple[fl
 def solve_held(bodies: Bodies, rows: Rows, equalities: int, n: int, factored: bool) -> None:
     """Solve the rows that BOUND leaves free, into IMPULSE. Args: factored: whether the factor for them is at hand."""
     vector = rows.vector
-    held = vector[BOUND]
+    held = vector[at.BOUND]
     for r in range(n):
         if not factored:
-            vector[PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
-        total = vector[WORK, r]
+            vector[at.PIVOT, r] = 1.0 if held[r] != 0.0 else 0.0
+        total = vector[at.WORK, r]
         for s in range(equalities, n):
             if held[s] != 0.0:
-                total -= rows.matrix[r, s] * (vector[LOWEST, s] if held[s] < 0.0 else vector[HIGHEST, s])
-        vector[RIGHT, r] = total
+                total -= rows.matrix[r, s] * (vector[at.LOWEST, s] if held[s] < 0.0 else vector[at.HIGHEST, s])
+        vector[at.RIGHT, r] = total
     if not factored:
         factor(rows, n, bodies.body)
     careful = is_careful(rows, n)
     if not careful:
-        solve(rows, n, bodies, RIGHT, IMPULSE)
+        solve(rows, n, bodies, at.RIGHT, at.IMPULSE)
     for r in range(n):
         if held[r] != 0.0:
-            vector[IMPULSE, r] = vector[LOWEST, r] if held[r] < 0.0 else vector[HIGHEST, r]
+            vector[at.IMPULSE, r] = vector[at.LOWEST, r] if held[r] < 0.0 else vector[at.HIGHEST, r]
         elif careful:
-            vector[IMPULSE, r] = 0.0
+            vector[at.IMPULSE, r] = 0.0
     if careful:
-        careful_solve(rows, n, bodies, WORK, IMPULSE, np.zeros((bodies.body.shape[0], 6)))
+        careful_solve(rows, n, bodies, at.WORK, at.IMPULSE, np.zeros((bodies.body.shape[0], 6)))
 
 
 @inlined
@@ -85,20 +79,22 @@ def change_sides(bodies: Bodies, rows: Rows, equalities: int, n: int) -> tuple[i
     Returns: how many there were; and how many free limits depend on other rows, which leave them violated.
     """
     row, vector = rows.row, rows.vector
-    held, careful = vector[BOUND], is_careful(rows, n)
+    held, careful = vector[at.BOUND], is_careful(rows, n)
     change = np.zeros((bodies.body.shape[0] if careful else 0, 13))
     if careful:
-        apply_all(change, rows, n, bodies, IMPULSE, 1.0)
+        apply_all(change, rows, n, bodies, at.IMPULSE, 1.0)
     changed, stuck = 0, 0
     for r in range(equalities, n):
-        impulse = vector[IMPULSE, r]
-        if held[r] == 0.0 and (impulse < vector[LOWEST, r] or impulse > vector[HIGHEST, r]):
-            held[r] = -1.0 if impulse < vector[LOWEST, r] else 1.0
+        impulse = vector[at.IMPULSE, r]
+        if held[r] == 0.0 and (impulse < vector[at.LOWEST, r] or impulse > vector[at.HIGHEST, r]):
+            held[r] = -1.0 if impulse < vector[at.LOWEST, r] else 1.0
             changed += 1
-        elif held[r] != 0.0 or (vector[PIVOT, r] == 1.0 and row[r, SOFTNESS] == 0.0):
+        elif held[r] != 0.0 or (vector[at.PIVOT, r] == 1.0 and row[r, at.SOFTNESS] == 0.0):
             left, least = unmet(change, rows, r, n, careful)
             if held[r] == 0.0:
-                stuck += int((left > least and impulse < vector[HIGHEST, r]) or (left < -least and impulse > vector[LOWEST, r]))
+                stuck += int(
+                    (left > least and impulse < vector[at.HIGHEST, r]) or (left < -least and impulse > vector[at.LOWEST, r])
+                )
             elif left * held[r] < -least:
                 held[r] = 0.0
                 changed += 1
@@ -115,13 +111,13 @@ def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: i
     """
     row, vector = rows.row, rows.vector
     for r in range(n):
-        vector[WORK, r] = -(rate(bodies.state, rows, r) + row[r, BIAS])
-        vector[LOWEST, r] = row[r, LOW] if r >= equalities else -math.inf
-        vector[HIGHEST, r] = row[r, HIGH] if r >= equalities else math.inf
-        vector[IMPULSE, r] = 0.0
+        vector[at.WORK, r] = -(rate(bodies.state, rows, r) + row[r, at.BIAS])
+        vector[at.LOWEST, r] = row[r, at.LOW] if r >= equalities else -math.inf
+        vector[at.HIGHEST, r] = row[r, at.HIGH] if r >= equalities else math.inf
+        vector[at.IMPULSE, r] = 0.0
         if matrix == NEW:
-            off = r >= equalities and row[r, SOFTNESS] == 0.0 and row[r, LOW] == 0.0 and vector[WORK, r] < -FAR
-            vector[BOUND, r] = -1.0 if off else 0.0
+            off = r >= equalities and row[r, at.SOFTNESS] == 0.0 and row[r, at.LOW] == 0.0 and vector[at.WORK, r] < -FAR
+            vector[at.BOUND, r] = -1.0 if off else 0.0
     factored, one_by_one, fewest, patience = matrix == KNOWN, False, n + 1, PATIENCE
     while True:
         solve_held(bodies, rows, equalities, n, factored=factored)
@@ -136,4 +132,4 @@ def solve_bounded(bodies: Bodies, rows: Rows, equalities: int, n: int, matrix: i
         one_by_one = changed == 0 or patience == 0
         if one_by_one:
             settle_bounds(bodies, rows, equalities, n)
-    apply_all(bodies.state, rows, n, bodies, IMPULSE, 1.0)
+    apply_all(bodies.state, rows, n, bodies, at.IMPULSE, 1.0)

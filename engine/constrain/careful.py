@@ -15,11 +15,10 @@ import numpy as np
 from engine.compile.jit import kernel, seldom
 from engine.constrain.dependence import LOW_PIVOT, lies_in_span
 from engine.maths.double_double import Double, add2, div2, dot2, less2, mul2, product
-from engine.maths.vec import Floats, Sym, add, load3, load6, store3
-from engine.memory.arena import ENVELOPE, INV_MASS, LOW_PART, PIVOT, SOFTNESS, V, W
+from engine.maths.rows import Floats, Sym, load3, load6, store3
+from engine.maths.vec import add
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["careful_apply", "careful_solve"]
 
 NOISE = 1e-27
 """Pivots below this share of their diagonal are round-off even here."""
@@ -41,13 +40,13 @@ def mobilities(rows: Rows, n: int, bodies: Bodies, high: Floats, rest: Floats) -
     for r in range(n):
         for side in range(2):
             b = rows.body[r, side]
-            at = 6 * side
+            first = 6 * side
             for c in range(3):
-                high[r, at + c], rest[r, at + c] = product(bodies.body[b, INV_MASS], rows.row[r, at + c])
-            torque = load3(rows.row, r, at + 3)
+                high[r, first + c], rest[r, first + c] = product(bodies.body[b, at.INV_MASS], rows.row[r, first + c])
+            torque = load3(rows.row, r, first + 3)
             spin = sym_times(load6(bodies.turned, b, 0), (torque[0], 0.0), (torque[1], 0.0), (torque[2], 0.0))
             for c in range(3):
-                high[r, at + 3 + c], rest[r, at + 3 + c] = spin[c]
+                high[r, first + 3 + c], rest[r, first + 3 + c] = spin[c]
 
 
 @kernel
@@ -79,23 +78,23 @@ def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, forc
     spread_high, spread_rest = np.empty(n), np.empty(n)
     pivot_high, pivot_rest = np.zeros(n), np.zeros(n)
     for i in range(n):
-        vector[LOW_PART, i] = 0.0
+        vector[at.LOW_PART, i] = 0.0
         first = 0
         while first < i and coupling(rows, i, first, high, rest)[0] == 0.0:
             first += 1
-        vector[ENVELOPE, i] = first
+        vector[at.ENVELOPE, i] = first
         for j in range(i):
             low[i, j] = 0.0
-        if vector[PIVOT, i] == 1.0:
+        if vector[at.PIVOT, i] == 1.0:
             continue
-        whole = add2(coupling(rows, i, i, high, rest), (row[i, SOFTNESS], 0.0))
+        whole = add2(coupling(rows, i, i, high, rest), (row[i, at.SOFTNESS], 0.0))
         pivot = whole
         for j in range(first, i):
-            if vector[PIVOT, j] == 1.0:
+            if vector[at.PIVOT, j] == 1.0:
                 continue
             total = coupling(rows, i, j, high, rest)
-            for k in range(max(first, int(vector[ENVELOPE, j])), j):
-                if vector[PIVOT, k] == 0.0:
+            for k in range(max(first, int(vector[at.ENVELOPE, j])), j):
+                if vector[at.PIVOT, k] == 0.0:
                     total = less2(total, mul2((spread_high[k], spread_rest[k]), (unit_high[j, k], unit_rest[j, k])))
             spread_high[j], spread_rest[j] = total
             share = div2(total, (pivot_high[j], pivot_rest[j]))
@@ -103,10 +102,10 @@ def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, forc
             pivot = less2(pivot, mul2(total, share))
             low[i, j] = total[0] / math.sqrt(pivot_high[j])
         lost = pivot[0] <= NOISE * whole[0]
-        if not lost and pivot[0] <= LOW_PIVOT * whole[0] and row[i, SOFTNESS] == 0.0:
+        if not lost and pivot[0] <= LOW_PIVOT * whole[0] and row[i, at.SOFTNESS] == 0.0:
             lost = lies_in_span(rows, i, bodies.body, pivot[0] / whole[0])
         if lost:
-            vector[PIVOT, i] = 1.0
+            vector[at.PIVOT, i] = 1.0
             vector[out, i] = 0.0
             for j in range(first, i):
                 low[i, j] = 0.0
@@ -114,7 +113,7 @@ def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, forc
             pivot_high[i], pivot_rest[i] = pivot
             low[i, i] = math.sqrt(pivot[0])
     for i in range(n):
-        if vector[PIVOT, i] == 1.0:
+        if vector[at.PIVOT, i] == 1.0:
             continue
         total = (vector[right, i], 0.0)
         for side in range(2):
@@ -123,23 +122,23 @@ def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, forc
                 if force[b, c] != 0.0:
                     total = less2(total, mul2((force[b, c], 0.0), (high[i, 6 * side + c], rest[i, 6 * side + c])))
         for s in range(n):
-            if vector[PIVOT, s] == 1.0 and vector[out, s] != 0.0:
+            if vector[at.PIVOT, s] == 1.0 and vector[out, s] != 0.0:
                 total = less2(total, mul2(coupling(rows, i, s, high, rest), (vector[out, s], 0.0)))
-        for k in range(int(vector[ENVELOPE, i]), i):
-            if vector[PIVOT, k] == 0.0:
+        for k in range(int(vector[at.ENVELOPE, i]), i):
+            if vector[at.PIVOT, k] == 0.0:
                 total = less2(total, mul2((unit_high[i, k], unit_rest[i, k]), (spread_high[k], spread_rest[k])))
         spread_high[i], spread_rest[i] = total
     for i in range(n):
-        if vector[PIVOT, i] == 0.0:
-            vector[out, i], vector[LOW_PART, i] = div2((spread_high[i], spread_rest[i]), (pivot_high[i], pivot_rest[i]))
+        if vector[at.PIVOT, i] == 0.0:
+            vector[out, i], vector[at.LOW_PART, i] = div2((spread_high[i], spread_rest[i]), (pivot_high[i], pivot_rest[i]))
     for i in range(n - 1, -1, -1):
-        if vector[PIVOT, i] == 1.0:
+        if vector[at.PIVOT, i] == 1.0:
             continue
-        found = (vector[out, i], vector[LOW_PART, i])
-        for k in range(int(vector[ENVELOPE, i]), i):
-            if vector[PIVOT, k] == 0.0:
-                before = (vector[out, k], vector[LOW_PART, k])
-                vector[out, k], vector[LOW_PART, k] = less2(before, mul2((unit_high[i, k], unit_rest[i, k]), found))
+        found = (vector[out, i], vector[at.LOW_PART, i])
+        for k in range(int(vector[at.ENVELOPE, i]), i):
+            if vector[at.PIVOT, k] == 0.0:
+                before = (vector[out, k], vector[at.LOW_PART, k])
+                vector[out, k], vector[at.LOW_PART, k] = less2(before, mul2((unit_high[i, k], unit_rest[i, k]), found))
 
 
 @seldom
@@ -151,7 +150,7 @@ def careful_apply(table: Floats, rows: Rows, n: int, bodies: Bodies, which: int,
     row, vector = rows.row, rows.vector
     high, rest = force.copy(), np.zeros(force.shape)
     for r in range(n):
-        impulse = (vector[which, r], vector[LOW_PART, r])
+        impulse = (vector[which, r], vector[at.LOW_PART, r])
         for side in range(2):
             b = rows.body[r, side]
             for c in range(6):
@@ -159,12 +158,12 @@ def careful_apply(table: Floats, rows: Rows, n: int, bodies: Bodies, which: int,
                     part = mul2((row[r, 6 * side + c], 0.0), impulse)
                     high[b, c], rest[b, c] = add2((high[b, c], rest[b, c]), part)
     for b in range(bodies.body.shape[0]):
-        m = bodies.body[b, INV_MASS]
+        m = bodies.body[b, at.INV_MASS]
         if m == 0.0:
             continue
         m = sign * m
-        store3(table, b, V, add((m * high[b, 0], m * high[b, 1], m * high[b, 2]), load3(table, b, V)))
+        store3(table, b, at.V, add((m * high[b, 0], m * high[b, 1], m * high[b, 2]), load3(table, b, at.V)))
         x, y, z = sym_times(
             load6(bodies.turned, b, 0), (high[b, 3], rest[b, 3]), (high[b, 4], rest[b, 4]), (high[b, 5], rest[b, 5])
         )  # fmt: skip
-        store3(table, b, W, add((sign * x[0], sign * y[0], sign * z[0]), load3(table, b, W)))
+        store3(table, b, at.W, add((sign * x[0], sign * y[0], sign * z[0]), load3(table, b, at.W)))

@@ -13,57 +13,10 @@ import math
 from engine.compile.jit import kernel
 from engine.constrain.joint_rows import anchors, put_row
 from engine.maths.elementary import atan2
-from engine.maths.vec import (
-    Floats,
-    add,
-    along,
-    cross,
-    dot,
-    load3,
-    load4,
-    mat_vec,
-    neg,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    sub,
-)  # fmt: skip
-from engine.memory.arena import (
-    AXIS_A,
-    AXIS_B,
-    BIAS,
-    CHILD,
-    COORDINATE,
-    DRIVE,
-    FRICTION_LOSS,
-    HAS,
-    HAS_DRIVE,
-    HAS_FRICTION,
-    HAS_LIMITS,
-    HAS_SPEED_LIMIT,
-    HAS_SPRING,
-    HIGH,
-    IMPLICIT,
-    JACOBIAN,
-    JOINT_TYPE,
-    LOW,
-    LOWER,
-    PARENT,
-    POSITION,
-    PRISMATIC,
-    REVOLUTE,
-    SOFTNESS,
-    SPEED_LIMIT,
-    SPRING,
-    TURN_AB,
-    UPPER,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, load3, load4
+from engine.maths.vec import add, along, cross, dot, mat_vec, neg, quat_conj, quat_mat, quat_mul, sub
+from engine.memory import arena as at
 from engine.memory.tables import Joints, Rows
-
-__all__ = ["bounded_rows", "coordinate_row", "explicit_force", "implicit_rows", "revolute_angle"]
 
 
 @kernel
@@ -73,20 +26,20 @@ def coordinate_row(state: Floats, joints: Joints, j: int, rows: Rows, r: int) ->
     Returns: the coordinate [rad or m] and its rate.
     """
     joint = joints.joint
-    kind, a, b = joints.kind[j, JOINT_TYPE], joints.kind[j, PARENT], joints.kind[j, CHILD]
+    kind, a, b = joints.kind[j, at.JOINT_TYPE], joints.kind[j, at.PARENT], joints.kind[j, at.CHILD]
     ra, rb, d = anchors(state, joint, j, a, b)
-    va, wa = load3(state, a, V), load3(state, a, W)
-    vb, wb = load3(state, b, V), load3(state, b, W)
+    va, wa = load3(state, a, at.V), load3(state, a, at.W)
+    vb, wb = load3(state, b, at.V), load3(state, b, at.W)
     zero = (0.0, 0.0, 0.0)
-    if kind == REVOLUTE:
-        axis = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
+    if kind == at.REVOLUTE:
+        axis = mat_vec(quat_mat(load4(state, a, at.Q)), load3(joint, j, at.AXIS_A))
         put_row(rows, r, j, a, b, (zero, neg(axis), zero, axis), 0.0, 0.0)
         return revolute_angle(state, joint, j, a, b), dot(axis, sub(wb, wa))
-    if kind == PRISMATIC:
-        axis = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, AXIS_A))
+    if kind == at.PRISMATIC:
+        axis = mat_vec(quat_mat(load4(state, a, at.Q)), load3(joint, j, at.AXIS_A))
         put_row(rows, r, j, a, b, (neg(axis), neg(cross(add(ra, d), axis)), axis, cross(rb, axis)), 0.0, 0.0)
         rate = dot(axis, sub(add(vb, cross(wb, rb)), add(va, cross(wa, add(ra, d)))))
-        return dot(axis, d) + joint[j, POSITION], rate
+        return dot(axis, d) + joint[j, at.POSITION], rate
     axis = along(d, (0.0, 0.0, 1.0))
     put_row(rows, r, j, a, b, (neg(axis), neg(cross(ra, axis)), axis, cross(rb, axis)), 0.0, 0.0)
     return dot(axis, d), dot(axis, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
@@ -95,13 +48,13 @@ def coordinate_row(state: Floats, joints: Joints, j: int, rows: Rows, r: int) ->
 @kernel
 def revolute_angle(state: Floats, joint: Floats, j: int, a: int, b: int) -> float:
     """The angle [rad] of B against A about the axis, on the branch nearest to the last one."""
-    turn = quat_mul(quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))), load4(state, b, Q))
-    axis_in_b = load3(joint, j, AXIS_B)
+    turn = quat_mul(quat_conj(quat_mul(load4(state, a, at.Q), load4(joint, j, at.TURN_AB))), load4(state, b, at.Q))
+    axis_in_b = load3(joint, j, at.AXIS_B)
     angle = 2.0 * atan2(dot((turn[1], turn[2], turn[3]), axis_in_b), turn[0])
-    angle += float(joint[j, POSITION])
-    turns = round((joint[j, COORDINATE] - angle) / (2.0 * math.pi))
+    angle += float(joint[j, at.POSITION])
+    turns = round((joint[j, at.COORDINATE] - angle) / (2.0 * math.pi))
     angle += turns * 2.0 * math.pi
-    joint[j, COORDINATE] = angle
+    joint[j, at.COORDINATE] = angle
     return float(angle)
 
 
@@ -109,13 +62,13 @@ def revolute_angle(state: Floats, joint: Floats, j: int, a: int, b: int) -> floa
 def explicit_force(joints: Joints, j: int, x: float, rate: float) -> float:
     """The force or torque of the spring and drive of joint j that are not taken implicitly [N or N m]."""
     joint = joints.joint
-    has = joints.kind[j, HAS] & ~joints.kind[j, IMPLICIT]
+    has = joints.kind[j, at.HAS] & ~joints.kind[j, at.IMPLICIT]
     f = 0.0
-    if has & HAS_SPRING:
-        f -= joint[j, SPRING] * (x - joint[j, SPRING + 2]) + joint[j, SPRING + 1] * rate
-    if has & HAS_DRIVE:
-        limit = joint[j, DRIVE + 4]
-        drive = joint[j, DRIVE] * (joint[j, DRIVE + 2] - x) + joint[j, DRIVE + 1] * (joint[j, DRIVE + 3] - rate)
+    if has & at.HAS_SPRING:
+        f -= joint[j, at.SPRING] * (x - joint[j, at.SPRING + 2]) + joint[j, at.SPRING + 1] * rate
+    if has & at.HAS_DRIVE:
+        limit = joint[j, at.DRIVE + 4]
+        drive = joint[j, at.DRIVE] * (joint[j, at.DRIVE + 2] - x) + joint[j, at.DRIVE + 1] * (joint[j, at.DRIVE + 3] - rate)
         f += min(max(drive, -limit), limit)
     return float(f)
 
@@ -127,43 +80,43 @@ def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r
     Returns: the next free row.
     """
     joint, row = joints.joint, rows.row
-    if has & HAS_LIMITS:
+    if has & at.HAS_LIMITS:
         x, _ = coordinate_row(state, joints, j, rows, r)
-        below, above = x - joint[j, LOWER], joint[j, UPPER] - x
+        below, above = x - joint[j, at.LOWER], joint[j, at.UPPER] - x
         if below <= above:
-            row[r, BIAS], row[r, LOW], row[r, HIGH] = below / h, 0.0, math.inf
+            row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = below / h, 0.0, math.inf
         else:
-            for c in range(JACOBIAN, JACOBIAN + 12):
+            for c in range(at.JACOBIAN, at.JACOBIAN + 12):
                 row[r, c] = -row[r, c]
-            row[r, BIAS], row[r, LOW], row[r, HIGH] = above / h, 0.0, math.inf
+            row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = above / h, 0.0, math.inf
         r += 1
-    if has & HAS_SPEED_LIMIT:
+    if has & at.HAS_SPEED_LIMIT:
         for way in range(2):
             coordinate_row(state, joints, j, rows, r)
             if way == 0:
-                for c in range(JACOBIAN, JACOBIAN + 12):
+                for c in range(at.JACOBIAN, at.JACOBIAN + 12):
                     row[r, c] = -row[r, c]
-            row[r, BIAS], row[r, LOW], row[r, HIGH] = joint[j, SPEED_LIMIT], 0.0, math.inf
+            row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = joint[j, at.SPEED_LIMIT], 0.0, math.inf
             r += 1
-    if has & HAS_FRICTION:
+    if has & at.HAS_FRICTION:
         coordinate_row(state, joints, j, rows, r)
-        row[r, LOW], row[r, HIGH] = -h * joint[j, FRICTION_LOSS], h * joint[j, FRICTION_LOSS]
+        row[r, at.LOW], row[r, at.HIGH] = -h * joint[j, at.FRICTION_LOSS], h * joint[j, at.FRICTION_LOSS]
         r += 1
-    if has & HAS_SPRING:
+    if has & at.HAS_SPRING:
         x, _ = coordinate_row(state, joints, j, rows, r)
-        k, c = joint[j, SPRING], joint[j, SPRING + 1]
+        k, c = joint[j, at.SPRING], joint[j, at.SPRING + 1]
         if c + h * k > 0.0:
-            row[r, SOFTNESS] = 1.0 / (h * (c + h * k))
-            row[r, BIAS] = k * (x - joint[j, SPRING + 2]) / (c + h * k)
-            row[r, LOW], row[r, HIGH] = -math.inf, math.inf
+            row[r, at.SOFTNESS] = 1.0 / (h * (c + h * k))
+            row[r, at.BIAS] = k * (x - joint[j, at.SPRING + 2]) / (c + h * k)
+            row[r, at.LOW], row[r, at.HIGH] = -math.inf, math.inf
             r += 1
-    if has & HAS_DRIVE:
+    if has & at.HAS_DRIVE:
         x, _ = coordinate_row(state, joints, j, rows, r)
-        k, c = joint[j, DRIVE], joint[j, DRIVE + 1]
+        k, c = joint[j, at.DRIVE], joint[j, at.DRIVE + 1]
         if c + h * k > 0.0:
-            row[r, SOFTNESS] = 1.0 / (h * (c + h * k))
-            row[r, BIAS] = (k * (x - joint[j, DRIVE + 2]) - c * joint[j, DRIVE + 3]) / (c + h * k)
-            row[r, LOW], row[r, HIGH] = -h * joint[j, DRIVE + 4], h * joint[j, DRIVE + 4]
+            row[r, at.SOFTNESS] = 1.0 / (h * (c + h * k))
+            row[r, at.BIAS] = (k * (x - joint[j, at.DRIVE + 2]) - c * joint[j, at.DRIVE + 3]) / (c + h * k)
+            row[r, at.LOW], row[r, at.HIGH] = -h * joint[j, at.DRIVE + 4], h * joint[j, at.DRIVE + 4]
             r += 1
     return r
 
@@ -176,7 +129,7 @@ def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float
     """
     r = first
     for j in range(joints.joint.shape[0]):
-        has = joints.kind[j, HAS]
+        has = joints.kind[j, at.HAS]
         if has != 0:
             r = rows_of_joint(state, joints, j, has, rows, r, h)
     return r
@@ -187,7 +140,7 @@ def implicit_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: floa
     """As `bounded_rows`, of limits and of those springs and drives alone that are marked as implicit."""
     r = first
     for j in range(joints.joint.shape[0]):
-        has = joints.kind[j, HAS] & (joints.kind[j, IMPLICIT] | HAS_LIMITS)
+        has = joints.kind[j, at.HAS] & (joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS)
         if has != 0:
             r = rows_of_joint(state, joints, j, has, rows, r, h)
     return r

@@ -16,11 +16,10 @@ import math
 import numpy as np
 
 from engine.compile.jit import seldom
-from engine.maths.vec import Floats, dot, load3
-from engine.memory.arena import ENVELOPE, GAP, INV_MASS, PIVOT
+from engine.maths.rows import Floats, load3
+from engine.maths.vec import dot
+from engine.memory import arena as at
 from engine.memory.tables import Rows
-
-__all__ = ["LOW_PIVOT", "SUSPECT", "lies_in_span"]
 
 LOW_PIVOT = 1e-6
 """Pivots below this share of their diagonal are looked into: gaps of 1e-5 leave 1e-10, and more near a singular pose."""
@@ -50,17 +49,17 @@ def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
     """
     row, low, vector = rows.row, rows.factor, rows.vector
     mu = np.zeros(i + 1)
-    first = int(vector[ENVELOPE, i])
+    first = int(vector[at.ENVELOPE, i])
     for j in range(first, i):
         mu[j] = low[i, j]
     for j in range(i - 1, -1, -1):
         if j < first:
             break
-        if vector[PIVOT, j] == 1.0 or mu[j] == 0.0:
+        if vector[at.PIVOT, j] == 1.0 or mu[j] == 0.0:
             mu[j] = 0.0
             continue
         mu[j] /= low[j, j]
-        begin = int(vector[ENVELOPE, j])
+        begin = int(vector[at.ENVELOPE, j])
         first = min(first, begin)
         for k in range(begin, j):
             mu[k] -= low[j, k] * mu[j]
@@ -69,14 +68,14 @@ def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
     for r in range(first, i + 1):
         for side in range(2):
             b = rows.body[r, side]
-            if mu[r] != 0.0 and body[b, INV_MASS] > 0.0:
+            if mu[r] != 0.0 and body[b, at.INV_MASS] > 0.0:
                 lowest, highest = min(lowest, b), max(highest, b)
     rest = np.zeros((max(highest - lowest + 1, 0), 7))
     longest = 0.0
     for r in range(first, i + 1):
         for side in range(2):
             b = rows.body[r, side] - lowest
-            if mu[r] == 0.0 or body[rows.body[r, side], INV_MASS] == 0.0:
+            if mu[r] == 0.0 or body[rows.body[r, side], at.INV_MASS] == 0.0:
                 continue
             for c in range(6):
                 rest[b, c] += mu[r] * row[r, 6 * side + c]
@@ -102,11 +101,11 @@ def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
         size, lever = 0.0, 1.0
         for side in range(2):
             b = rows.body[r, side]
-            if mu[r] != 0.0 and body[b, INV_MASS] > 0.0:
+            if mu[r] != 0.0 and body[b, at.INV_MASS] > 0.0:
                 along, about = load3(row, r, 6 * side), load3(row, r, 6 * side + 3)
                 size += dot(along, along) + dot(about, about) / (rest[b - lowest, 6] * rest[b - lowest, 6])
                 lever = longest if dot(along, along) > 0.0 else lever
         spread += abs(mu[r]) * math.sqrt(size)
-        opened = max(opened, abs(row[r, GAP]) / lever if size > 0.0 else 0.0)
+        opened = max(opened, abs(row[r, at.GAP]) / lever if size > 0.0 else 0.0)
     reach = OPENED * opened * spread
     return left <= reach * reach

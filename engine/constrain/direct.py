@@ -15,19 +15,10 @@ import numpy as np
 from engine.compile.jit import kernel
 from engine.constrain.careful import careful_apply, careful_solve
 from engine.constrain.dependence import LOW_PIVOT, SUSPECT, lies_in_span
-from engine.maths.vec import Floats, axpy, dot, load3, load6, scale, store3, sym_vec
-from engine.memory.arena import (
-    CAREFUL,
-    ENVELOPE,
-    INV_MASS,
-    PIVOT,
-    SOFTNESS,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, load3, load6, store3
+from engine.maths.vec import axpy, dot, scale, sym_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["apply", "apply_all", "assemble", "factor", "is_careful", "rate", "solve"]
 
 NOISE = 1e-11
 """Pivots of soft rows below this share of their diagonal are round-off."""
@@ -40,7 +31,7 @@ NOBODY: Final = -1
 def mover(rows: Rows, r: int, side: int, body: Floats) -> int:
     """The body on a side of row r, or NOBODY: what does not move couples no rows."""
     b = int(rows.body[r, side])
-    return b if body[b, INV_MASS] > 0.0 else NOBODY
+    return b if body[b, at.INV_MASS] > 0.0 else NOBODY
 
 
 @kernel
@@ -50,7 +41,7 @@ def assemble(rows: Rows, n: int, bodies: Bodies) -> None:
     for r in range(n):
         for side in range(2):
             b = rows.body[r, side]
-            store3(reach, r, 6 * side, scale(bodies.body[b, INV_MASS], load3(row, r, 6 * side)))
+            store3(reach, r, 6 * side, scale(bodies.body[b, at.INV_MASS], load3(row, r, 6 * side)))
             store3(reach, r, 6 * side + 3, sym_vec(load6(bodies.turned, b, 0), load3(row, r, 6 * side + 3)))
         movers = mover(rows, r, 0, bodies.body), mover(rows, r, 1, bodies.body)
         for s in range(r + 1):
@@ -62,7 +53,7 @@ def assemble(rows: Rows, n: int, bodies: Bodies) -> None:
                             total += row[r, 6 * i + c] * reach[s, 6 * k + c]
             matrix[r, s] = total
             matrix[s, r] = total
-        matrix[r, r] += row[r, SOFTNESS]
+        matrix[r, r] += row[r, at.SOFTNESS]
 
 
 @kernel
@@ -76,45 +67,45 @@ def factor(rows: Rows, n: int, body: Floats) -> None:
     """
     row, matrix, low, vector = rows.row, rows.matrix, rows.factor, rows.vector
     for i in range(min(n, 1)):
-        vector[CAREFUL, i] = 0.0
+        vector[at.CAREFUL, i] = 0.0
     for i in range(n):
         first = 0
         while first < i and matrix[i, first] == 0.0:
             first += 1
-        vector[ENVELOPE, i] = first
+        vector[at.ENVELOPE, i] = first
         for j in range(first):
             low[i, j] = 0.0
-        if vector[PIVOT, i] == 1.0:
+        if vector[at.PIVOT, i] == 1.0:
             continue
         diagonal = matrix[i, i]
         for j in range(first, i):
-            if vector[PIVOT, j] == 1.0:
+            if vector[at.PIVOT, j] == 1.0:
                 low[i, j] = 0.0
                 continue
             total = matrix[i, j]
-            for k in range(max(first, int(vector[ENVELOPE, j])), j):
+            for k in range(max(first, int(vector[at.ENVELOPE, j])), j):
                 total -= low[i, k] * low[j, k]
             low[i, j] = total / low[j, j]
             diagonal -= low[i, j] * low[i, j]
-        if diagonal > LOW_PIVOT * matrix[i, i] or (row[i, SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
+        if diagonal > LOW_PIVOT * matrix[i, i] or (row[i, at.SOFTNESS] > 0.0 and diagonal > NOISE * matrix[i, i]):
             low[i, i] = math.sqrt(diagonal)
-        elif row[i, SOFTNESS] > 0.0 or lies_in_span(rows, i, body, diagonal / matrix[i, i]):
-            vector[PIVOT, i] = 1.0
+        elif row[i, at.SOFTNESS] > 0.0 or lies_in_span(rows, i, body, diagonal / matrix[i, i]):
+            vector[at.PIVOT, i] = 1.0
         elif diagonal > SUSPECT * matrix[i, i]:
             low[i, i] = math.sqrt(diagonal)
         else:
-            vector[CAREFUL, 0] = 1.0
+            vector[at.CAREFUL, 0] = 1.0
             return
     for i in range(n):
-        if vector[PIVOT, i] == 1.0:
-            for j in range(int(vector[ENVELOPE, i]), i):
+        if vector[at.PIVOT, i] == 1.0:
+            for j in range(int(vector[at.ENVELOPE, i]), i):
                 low[i, j] = 0.0
 
 
 @kernel
 def is_careful(rows: Rows, n: int) -> bool:
     """Whether the last factorisation found that floats do not carry these n rows."""
-    return n > 0 and bool(rows.vector[CAREFUL, 0] == 1.0)
+    return n > 0 and bool(rows.vector[at.CAREFUL, 0] == 1.0)
 
 
 @kernel
@@ -123,24 +114,24 @@ def solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int) -> None:
     low, vector = rows.factor, rows.vector
     if is_careful(rows, n):
         for i in range(n):
-            if vector[PIVOT, i] == 1.0:
+            if vector[at.PIVOT, i] == 1.0:
                 vector[out, i] = 0.0
         careful_solve(rows, n, bodies, right, out, np.zeros((bodies.body.shape[0], 6)))
         return
     for i in range(n):
-        if vector[PIVOT, i] == 1.0:
+        if vector[at.PIVOT, i] == 1.0:
             vector[out, i] = 0.0
             continue
         total = vector[right, i]
-        for k in range(int(vector[ENVELOPE, i]), i):
+        for k in range(int(vector[at.ENVELOPE, i]), i):
             total -= low[i, k] * vector[out, k]
         vector[out, i] = total / low[i, i]
     for i in range(n - 1, -1, -1):
-        if vector[PIVOT, i] == 1.0:
+        if vector[at.PIVOT, i] == 1.0:
             continue
         found = vector[out, i] / low[i, i]
         vector[out, i] = found
-        for k in range(int(vector[ENVELOPE, i]), i):
+        for k in range(int(vector[at.ENVELOPE, i]), i):
             vector[out, k] -= low[i, k] * found
 
 
@@ -149,10 +140,10 @@ def rate(state: Floats, rows: Rows, r: int) -> float:
     """J v of row r."""
     row, a, b = rows.row, rows.body[r, 0], rows.body[r, 1]
     return (
-        dot(load3(row, r, 0), load3(state, a, V))
-        + dot(load3(row, r, 3), load3(state, a, W))
-        + dot(load3(row, r, 6), load3(state, b, V))
-        + dot(load3(row, r, 9), load3(state, b, W))
+        dot(load3(row, r, 0), load3(state, a, at.V))
+        + dot(load3(row, r, 3), load3(state, a, at.W))
+        + dot(load3(row, r, 6), load3(state, b, at.V))
+        + dot(load3(row, r, 9), load3(state, b, at.W))
     )
 
 
@@ -161,8 +152,8 @@ def apply(table: Floats, rows: Rows, r: int, impulse: float) -> None:
     """v += M^-1 J^T impulse in the columns V and W of the table."""
     for side in range(2):
         b = rows.body[r, side]
-        store3(table, b, V, axpy(impulse, load3(rows.reach, r, 6 * side), load3(table, b, V)))
-        store3(table, b, W, axpy(impulse, load3(rows.reach, r, 6 * side + 3), load3(table, b, W)))
+        store3(table, b, at.V, axpy(impulse, load3(rows.reach, r, 6 * side), load3(table, b, at.V)))
+        store3(table, b, at.W, axpy(impulse, load3(rows.reach, r, 6 * side + 3), load3(table, b, at.W)))
 
 
 @kernel

@@ -7,27 +7,23 @@ Source: Catto, Soft Constraints, GDC 2011 (accumulated impulses).
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import KNOWN, NEW, solve_bounded
+from engine.constrain.bounded import solve_bounded
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import assemble
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reactions
-from engine.memory.arena import BIAS, GAP, HIGH, IMPULSE, JOINT_OF, LOW, ROTOR_RATE, SOFTNESS
+from engine.constrain.stages import BEGIN, END, Held
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["KNOWN", "NEW", "hold_joints", "keep_rotors", "write_rows"]
 
 
 @kernel
-def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> tuple[int, int]:
-    """Write the rows for a sub-step of h [s], at the end of which the gaps are closed, and their matrix.
-
-    Returns: the number of equality rows, and of all rows.
-    """
+def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> Held:
+    """Write the rows for a sub-step of h [s], at the end of which the gaps are closed, and their matrix."""
     equalities = equality_rows(bodies.state, joints, rows)
     for r in range(equalities):
-        if rows.row[r, SOFTNESS] == 0.0:
-            rows.row[r, BIAS] = rows.row[r, GAP] / h
+        if rows.row[r, at.SOFTNESS] == 0.0:
+            rows.row[r, at.BIAS] = rows.row[r, at.GAP] / h
     n = bounded_rows(bodies.state, joints, rows, equalities, h)
     assemble(rows, n, bodies)
     return equalities, n
@@ -41,19 +37,31 @@ def hold_joints(bodies: Bodies, joints: Joints, rows: Rows, equalities: int, n: 
     """
     row, vector = rows.row, rows.vector
     solve_bounded(bodies, rows, equalities, n, matrix)
-    add_reactions(joints, rows, n, IMPULSE, 1.0)
+    add_reactions(joints, rows, n, at.IMPULSE, 1.0)
     for r in range(n):
-        if r < equalities and row[r, SOFTNESS] == 0.0:
+        if r < equalities and row[r, at.SOFTNESS] == 0.0:
             continue
-        impulse = vector[IMPULSE, r]
-        row[r, BIAS] += row[r, SOFTNESS] * impulse
-        row[r, LOW] -= impulse
-        row[r, HIGH] -= impulse
+        impulse = vector[at.IMPULSE, r]
+        row[r, at.BIAS] += row[r, at.SOFTNESS] * impulse
+        row[r, at.LOW] -= impulse
+        row[r, at.HIGH] -= impulse
 
 
 @kernel
 def keep_rotors(joints: Joints, rows: Rows, equalities: int) -> None:
     """Let each rotor have the rate that all impulses of the sub-step have left it with, which is what its row now aims at."""
     for r in range(equalities):
-        if rows.row[r, SOFTNESS] > 0.0:
-            joints.joint[rows.body[r, JOINT_OF], ROTOR_RATE] = -rows.row[r, BIAS]
+        if rows.row[r, at.SOFTNESS] > 0.0:
+            joints.joint[rows.body[r, at.JOINT_OF], at.ROTOR_RATE] = -rows.row[r, at.BIAS]
+
+
+@kernel
+def hold(bodies: Bodies, joints: Joints, rows: Rows, held: Held, stage: int, h: float) -> Held:
+    """What is done with joints in one stage of a sub-step of h [s]: BEGIN, NEW, KNOWN or END. Returns: the rows."""
+    if stage == BEGIN:
+        return write_rows(bodies, joints, rows, h)
+    if stage == END:
+        keep_rotors(joints, rows, held[0])
+    else:
+        hold_joints(bodies, joints, rows, held[0], held[1], stage)
+    return held

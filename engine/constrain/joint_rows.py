@@ -11,60 +11,10 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constrai
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    add,
-    along,
-    cross,
-    dot,
-    load3,
-    load4,
-    mat_vec,
-    neg,
-    norm,
-    perpendicular,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    store3,
-    sub,
-)  # fmt: skip
-from engine.memory.arena import (
-    ANCHOR_A,
-    ANCHOR_B,
-    ARMATURE,
-    AXIS_A,
-    AXIS_B,
-    BALL,
-    BIAS,
-    CHILD,
-    CURVATURE,
-    DISTANCE,
-    FIXED,
-    GAP,
-    HAS,
-    HAS_ARMATURE,
-    HIGH,
-    JACOBIAN,
-    JOINT_OF,
-    JOINT_TYPE,
-    LENGTH,
-    LOW,
-    PARENT,
-    PRISMATIC,
-    REVOLUTE,
-    ROTOR_RATE,
-    SOFTNESS,
-    TURN_AB,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3, load4, store3
+from engine.maths.vec import add, along, cross, dot, mat_vec, neg, norm, perpendicular, quat_conj, quat_mat, quat_mul, sub
+from engine.memory import arena as at
 from engine.memory.tables import Joints, Rows
-
-__all__ = ["anchors", "equality_rows", "put_row"]
 
 Jacobian = tuple[Vec, Vec, Vec, Vec]
 """Linear and angular part of A, then of B."""
@@ -76,30 +26,30 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 def put_row(rows: Rows, r: int, j: int, a: int, b: int, jacobian: Jacobian, gap: float, curvature: float) -> None:
     """Write row r of joint j between bodies a and b."""
     row = rows.row
-    rows.body[r, 0], rows.body[r, 1], rows.body[r, JOINT_OF] = a, b, j
-    store3(row, r, JACOBIAN, jacobian[0])
-    store3(row, r, JACOBIAN + 3, jacobian[1])
-    store3(row, r, JACOBIAN + 6, jacobian[2])
-    store3(row, r, JACOBIAN + 9, jacobian[3])
-    row[r, GAP] = gap
-    row[r, CURVATURE] = curvature
-    row[r, SOFTNESS] = row[r, BIAS] = row[r, LOW] = row[r, HIGH] = 0.0
+    rows.body[r, 0], rows.body[r, 1], rows.body[r, at.JOINT_OF] = a, b, j
+    store3(row, r, at.JACOBIAN, jacobian[0])
+    store3(row, r, at.JACOBIAN + 3, jacobian[1])
+    store3(row, r, at.JACOBIAN + 6, jacobian[2])
+    store3(row, r, at.JACOBIAN + 9, jacobian[3])
+    row[r, at.GAP] = gap
+    row[r, at.CURVATURE] = curvature
+    row[r, at.SOFTNESS] = row[r, at.BIAS] = row[r, at.LOW] = row[r, at.HIGH] = 0.0
 
 
 @kernel
 def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
     """Give row r what the rotor of joint j is: softness and the rate that it has. Returns: the next row."""
-    rows.row[r, SOFTNESS] = 1.0 / joint[j, ARMATURE]
-    rows.row[r, BIAS] = -joint[j, ROTOR_RATE]
+    rows.row[r, at.SOFTNESS] = 1.0 / joint[j, at.ARMATURE]
+    rows.row[r, at.BIAS] = -joint[j, at.ROTOR_RATE]
     return r + 1
 
 
 @kernel
 def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, Vec, Vec]:
     """The arms r_A and r_B from the centres of mass to the anchors, and the way d from anchor A to anchor B, in W [m]."""
-    ra = mat_vec(quat_mat(load4(state, a, Q)), load3(joint, j, ANCHOR_A))
-    rb = mat_vec(quat_mat(load4(state, b, Q)), load3(joint, j, ANCHOR_B))
-    return ra, rb, sub(add(load3(state, b, P), rb), add(load3(state, a, P), ra))
+    ra = mat_vec(quat_mat(load4(state, a, at.Q)), load3(joint, j, at.ANCHOR_A))
+    rb = mat_vec(quat_mat(load4(state, b, at.Q)), load3(joint, j, at.ANCHOR_B))
+    return ra, rb, sub(add(load3(state, b, at.P), rb), add(load3(state, a, at.P), ra))
 
 
 @kernel
@@ -112,40 +62,40 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
     joint = joints.joint
     zero = (0.0, 0.0, 0.0)
     for j in range(joint.shape[0]):
-        kind, a, b = joints.kind[j, JOINT_TYPE], joints.kind[j, PARENT], joints.kind[j, CHILD]
+        kind, a, b = joints.kind[j, at.JOINT_TYPE], joints.kind[j, at.PARENT], joints.kind[j, at.CHILD]
         ra, rb, d = anchors(state, joint, j, a, b)
-        turn_a, turn_b = quat_mat(load4(state, a, Q)), quat_mat(load4(state, b, Q))
-        va, wa = load3(state, a, V), load3(state, a, W)
-        vb, wb = load3(state, b, V), load3(state, b, W)
+        turn_a, turn_b = quat_mat(load4(state, a, at.Q)), quat_mat(load4(state, b, at.Q))
+        va, wa = load3(state, a, at.V), load3(state, a, at.W)
+        vb, wb = load3(state, b, at.V), load3(state, b, at.W)
         centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
-        if kind in (BALL, FIXED, REVOLUTE):
+        if kind in (at.BALL, at.FIXED, at.REVOLUTE):
             for k in range(3):
                 e = AXES[k]
                 jacobian = (neg(e), neg(cross(ra, e)), e, cross(rb, e))
                 put_row(rows, r, j, a, b, jacobian, dot(e, d), dot(e, centripetal))
                 r += 1
-        if kind in (FIXED, PRISMATIC):
-            turn = quat_mul(load4(state, b, Q), quat_conj(quat_mul(load4(state, a, Q), load4(joint, j, TURN_AB))))
+        if kind in (at.FIXED, at.PRISMATIC):
+            turn = quat_mul(load4(state, b, at.Q), quat_conj(quat_mul(load4(state, a, at.Q), load4(joint, j, at.TURN_AB))))
             sign = 2.0 if turn[0] >= 0.0 else -2.0
             for k in range(3):
                 e = AXES[k]
                 put_row(rows, r, j, a, b, (zero, neg(e), zero, e), sign * turn[k + 1], 0.0)
                 r += 1
-        if kind == REVOLUTE:
-            axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
-            axis_b = mat_vec(turn_b, load3(joint, j, AXIS_B))
+        if kind == at.REVOLUTE:
+            axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
+            axis_b = mat_vec(turn_b, load3(joint, j, at.AXIS_B))
             tilt = cross(axis_a, axis_b)
-            t = mat_vec(turn_a, perpendicular(load3(joint, j, AXIS_A)))
+            t = mat_vec(turn_a, perpendicular(load3(joint, j, at.AXIS_A)))
             for _ in range(2):
                 put_row(rows, r, j, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
-            if joints.kind[j, HAS] & HAS_ARMATURE:
+            if joints.kind[j, at.HAS] & at.HAS_ARMATURE:
                 put_row(rows, r, j, a, b, (zero, neg(axis_a), zero, axis_a), 0.0, dot(cross(wa, axis_a), sub(wb, wa)))
                 r = soften(rows, r, joint, j)
-        if kind == PRISMATIC:
-            axis_a = mat_vec(turn_a, load3(joint, j, AXIS_A))
-            t = mat_vec(turn_a, perpendicular(load3(joint, j, AXIS_A)))
+        if kind == at.PRISMATIC:
+            axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
+            t = mat_vec(turn_a, perpendicular(load3(joint, j, at.AXIS_A)))
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             for _ in range(2):
                 curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
@@ -153,18 +103,18 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 put_row(rows, r, j, a, b, jacobian, dot(t, d), curvature)
                 t = cross(axis_a, t)
                 r += 1
-            if joints.kind[j, HAS] & HAS_ARMATURE:
+            if joints.kind[j, at.HAS] & at.HAS_ARMATURE:
                 n = axis_a
                 curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
                 put_row(rows, r, j, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), 0.0, curvature)
                 r = soften(rows, r, joint, j)
-        if kind == DISTANCE and joints.kind[j, HAS] == 0:
+        if kind == at.DISTANCE and joints.kind[j, at.HAS] == 0:
             length = norm(d)
             u = along(d, (0.0, 0.0, 1.0))
             rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             radial = dot(u, rate)
             curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
             jacobian = (neg(u), neg(cross(ra, u)), u, cross(rb, u))
-            put_row(rows, r, j, a, b, jacobian, length - joint[j, LENGTH], curvature)
+            put_row(rows, r, j, a, b, jacobian, length - joint[j, at.LENGTH], curvature)
             r += 1
     return r

@@ -23,52 +23,11 @@ from engine.constrain.projection import project
 from engine.constrain.reactions import add_reaction, add_reactions
 from engine.integrate.runge_kutta import quat_rate
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Vec,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    load6,
-    quat_turn,
-    quat_unit,
-    scale,
-    store3,
-    store4,
-    sub,
-    sym_vec,
-)  # fmt: skip
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    CURVATURE,
-    DYNAMIC,
-    GRAVITY,
-    HAS,
-    HAS_DRIVE,
-    HAS_SPRING,
-    IMPLICIT,
-    INV_MASS,
-    KINEMATIC,
-    LINEAR_DAMPING,
-    MOTION,
-    PIVOT,
-    RIGHT,
-    SLOPE,
-    START,
-    TOTAL,
-    WORK,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, load6, store3, store4
+from engine.maths.vec import axpy, cross, dot, quat_turn, quat_unit, scale, sub, sym_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["jointed_runge_kutta", "stages_of"]
 
 
 class Stages(NamedTuple):
@@ -82,13 +41,13 @@ class Stages(NamedTuple):
 @kernel
 def stages_of(floats: Floats, ints: Ints) -> Stages:
     """The room of an arena for stages."""
-    return Stages(floats_of(floats, ints, START), floats_of(floats, ints, SLOPE), floats_of(floats, ints, TOTAL))
+    return Stages(floats_of(floats, ints, at.START), floats_of(floats, ints, at.SLOPE), floats_of(floats, ints, at.TOTAL))
 
 
 @kernel
 def is_explicit(joints: Joints, j: int) -> bool:
     """Whether joint j has a spring or drive that is not taken implicitly."""
-    return bool(joints.kind[j, HAS] & (HAS_SPRING | HAS_DRIVE) & ~joints.kind[j, IMPLICIT] != 0)
+    return bool(joints.kind[j, at.HAS] & (at.HAS_SPRING | at.HAS_DRIVE) & ~joints.kind[j, at.IMPLICIT] != 0)
 
 
 @kernel
@@ -98,17 +57,19 @@ def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: F
     Args: share [s]: the part of the step that counts towards what joints carry.
     """
     state, body, turned, row = bodies.state, bodies.body, bodies.turned, rows.row
-    g = load3(setting, 0, GRAVITY)
+    g = load3(setting, 0, at.GRAVITY)
     for b in range(state.shape[0]):
-        store3(slope, b, V, (0.0, 0.0, 0.0))
-        store3(slope, b, W, (0.0, 0.0, 0.0))
-        if bodies.kind[b, MOTION] == DYNAMIC:
-            v, w = load3(state, b, V), load3(state, b, W)
-            store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, axpy(body[b, INV_MASS], load3(bodies.load, b, 0), g)))
+        store3(slope, b, at.V, (0.0, 0.0, 0.0))
+        store3(slope, b, at.W, (0.0, 0.0, 0.0))
+        if bodies.kind[b, at.MOTION] == at.DYNAMIC:
+            v, w = load3(state, b, at.V), load3(state, b, at.W)
+            store3(
+                slope, b, at.V, axpy(-body[b, at.LINEAR_DAMPING], v, axpy(body[b, at.INV_MASS], load3(bodies.load, b, 0), g))
+            )
             torque = load3(bodies.load, b, 3)
             if gyroscopic == 1:
                 torque = sub(torque, cross(w, angular_momentum(state, body, b)))
-            store3(slope, b, W, axpy(-body[b, ANGULAR_DAMPING], w, sym_vec(load6(turned, b, 0), torque)))
+            store3(slope, b, at.W, axpy(-body[b, at.ANGULAR_DAMPING], w, sym_vec(load6(turned, b, 0), torque)))
     last = row.shape[0] - 1
     for j in range(joints.joint.shape[0]):
         if is_explicit(joints, j):
@@ -117,26 +78,28 @@ def slopes(bodies: Bodies, joints: Joints, rows: Rows, slope: Floats, setting: F
             add_reaction(joints, rows, last, share * f)
             for side in range(2):
                 b = rows.body[last, side]
-                store3(slope, b, V, axpy(f * body[b, INV_MASS], load3(row, last, 6 * side), load3(slope, b, V)))
+                store3(slope, b, at.V, axpy(f * body[b, at.INV_MASS], load3(row, last, 6 * side), load3(slope, b, at.V)))
                 push = sym_vec(load6(turned, b, 0), load3(row, last, 6 * side + 3))
-                store3(slope, b, W, axpy(f, push, load3(slope, b, W)))
+                store3(slope, b, at.W, axpy(f, push, load3(slope, b, at.W)))
     n = equality_rows(state, joints, rows)
     assemble(rows, n, bodies)
     for r in range(n):
-        total = row[r, CURVATURE]
+        total = row[r, at.CURVATURE]
         for side in range(2):
             b = rows.body[r, side]
-            total += dot(load3(row, r, 6 * side), load3(slope, b, V)) + dot(load3(row, r, 6 * side + 3), load3(slope, b, W))
-        rows.vector[RIGHT, r] = -total
-        rows.vector[PIVOT, r] = 0.0
+            total += dot(load3(row, r, 6 * side), load3(slope, b, at.V)) + dot(
+                load3(row, r, 6 * side + 3), load3(slope, b, at.W)
+            )
+        rows.vector[at.RIGHT, r] = -total
+        rows.vector[at.PIVOT, r] = 0.0
     factor(rows, n, body)
     if is_careful(rows, n):
         careful_slopes(bodies, joints, rows, n, slope, g, gyroscopic)
-        add_reactions(joints, rows, n, WORK, share)
+        add_reactions(joints, rows, n, at.WORK, share)
         return
-    solve(rows, n, bodies, RIGHT, WORK)
-    apply_all(slope, rows, n, bodies, WORK, 1.0)
-    add_reactions(joints, rows, n, WORK, share)
+    solve(rows, n, bodies, at.RIGHT, at.WORK)
+    apply_all(slope, rows, n, bodies, at.WORK, 1.0)
+    add_reactions(joints, rows, n, at.WORK, share)
 
 
 @kernel
@@ -148,10 +111,10 @@ def careful_slopes(bodies: Bodies, joints: Joints, rows: Rows, n: int, slope: Fl
     state, body, row, vector = bodies.state, bodies.body, rows.row, rows.vector
     force = np.zeros((state.shape[0], 6))
     for b in range(state.shape[0] - 1):
-        if bodies.kind[b, MOTION] == DYNAMIC:
-            v, w = load3(state, b, V), load3(state, b, W)
-            store3(slope, b, V, axpy(-body[b, LINEAR_DAMPING], v, g))
-            store3(slope, b, W, scale(-body[b, ANGULAR_DAMPING], w))
+        if bodies.kind[b, at.MOTION] == at.DYNAMIC:
+            v, w = load3(state, b, at.V), load3(state, b, at.W)
+            store3(slope, b, at.V, axpy(-body[b, at.LINEAR_DAMPING], v, g))
+            store3(slope, b, at.W, scale(-body[b, at.ANGULAR_DAMPING], w))
             store3(force, b, 0, load3(bodies.load, b, 0))
             torque = load3(bodies.load, b, 3)
             if gyroscopic == 1:
@@ -167,10 +130,10 @@ def careful_slopes(bodies: Bodies, joints: Joints, rows: Rows, n: int, slope: Fl
                 store3(force, b, 0, axpy(f, load3(row, last, 6 * side), load3(force, b, 0)))
                 store3(force, b, 3, axpy(f, load3(row, last, 6 * side + 3), load3(force, b, 3)))
     for r in range(n):
-        vector[RIGHT, r] = -(row[r, CURVATURE] + rate(slope, rows, r))
-        vector[WORK, r] = 0.0
-    careful_solve(rows, n, bodies, RIGHT, WORK, force)
-    careful_apply(slope, rows, n, bodies, WORK, 1.0, force)
+        vector[at.RIGHT, r] = -(row[r, at.CURVATURE] + rate(slope, rows, r))
+        vector[at.WORK, r] = 0.0
+    careful_solve(rows, n, bodies, at.RIGHT, at.WORK, force)
+    careful_apply(slope, rows, n, bodies, at.WORK, 1.0, force)
 
 
 @kernel
@@ -190,15 +153,15 @@ def jointed_runge_kutta(
         slopes(bodies, joints, rows, slope, setting, gyroscopic, weight * dt / 6.0)
         ahead = 0.5 * dt if stage < 2 else dt
         for b in range(last):
-            if kind[b, MOTION] == KINEMATIC:
+            if kind[b, at.MOTION] == at.KINEMATIC:
                 if stage == 0 or stage == 2:
-                    store3(state, b, P, axpy(ahead, load3(state, b, V), load3(start, b, P)))
-                    store4(state, b, Q, quat_turn(load4(start, b, Q), load3(state, b, W), ahead))
+                    store3(state, b, at.P, axpy(ahead, load3(state, b, at.V), load3(start, b, at.P)))
+                    store4(state, b, at.Q, quat_turn(load4(start, b, at.Q), load3(state, b, at.W), ahead))
                 continue
-            if kind[b, MOTION] != DYNAMIC:
+            if kind[b, at.MOTION] != at.DYNAMIC:
                 continue
-            store3(slope, b, P, load3(state, b, V))
-            store4(slope, b, Q, quat_rate(load4(state, b, Q), load3(state, b, W)))
+            store3(slope, b, at.P, load3(state, b, at.V))
+            store4(slope, b, at.Q, quat_rate(load4(state, b, at.Q), load3(state, b, at.W)))
             for c in range(13):
                 total[b, c] += weight * slope[b, c]
             if stage < 3:
@@ -207,6 +170,6 @@ def jointed_runge_kutta(
             else:
                 for c in range(13):
                     state[b, c] = start[b, c] + dt / 6.0 * total[b, c]
-                store4(state, b, Q, quat_unit(load4(state, b, Q)))
+                store4(state, b, at.Q, quat_unit(load4(state, b, at.Q)))
             turn_inertia(state, bodies.body, bodies.turned, b)
     project(bodies, joints, rows, slope, dt)

@@ -10,32 +10,12 @@ from engine.compile.jit import seldom
 from engine.constrain.joint_rows import anchors, equality_rows
 from engine.constrain.projection import close_gaps
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import Floats, Ints, dot, load3, norm
-from engine.memory.arena import (
-    BODY,
-    CHILD,
-    COUNT,
-    DT,
-    DYNAMIC,
-    EXTENT,
-    GAP,
-    JACOBIAN,
-    LENGTH,
-    MOTION,
-    OPEN_GAP,
-    PARENT,
-    SETTING,
-    STATE,
-    SUBSTEPS,
-    P,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3
+from engine.maths.vec import dot, norm
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import OPEN_JOINT
 from engine.memory.tables import Bodies, Joints, Rows, bodies_of, joints_of, rows_of
-
-__all__ = ["open_joint"]
 
 CLOSED = 1e-6
 """A gap below this share of the joint's levers, or this angle, is closed: rounds end at 1e-14 or where round-off stops them."""
@@ -59,7 +39,7 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
 
     Returns: 0, or OPEN_JOINT plus the number of the joint that is open furthest beyond its bound; its gap goes to OPEN_GAP.
     """
-    state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
+    state, setting = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SETTING)
     joint, gap = widest_joint(floats, ints, state, SUSPECT if touching else CLOSED, moving=False)
     if touching and joint >= 0:
         suspect, narrow = joint, gap
@@ -68,7 +48,7 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
             joint, gap = suspect, narrow
     if joint < 0:
         return 0
-    setting[0, OPEN_GAP] = gap
+    setting[0, at.OPEN_GAP] = gap
     return OPEN_JOINT + joint
 
 
@@ -78,7 +58,7 @@ def closes(floats: Floats, ints: Ints) -> bool:
     bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
     state, turned = bodies.state.copy(), bodies.turned.copy()
     for b in range(state.shape[0]):
-        if bodies.kind[b, MOTION] == DYNAMIC:
+        if bodies.kind[b, at.MOTION] == at.DYNAMIC:
             turn_inertia(state, bodies.body, turned, b)
     trial, change = Bodies(state, bodies.body, turned, bodies.load, bodies.kind), np.zeros(state.shape)
     for _ in range(TRIES):
@@ -94,28 +74,30 @@ def widest_joint(floats: Floats, ints: Ints, state: Floats, share: float, moving
     Args: moving: whether the sizes of its bodies count as levers, and what its bodies go and turn in a sub-step is granted.
     Returns: -1 where none is.
     """
-    body, setting = floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
+    body, setting = floats_of(floats, ints, at.BODY), floats_of(floats, ints, at.SETTING)
     joints, every = joints_of(floats, ints), rows_of(floats, ints)
     joint, kind, spare = joints.joint, joints.kind, every.row.shape[0] // 2
     rows = Rows(every.row[spare:], every.body[spare:], every.reach, every.matrix, every.factor, every.vector)
-    h = setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS]
+    h = setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS]
     widest, furthest, gap = -1, 1.0, 0.0
     for j in range(joint.shape[0]):
-        a, b = kind[j, PARENT], kind[j, CHILD]
+        a, b = kind[j, at.PARENT], kind[j, at.CHILD]
         n = equality_rows(state, Joints(joint[j : j + 1], kind[j : j + 1]), rows)
         ra, rb, d = anchors(state, joint, j, a, b)
-        wa, wb = norm(load3(state, a, W)), norm(load3(state, b, W))
-        way = h * (norm(load3(state, a, V)) + norm(load3(state, b, V)) + wa * norm(ra) + wb * norm(rb))
-        lever = norm(ra) + norm(rb) + joint[j, LENGTH]
+        wa, wb = norm(load3(state, a, at.W)), norm(load3(state, b, at.W))
+        way = h * (norm(load3(state, a, at.V)) + norm(load3(state, b, at.V)) + wa * norm(ra) + wb * norm(rb))
+        lever = norm(ra) + norm(rb) + joint[j, at.LENGTH]
         if moving:
-            lever += body[a, EXTENT] + body[b, EXTENT] + way / share
+            lever += body[a, at.EXTENT] + body[b, at.EXTENT] + way / share
         length = (
-            share * lever + CLOSED * way + ROUND_OFF * (1.0 + norm(load3(state, a, P)) + norm(load3(state, b, P)) + norm(d))
+            share * lever
+            + CLOSED * way
+            + ROUND_OFF * (1.0 + norm(load3(state, a, at.P)) + norm(load3(state, b, at.P)) + norm(d))
         )
         angle = share + (h * (wa + wb) if moving else 0.0)
         for r in range(n):
-            turns = dot(load3(rows.row, r, JACOBIAN), load3(rows.row, r, JACOBIAN)) == 0.0
-            excess = abs(rows.row[r, GAP]) / (angle if turns else length)
+            turns = dot(load3(rows.row, r, at.JACOBIAN), load3(rows.row, r, at.JACOBIAN)) == 0.0
+            excess = abs(rows.row[r, at.GAP]) / (angle if turns else length)
             if excess > furthest:
-                widest, furthest, gap = j, excess, abs(rows.row[r, GAP])
+                widest, furthest, gap = j, excess, abs(rows.row[r, at.GAP])
     return widest, gap

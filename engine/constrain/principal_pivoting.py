@@ -22,11 +22,9 @@ from engine.compile.jit import kernel, seldom
 from engine.constrain.careful import careful_solve
 from engine.constrain.dependence import SUSPECT
 from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
-from engine.maths.vec import Floats
-from engine.memory.arena import BOUND, HIGHEST, IMPULSE, LOWEST, PIVOT, RIGHT, SOFTNESS, WORK
+from engine.maths.rows import Floats
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Rows
-
-__all__ = ["Bounded", "settle", "settle_bounds"]
 
 ROUND_OFF = 1e-12
 """As in `bounded`."""
@@ -56,24 +54,24 @@ def settle_bounds(bodies: Bodies, rows: Rows, equalities: int, n: int) -> None:
     vector, m = rows.vector, n - equalities
     bounded = Bounded(np.zeros((m, m)), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m))
     for r in range(n):
-        vector[PIVOT, r] = 1.0 if r >= equalities else 0.0
-        vector[RIGHT, r] = vector[WORK, r]
+        vector[at.PIVOT, r] = 1.0 if r >= equalities else 0.0
+        vector[at.RIGHT, r] = vector[at.WORK, r]
     factor(rows, n, bodies.body)
     answer(bodies, rows, n, -1)
     for k in range(m):
         r = equalities + k
-        bounded.low[k], bounded.high[k] = vector[LOWEST, r], vector[HIGHEST, r]
-        bounded.asked[k] = vector[WORK, r] - response(bodies, rows, n, r)
-        bounded.least[k] = ROUND_OFF * (1.0 + abs(vector[WORK, r]) + abs(bounded.asked[k]))
+        bounded.low[k], bounded.high[k] = vector[at.LOWEST, r], vector[at.HIGHEST, r]
+        bounded.asked[k] = vector[at.WORK, r] - response(bodies, rows, n, r)
+        bounded.least[k] = ROUND_OFF * (1.0 + abs(vector[at.WORK, r]) + abs(bounded.asked[k]))
     for k in range(m):
         for r in range(n):
-            vector[RIGHT, r] = -rows.matrix[r, equalities + k]
+            vector[at.RIGHT, r] = -rows.matrix[r, equalities + k]
         answer(bodies, rows, n, equalities + k)
         for i in range(m):
             bounded.matrix[i, k] = response(bodies, rows, n, equalities + i)
     settle(bounded)
     for k in range(m):
-        vector[BOUND, equalities + k] = bounded.side[k]
+        vector[at.BOUND, equalities + k] = bounded.side[k]
 
 
 @kernel
@@ -82,16 +80,16 @@ def answer(bodies: Bodies, rows: Rows, n: int, unit: int) -> None:
     vector = rows.vector
     careful = is_careful(rows, n)
     if not careful:
-        solve(rows, n, bodies, RIGHT, IMPULSE)
+        solve(rows, n, bodies, at.RIGHT, at.IMPULSE)
     else:
         for r in range(n):
-            vector[IMPULSE, r] = 0.0
+            vector[at.IMPULSE, r] = 0.0
             if unit >= 0:
-                vector[RIGHT, r] = 0.0
+                vector[at.RIGHT, r] = 0.0
     if unit >= 0:
-        vector[IMPULSE, unit] = 1.0
+        vector[at.IMPULSE, unit] = 1.0
     if careful:
-        careful_solve(rows, n, bodies, RIGHT, IMPULSE, np.zeros((bodies.body.shape[0], 6)))
+        careful_solve(rows, n, bodies, at.RIGHT, at.IMPULSE, np.zeros((bodies.body.shape[0], 6)))
 
 
 @kernel
@@ -100,11 +98,11 @@ def response(bodies: Bodies, rows: Rows, n: int, r: int) -> float:
     row, vector = rows.row, rows.vector
     if is_careful(rows, n):
         change = np.zeros((bodies.body.shape[0], 13))
-        apply_all(change, rows, n, bodies, IMPULSE, 1.0)
-        return rate(change, rows, r) + float(row[r, SOFTNESS] * vector[IMPULSE, r])
+        apply_all(change, rows, n, bodies, at.IMPULSE, 1.0)
+        return rate(change, rows, r) + float(row[r, at.SOFTNESS] * vector[at.IMPULSE, r])
     total = 0.0
     for s in range(n):
-        total += rows.matrix[r, s] * vector[IMPULSE, s]
+        total += rows.matrix[r, s] * vector[at.IMPULSE, s]
     return total
 
 

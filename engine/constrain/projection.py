@@ -8,17 +8,17 @@ Integration, section IV.4.
 """
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import NEW, solve_bounded
+from engine.constrain.bounded import solve_bounded
 from engine.constrain.coordinate import implicit_rows
 from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.reactions import add_reactions
+from engine.constrain.stages import NEW
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import Floats, add, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import BIAS, DYNAMIC, GAP, IMPULSE, MOTION, PIVOT, RIGHT, SOFTNESS, WORK, P, Q, V, W
+from engine.maths.rows import Floats, load3, load4, store3, store4
+from engine.maths.vec import add, quat_turn
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["close_gaps", "project", "widest_gap"]
 
 ROUND_OFF = 1e-14
 """A gap [m or rad] below this is as good as closed."""
@@ -31,7 +31,7 @@ def widest_gap(row: Floats, n: int) -> float:
     """The largest violation among the first n rows."""
     widest = 0.0
     for r in range(n):
-        widest = max(widest, abs(row[r, GAP]))
+        widest = max(widest, abs(row[r, at.GAP]))
     return widest
 
 
@@ -51,18 +51,18 @@ def close_gaps(bodies: Bodies, joints: Joints, rows: Rows, change: Floats) -> in
             break
         assemble(rows, n, bodies)
         for r in range(n):
-            vector[PIVOT, r] = 0.0
-            vector[RIGHT, r] = -rows.row[r, GAP]
+            vector[at.PIVOT, r] = 0.0
+            vector[at.RIGHT, r] = -rows.row[r, at.GAP]
         factor(rows, n, bodies.body)
-        solve(rows, n, bodies, RIGHT, WORK)
+        solve(rows, n, bodies, at.RIGHT, at.WORK)
         for b in range(state.shape[0]):
-            store3(change, b, V, (0.0, 0.0, 0.0))
-            store3(change, b, W, (0.0, 0.0, 0.0))
-        apply_all(change, rows, n, bodies, WORK, 1.0)
+            store3(change, b, at.V, (0.0, 0.0, 0.0))
+            store3(change, b, at.W, (0.0, 0.0, 0.0))
+        apply_all(change, rows, n, bodies, at.WORK, 1.0)
         for b in range(state.shape[0]):
-            if kind[b, MOTION] == DYNAMIC:
-                store3(state, b, P, add(load3(change, b, V), load3(state, b, P)))
-                store4(state, b, Q, quat_turn(load4(state, b, Q), load3(change, b, W), 1.0))
+            if kind[b, at.MOTION] == at.DYNAMIC:
+                store3(state, b, at.P, add(load3(change, b, at.V), load3(state, b, at.P)))
+                store4(state, b, at.Q, quat_turn(load4(state, b, at.Q), load3(change, b, at.W), 1.0))
                 turn_inertia(state, bodies.body, bodies.turned, b)
         n = equality_rows(state, joints, rows)
     return n
@@ -73,9 +73,9 @@ def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: floa
     """Close the gaps of all joints, then remove velocities that would open them. Args: change: as of `close_gaps`."""
     n = close_gaps(bodies, joints, rows, change)
     for r in range(n):
-        if rows.row[r, SOFTNESS] > 0.0:
-            rows.row[r, BIAS] = -rate(bodies.state, rows, r)
+        if rows.row[r, at.SOFTNESS] > 0.0:
+            rows.row[r, at.BIAS] = -rate(bodies.state, rows, r)
     every = implicit_rows(bodies.state, joints, rows, n, dt)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)
-    add_reactions(joints, rows, every, IMPULSE, 1.0)
+    add_reactions(joints, rows, every, at.IMPULSE, 1.0)

@@ -5,33 +5,31 @@ impulse is a moment. So the sums of both kinds need no lever.
 """
 
 from engine.compile.jit import kernel
-from engine.memory.arena import JACOBIAN, JOINT_OF, REACTION
+from engine.memory import arena as at
 from engine.memory.tables import Joints, Rows
 
-__all__ = ["add_reaction", "add_reactions", "clear_reactions"]
-
-LINEAR_B = JACOBIAN + 6
-ANGULAR_B = JACOBIAN + 9
+LINEAR_B = at.JACOBIAN + 6
+ANGULAR_B = at.JACOBIAN + 9
 
 
 @kernel
 def clear_reactions(joints: Joints) -> None:
     """Begin a step in which no joint has carried anything yet."""
     for j in range(joints.joint.shape[0]):
-        for c in range(REACTION, REACTION + 6):
+        for c in range(at.REACTION, at.REACTION + 6):
             joints.joint[j, c] = 0.0
 
 
 @kernel
 def add_reaction(joints: Joints, rows: Rows, r: int, impulse: float) -> None:
     """Count an impulse [N s or N m s] of row r towards what its joint carries."""
-    joint, row, j = joints.joint, rows.row, rows.body[r, JOINT_OF]
+    joint, row, j = joints.joint, rows.row, rows.body[r, at.JOINT_OF]
     if row[r, LINEAR_B] != 0.0 or row[r, LINEAR_B + 1] != 0.0 or row[r, LINEAR_B + 2] != 0.0:
         for c in range(3):
-            joint[j, REACTION + c] += impulse * row[r, LINEAR_B + c]
+            joint[j, at.REACTION + c] += impulse * row[r, LINEAR_B + c]
     else:
         for c in range(3):
-            joint[j, REACTION + 3 + c] += impulse * row[r, ANGULAR_B + c]
+            joint[j, at.REACTION + 3 + c] += impulse * row[r, ANGULAR_B + c]
 
 
 @kernel

@@ -17,18 +17,18 @@ section VII.1.4.
 import math
 
 from engine.compile.jit import kernel
-from engine.constrain.bounded import NEW, solve_bounded
+from engine.constrain.bounded import solve_bounded
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.projection import ROUND_OFF, widest_gap
 from engine.constrain.reactions import add_reactions
+from engine.constrain.stages import NEW
 from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.vec import Floats, axpy, load3, load4, quat_turn, store3, store4
-from engine.memory.arena import GAP, IMPULSE, JOINT_OF, MOTION, PIVOT, RIGHT, ROTOR_RATE, SOFTNESS, STATIC, WORK, P, Q, V, W
+from engine.maths.rows import Floats, load3, load4, store3, store4
+from engine.maths.vec import axpy, quat_turn
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["joint_gaps", "shake", "solve_joints"]
 
 MAX_ROUNDS = 8
 
@@ -42,7 +42,7 @@ def joint_gaps(state: Floats, joints: Joints, rows: Rows, spare: int, h: float) 
     ends = Rows(rows.row[spare:], rows.body[spare:], rows.reach, rows.matrix, rows.factor, rows.vector)
     n = equality_rows(state, joints, ends)
     for r in range(n):
-        rows.vector[RIGHT, r] = -ends.row[r, GAP] / h
+        rows.vector[at.RIGHT, r] = -ends.row[r, at.GAP] / h
     return widest_gap(ends.row, n)
 
 
@@ -56,7 +56,7 @@ def solve_joints(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> int:
     n = bounded_rows(bodies.state, joints, rows, equalities, h)
     assemble(rows, n, bodies)
     solve_bounded(bodies, rows, equalities, n, NEW)
-    add_reactions(joints, rows, n, IMPULSE, 1.0)
+    add_reactions(joints, rows, n, at.IMPULSE, 1.0)
     return equalities
 
 
@@ -71,29 +71,29 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
             start[b, c] = state[b, c]
     n = solve_joints(bodies, joints, rows, h)
     for r in range(n):
-        vector[PIVOT, r] = 0.0
+        vector[at.PIVOT, r] = 0.0
     factor(rows, n, bodies.body)
     spare = rows.row.shape[0] // 2
     before = math.inf
     for _ in range(MAX_ROUNDS):
         for b in range(last):
-            if bodies.kind[b, MOTION] != STATIC:
-                store3(state, b, P, axpy(h, load3(state, b, V), load3(start, b, P)))
-                store4(state, b, Q, quat_turn(load4(start, b, Q), load3(state, b, W), h))
+            if bodies.kind[b, at.MOTION] != at.STATIC:
+                store3(state, b, at.P, axpy(h, load3(state, b, at.V), load3(start, b, at.P)))
+                store4(state, b, at.Q, quat_turn(load4(start, b, at.Q), load3(state, b, at.W), h))
         widest = joint_gaps(state, joints, rows, spare, h)
         if widest <= ROUND_OFF or not widest < 1e6:
             break
         if widest > before:
-            apply_all(state, rows, n, bodies, WORK, -1.0)
-            add_reactions(joints, rows, n, WORK, -1.0)
+            apply_all(state, rows, n, bodies, at.WORK, -1.0)
+            add_reactions(joints, rows, n, at.WORK, -1.0)
             break
         before = widest
-        solve(rows, n, bodies, RIGHT, WORK)
-        apply_all(state, rows, n, bodies, WORK, 1.0)
-        add_reactions(joints, rows, n, WORK, 1.0)
+        solve(rows, n, bodies, at.RIGHT, at.WORK)
+        apply_all(state, rows, n, bodies, at.WORK, 1.0)
+        add_reactions(joints, rows, n, at.WORK, 1.0)
     for r in range(n):
-        if rows.row[r, SOFTNESS] > 0.0:
-            joints.joint[rows.body[r, JOINT_OF], ROTOR_RATE] = rate(state, rows, r)
+        if rows.row[r, at.SOFTNESS] > 0.0:
+            joints.joint[rows.body[r, at.JOINT_OF], at.ROTOR_RATE] = rate(state, rows, r)
     for b in range(last):
         for c in range(7):
             state[b, c] = start[b, c]

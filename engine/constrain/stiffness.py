@@ -11,10 +11,8 @@ from engine.compile.jit import kernel
 from engine.constrain.coordinate import coordinate_row
 from engine.constrain.direct import assemble, factor, is_careful, solve
 from engine.constrain.joint_rows import equality_rows
-from engine.memory.arena import DRIVE, HAS, HAS_DRIVE, HAS_SPRING, IMPLICIT, PIVOT, RIGHT, SPRING, WORK
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Joints, Rows
-
-__all__ = ["mark_stiff"]
 
 STIFF = 0.1
 """dt^2 k / m above this is taken implicitly."""
@@ -27,19 +25,19 @@ def mark_stiff(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
     """Write IMPLICIT for all joints, from the present state."""
     joint, kind, vector = joints.joint, joints.kind, rows.vector
     for j in range(joint.shape[0]):
-        kind[j, IMPLICIT] = 0
-        if kind[j, HAS] & (HAS_SPRING | HAS_DRIVE) == 0:
+        kind[j, at.IMPLICIT] = 0
+        if kind[j, at.HAS] & (at.HAS_SPRING | at.HAS_DRIVE) == 0:
             continue
         last = equality_rows(bodies.state, joints, rows)
         coordinate_row(bodies.state, joints, j, rows, last)
         assemble(rows, last + 1, bodies)
         for r in range(last + 1):
-            vector[PIVOT, r] = vector[RIGHT, r] = 0.0
+            vector[at.PIVOT, r] = vector[at.RIGHT, r] = 0.0
         factor(rows, last + 1, bodies.body)
         if is_careful(rows, last + 1):
-            solve(rows, last + 1, bodies, RIGHT, WORK)
-        mobility = rows.factor[last, last] * rows.factor[last, last] if vector[PIVOT, last] == 0.0 else 0.0
-        if dt * dt * joint[j, SPRING] * mobility > STIFF or dt * joint[j, SPRING + 1] * mobility > DAMPED:
-            kind[j, IMPLICIT] |= HAS_SPRING
-        if dt * dt * joint[j, DRIVE] * mobility > STIFF or dt * joint[j, DRIVE + 1] * mobility > DAMPED:
-            kind[j, IMPLICIT] |= HAS_DRIVE
+            solve(rows, last + 1, bodies, at.RIGHT, at.WORK)
+        mobility = rows.factor[last, last] * rows.factor[last, last] if vector[at.PIVOT, last] == 0.0 else 0.0
+        if dt * dt * joint[j, at.SPRING] * mobility > STIFF or dt * joint[j, at.SPRING + 1] * mobility > DAMPED:
+            kind[j, at.IMPLICIT] |= at.HAS_SPRING
+        if dt * dt * joint[j, at.DRIVE] * mobility > STIFF or dt * joint[j, at.DRIVE + 1] * mobility > DAMPED:
+            kind[j, at.IMPLICIT] |= at.HAS_DRIVE

@@ -2,12 +2,9 @@
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
+from engine.maths.types import Floats, Ints
 
-__all__ = ["Collide", "load_collide", "load_sorting"]
-
-Collide = Callable[[NDArray[np.float64], NDArray[np.int64]], None]
+Collide = Callable[[Floats, Ints], None]
 
 
 def load_collide(moving_meshes: bool) -> Collide:

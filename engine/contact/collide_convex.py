@@ -3,16 +3,14 @@
 from engine.compile.jit import entry
 from engine.contact.look_ahead import look_ahead, thinnest
 from engine.contact.tables import pairs_of, rules_of
-from engine.maths.vec import Floats, Ints, store3
-from engine.memory.arena import CONTINUOUS, CONVEX_READY, PAIRS, PLANE, POLYGON, POLYGON_KEY, STATE, TYPE
+from engine.maths.rows import Floats, Ints, store3
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.collide import is_convex_pair, ordered
 from engine.narrow.convex import convex_contact, plane_contact
 from engine.narrow.gjk import simplex_of
 from engine.narrow.point import Points
 from engine.narrow.support import solids_of
-
-__all__ = ["collide_convex"]
 
 HANDICAP = 1e-3
 """Share of the thinner shape's half thickness [1] by which another normal must beat that of a face."""
@@ -22,18 +20,18 @@ HANDICAP = 1e-3
 def collide_convex(floats: Floats, ints: Ints) -> None:
     """Answer the pairs of the coming step that have no closed form, for `build_manifolds` to read."""
     t, rules, pairs, simplex = solids_of(floats, ints), rules_of(floats, ints), pairs_of(floats, ints), simplex_of(floats, ints)
-    out = Points(pairs.point, pairs.point_key, floats_of(floats, ints, POLYGON), ints_of(ints, POLYGON_KEY))
-    state, setting, count = floats_of(floats, ints, STATE), rules.setting, rules.numbers
-    for p in range(count[0, PAIRS]):
+    out = Points(pairs.point, pairs.point_key, floats_of(floats, ints, at.POLYGON), ints_of(ints, at.POLYGON_KEY))
+    state, setting, count = floats_of(floats, ints, at.STATE), rules.setting, rules.numbers
+    for p in range(count[0, at.PAIRS]):
         a, b = ordered(t.shape_kind, pairs.pair[p, 0], pairs.pair[p, 1])
-        if not is_convex_pair(t.shape_kind[a, TYPE], t.shape_kind[b, TYPE]):
+        if not is_convex_pair(t.shape_kind[a, at.TYPE], t.shape_kind[b, at.TYPE]):
             continue
-        margin = look_ahead(state, t.shape, t.shape_kind, a, b, setting, count[0, CONTINUOUS])
-        if t.shape_kind[a, TYPE] == PLANE:
+        margin = look_ahead(state, t.shape, t.shape_kind, a, b, setting, count[0, at.CONTINUOUS])
+        if t.shape_kind[a, at.TYPE] == at.PLANE:
             points, n = plane_contact(t, a, b, margin, out, 4 * p)
         else:
             slack = HANDICAP * min(thinnest(t.shape, t.shape_kind, a), thinnest(t.shape, t.shape_kind, b))
             points, n = convex_contact(t, a, b, margin, slack, simplex, out, 4 * p)
         pairs.points[p, 0] = points
         store3(pairs.normal, p, 0, n)
-    count[0, CONVEX_READY] = 1
+    count[0, at.CONVEX_READY] = 1

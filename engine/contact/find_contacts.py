@@ -10,31 +10,13 @@ from engine.contact.manifolds import build_manifolds
 from engine.contact.stillness import keep_rest, mark_still
 from engine.contact.tables import old_contacts_of, pairs_of, rules_of
 from engine.contact.warm_starting import keep_old, start_anew
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    BODIES,
-    BOUNDS,
-    BROAD,
-    CLIP,
-    CLIP_KEY,
-    CONVEX_READY,
-    DT,
-    MANIFOLDS,
-    MARGIN,
-    NEW,
-    PAIRS,
-    REST,
-    SHAPES,
-    TOUCHED,
-    TYPE,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import CONVEX_PENDING, DONE, FULL
 from engine.memory.tables import bodies_of, contacts_of, shapes_of
 from engine.narrow.collide import is_convex_pair, ordered
 from engine.narrow.point import Points
-
-__all__ = ["find_contacts", "keep_contacts"]
 
 
 @kernel
@@ -42,10 +24,10 @@ def keep_contacts(
     state: Floats, body: Floats, kind: Ints, rest: Floats, setting: Floats, count: Ints, key: Ints, point: Floats
 ) -> bool:
     """Keep the contacts of the last step for this one, where all bodies are still. Returns: whether they are."""
-    if not mark_still(state, body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN]):
+    if not mark_still(state, body, kind, rest, count[0, at.BODIES], setting[0, at.DT], setting[0, at.MARGIN]):
         return False
-    start_anew(state, 0, count[0, MANIFOLDS], key, point)
-    count[0, NEW] = 0
+    start_anew(state, 0, count[0, at.MANIFOLDS], key, point)
+    count[0, at.NEW] = 0
     return True
 
 
@@ -58,23 +40,25 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     """
     bodies, shapes, rules = bodies_of(floats, ints), shapes_of(floats, ints), rules_of(floats, ints)
     pairs, new, old = pairs_of(floats, ints), contacts_of(floats, ints), old_contacts_of(floats, ints)
-    bounds, rest = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, REST)
+    bounds, rest = floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.REST)
     state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
-    mark_still(state, bodies.body, kind, rest, count[0, BODIES], setting[0, DT], setting[0, MARGIN])
-    if count[0, BROAD] == 0:
+    mark_still(state, bodies.body, kind, rest, count[0, at.BODIES], setting[0, at.DT], setting[0, at.MARGIN])
+    if count[0, at.BROAD] == 0:
         place_shapes(floats, ints)
-        count[0, PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, shapes.pose, count[0, SHAPES], pairs.pair)
-    if count[0, PAIRS] > pairs.pair.shape[0]:
+        count[0, at.PAIRS] = brute_force(
+            collision_filter_of(floats, ints), bounds, shapes.pose, count[0, at.SHAPES], pairs.pair
+        )
+    if count[0, at.PAIRS] > pairs.pair.shape[0]:
         return FULL
-    for p in range(count[0, PAIRS]):
+    for p in range(count[0, at.PAIRS]):
         a, b = ordered(shapes.kind, pairs.pair[p, 0], pairs.pair[p, 1])
-        if count[0, CONVEX_READY] == 0 and is_convex_pair(shapes.kind[a, TYPE], shapes.kind[b, TYPE]):
+        if count[0, at.CONVEX_READY] == 0 and is_convex_pair(shapes.kind[a, at.TYPE], shapes.kind[b, at.TYPE]):
             return CONVEX_PENDING
-    count[0, CONVEX_READY] = 0
-    for b in range(count[0, BODIES] + 1):
-        kind[b, TOUCHED] = 0
+    count[0, at.CONVEX_READY] = 0
+    for b in range(count[0, at.BODIES] + 1):
+        kind[b, at.TOUCHED] = 0
     keep_old(kind, count, new, old)
-    out = Points(new.point, new.point_key, floats_of(floats, ints, CLIP), ints_of(ints, CLIP_KEY))
+    out = Points(new.point, new.point_key, floats_of(floats, ints, at.CLIP), ints_of(ints, at.CLIP_KEY))
     build_manifolds(bodies, shapes, rules, pairs, new, old, out)
-    keep_rest(state, kind, rest, count[0, BODIES])
+    keep_rest(state, kind, rest, count[0, at.BODIES])
     return DONE

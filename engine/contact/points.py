@@ -3,15 +3,9 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
-
-__all__ = ["Contacts", "joined", "manifold_points", "sphere_points"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,23 +17,23 @@ class Contacts:
         force (k, 3) N on B: impulse of the step over dt.
     """
 
-    bodies: IntArray
-    point: FloatArray
-    normal: FloatArray
-    gap: FloatArray
-    force: FloatArray
+    bodies: Ints
+    point: Floats
+    normal: Floats
+    gap: Floats
+    force: Floats
 
 
-def manifold_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
+def manifold_points(floats: Floats, ints: Ints, count: int, margin: float, dt: float) -> Contacts:
     """The points of the first `count` manifolds, and of islands asleep, that are within the margin [m] or gave an impulse."""
-    key = int_table(ints, at.MANIFOLD_KEY)[:count]
-    manifold = float_table(floats, ints, at.MANIFOLD)[:count]
-    point = float_table(floats, ints, at.POINT)[: 4 * count]
-    resting = int(int_table(ints, at.TALLY)[0, at.RESTING])
+    key = at.int_table(ints, at.MANIFOLD_KEY)[:count]
+    manifold = at.float_table(floats, ints, at.MANIFOLD)[:count]
+    point = at.float_table(floats, ints, at.POINT)[: 4 * count]
+    resting = int(at.int_table(ints, at.TALLY)[0, at.RESTING])
     if resting > 0:
-        key = np.vstack((key, int_table(ints, at.RESTING_KEY)[:resting]))
-        manifold = np.vstack((manifold, float_table(floats, ints, at.RESTING_MANIFOLD)[:resting]))
-        point = np.vstack((point, float_table(floats, ints, at.RESTING_POINT)[: 4 * resting]))
+        key = np.vstack((key, at.int_table(ints, at.RESTING_KEY)[:resting]))
+        manifold = np.vstack((manifold, at.float_table(floats, ints, at.RESTING_MANIFOLD)[:resting]))
+        point = np.vstack((point, at.float_table(floats, ints, at.RESTING_POINT)[: 4 * resting]))
     rows = np.array([4 * m + k for m in range(count + resting) for k in range(key[m, at.POINTS])], np.int64)
     point = point[rows]
     near = point[:, at.FIRST_GAP] <= margin
@@ -54,10 +48,10 @@ def manifold_points(floats: FloatArray, ints: IntArray, count: int, margin: floa
     )
 
 
-def sphere_points(floats: FloatArray, ints: IntArray, count: int, margin: float, dt: float) -> Contacts:
+def sphere_points(floats: Floats, ints: Ints, count: int, margin: float, dt: float) -> Contacts:
     """As `manifold_points`, of a world of spheres."""
-    rest, key = float_table(floats, ints, at.TOUCH_REST)[:count], int_table(ints, at.TOUCH_KEY)[:count]
-    touch = float_table(floats, ints, at.TOUCH)[:count]
+    rest, key = at.float_table(floats, ints, at.TOUCH_REST)[:count], at.int_table(ints, at.TOUCH_KEY)[:count]
+    touch = at.float_table(floats, ints, at.TOUCH)[:count]
     # The impulses of the last sub-step still stand, and are not in the sum yet.
     last = touch[:, [at.T_NORMAL]] * touch[:, :3] + touch[:, at.T_TANGENT : at.T_TANGENT + 3]
     total = touch[:, at.T_SUM : at.T_SUM + 3] + last

@@ -9,10 +9,9 @@ Source: Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, load3, load4, norm, store3, store4, sub
-from engine.memory.arena import EXTENT, MOTION, STATIC, STILL, P, Q, V, W
-
-__all__ = ["keep_rest", "mark_still"]
+from engine.maths.rows import Floats, Ints, load3, load4, store3, store4
+from engine.maths.vec import norm, sub
+from engine.memory import arena as at
 
 SHARE = 0.01
 """Share of the margin, or of the body's own extent where that is less [1], by which a still body may have moved.
@@ -29,18 +28,18 @@ def mark_still(state: Floats, body: Floats, kind: Ints, rest: Floats, bodies: in
     """
     every = True
     for b in range(bodies):
-        if kind[b, MOTION] == STATIC:
-            kind[b, STILL] = 1
+        if kind[b, at.MOTION] == at.STATIC:
+            kind[b, at.STILL] = 1
             continue
-        extent = body[b, EXTENT]
+        extent = body[b, at.EXTENT]
         turned = 0.0
         for c in range(4):
-            apart = state[b, Q + c] - rest[b, 3 + c]
+            apart = state[b, at.Q + c] - rest[b, 3 + c]
             turned += apart * apart
-        way = norm(sub(load3(state, b, P), load3(rest, b, 0))) + 2.0 * extent * math.sqrt(turned)
-        way += dt * (norm(load3(state, b, V)) + extent * norm(load3(state, b, W)))
-        kind[b, STILL] = 1 if way < SHARE * min(margin, extent) else 0
-        every = every and kind[b, STILL] == 1
+        way = norm(sub(load3(state, b, at.P), load3(rest, b, 0))) + 2.0 * extent * math.sqrt(turned)
+        way += dt * (norm(load3(state, b, at.V)) + extent * norm(load3(state, b, at.W)))
+        kind[b, at.STILL] = 1 if way < SHARE * min(margin, extent) else 0
+        every = every and kind[b, at.STILL] == 1
     return every
 
 
@@ -48,6 +47,6 @@ def mark_still(state: Floats, body: Floats, kind: Ints, rest: Floats, bodies: in
 def keep_rest(state: Floats, kind: Ints, rest: Floats, bodies: int) -> None:
     """From now on bodies that were not still are measured from their present pose."""
     for b in range(bodies):
-        if kind[b, STILL] == 0:
-            store3(rest, b, 0, load3(state, b, P))
-            store4(rest, b, 3, load4(state, b, Q))
+        if kind[b, at.STILL] == 0:
+            store3(rest, b, 0, load3(state, b, at.P))
+            store4(rest, b, 3, load4(state, b, at.Q))

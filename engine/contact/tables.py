@@ -3,26 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    CONVEX_KEY,
-    CONVEX_NORMAL,
-    CONVEX_POINT,
-    CONVEX_POINT_KEY,
-    COUNT,
-    HEAD,
-    NEXT,
-    OLD_KEY,
-    OLD_MANIFOLD,
-    OLD_POINT,
-    OLD_POINT_KEY,
-    PAIR,
-    SETTING,
-    SURFACE,
-)
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["OldContacts", "Pairs", "Rules", "old_contacts_of", "pairs_of", "rules_of"]
 
 
 class Pairs(NamedTuple):
@@ -61,28 +44,28 @@ class OldContacts(NamedTuple):
 def pairs_of(floats: Floats, ints: Ints) -> Pairs:
     """The pairs of an arena."""
     return Pairs(
-        ints_of(ints, PAIR),
-        ints_of(ints, CONVEX_KEY),
-        floats_of(floats, ints, CONVEX_NORMAL),
-        floats_of(floats, ints, CONVEX_POINT),
-        ints_of(ints, CONVEX_POINT_KEY),
+        ints_of(ints, at.PAIR),
+        ints_of(ints, at.CONVEX_KEY),
+        floats_of(floats, ints, at.CONVEX_NORMAL),
+        floats_of(floats, ints, at.CONVEX_POINT),
+        ints_of(ints, at.CONVEX_POINT_KEY),
     )
 
 
 @kernel
 def rules_of(floats: Floats, ints: Ints) -> Rules:
     """The settings and laws of an arena."""
-    return Rules(floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, SURFACE))
+    return Rules(floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), floats_of(floats, ints, at.SURFACE))
 
 
 @kernel
 def old_contacts_of(floats: Floats, ints: Ints) -> OldContacts:
     """The contacts that an arena keeps of the last step."""
     return OldContacts(
-        floats_of(floats, ints, OLD_MANIFOLD),
-        floats_of(floats, ints, OLD_POINT),
-        ints_of(ints, OLD_KEY),
-        ints_of(ints, OLD_POINT_KEY),
-        ints_of(ints, HEAD),
-        ints_of(ints, NEXT),
+        floats_of(floats, ints, at.OLD_MANIFOLD),
+        floats_of(floats, ints, at.OLD_POINT),
+        ints_of(ints, at.OLD_KEY),
+        ints_of(ints, at.OLD_POINT_KEY),
+        ints_of(ints, at.HEAD),
+        ints_of(ints, at.NEXT),
     )

@@ -9,36 +9,10 @@ GDC 2005.
 
 from engine.compile.jit import kernel
 from engine.contact.tables import OldContacts
-from engine.maths.vec import Floats, Ints, add, dot, load3, norm, store3, sub
-from engine.memory.arena import (
-    ARM_A,
-    BODY_A,
-    BODY_B,
-    FIRST_GAP,
-    MANIFOLDS,
-    NORMAL,
-    NORMAL_IMPULSE,
-    OLD_MANIFOLDS,
-    PLACE,
-    POINTS,
-    SEPARATION,
-    SHAPE_A,
-    SHAPE_B,
-    SHAPES,
-    SIZE,
-    SLIPS,
-    SPHERE,
-    SPIN_IMPULSE,
-    STILL,
-    SUM,
-    TANGENT_IMPULSE,
-    TRIANGLE,
-    TYPE,
-    P,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import add, dot, norm, sub
+from engine.memory import arena as at
 from engine.memory.tables import Contacts
-
-__all__ = ["carry_over", "go_on", "keep_old", "last_manifold", "start_anew", "take_over"]
 
 ON = 0.5
 """Share of a ball's radius [1] by which its contact may have moved on, from one triangle to the next."""
@@ -49,22 +23,22 @@ BENT = 0.99
 @kernel
 def keep_old(kind: Ints, count: Ints, new: Contacts, old: OldContacts) -> None:
     """Move the last step's manifolds aside and list them by their first shape; those of still bodies whole."""
-    n = count[0, MANIFOLDS]
-    count[0, OLD_MANIFOLDS] = n
-    for s in range(count[0, SHAPES]):
+    n = count[0, at.MANIFOLDS]
+    count[0, at.OLD_MANIFOLDS] = n
+    for s in range(count[0, at.SHAPES]):
         old.head[s, 0] = -1
     for m in range(n):
         for c in range(old.manifold.shape[1]):
             old.manifold[m, c] = new.manifold[m, c]
         for c in range(old.key.shape[1]):
             old.key[m, c] = new.key[m, c]
-        still = kind[new.key[m, BODY_A], STILL] == 1 and kind[new.key[m, BODY_B], STILL] == 1
-        for at in range(4 * m, 4 * m + new.key[m, POINTS]):
-            for c in range(0 if still else NORMAL_IMPULSE, old.point.shape[1] if still else TANGENT_IMPULSE + 3):
-                old.point[at, c] = new.point[at, c]
-            store3(old.point, at, PLACE, load3(new.point, at, PLACE))
-            old.point_key[at, 0] = new.point_key[at, 0]
-        s = new.key[m, SHAPE_A]
+        still = kind[new.key[m, at.BODY_A], at.STILL] == 1 and kind[new.key[m, at.BODY_B], at.STILL] == 1
+        for row in range(4 * m, 4 * m + new.key[m, at.POINTS]):
+            for c in range(0 if still else at.NORMAL_IMPULSE, old.point.shape[1] if still else at.TANGENT_IMPULSE + 3):
+                old.point[row, c] = new.point[row, c]
+            store3(old.point, row, at.PLACE, load3(new.point, row, at.PLACE))
+            old.point_key[row, 0] = new.point_key[row, 0]
+        s = new.key[m, at.SHAPE_A]
         old.following[m, 0] = old.head[s, 0]
         old.head[s, 0] = m
 
@@ -73,7 +47,7 @@ def keep_old(kind: Ints, count: Ints, new: Contacts, old: OldContacts) -> None:
 def last_manifold(old: OldContacts, a: int, b: int) -> int:
     """The row of the manifold that shapes a and b had in the last step, or -1."""
     m = old.head[a, 0]
-    while m >= 0 and old.key[m, SHAPE_B] != b:
+    while m >= 0 and old.key[m, at.SHAPE_B] != b:
         m = old.following[m, 0]
     return int(m)
 
@@ -82,10 +56,10 @@ def last_manifold(old: OldContacts, a: int, b: int) -> int:
 def matching_point(new: Contacts, i: int, old: OldContacts, m: int, near: float) -> int:
     """The row of the point of old manifold m with the feature of point i, else of the closest within `near` [m], else -1."""
     best, closest = -1, near
-    for other in range(4 * m, 4 * m + old.key[m, POINTS]):
+    for other in range(4 * m, 4 * m + old.key[m, at.POINTS]):
         if old.point_key[other, 0] == new.point_key[i, 0]:
             return other
-        apart = norm(sub(load3(old.point, other, PLACE), load3(new.point, i, PLACE)))
+        apart = norm(sub(load3(old.point, other, at.PLACE), load3(new.point, i, at.PLACE)))
         if apart < closest:
             best, closest = other, apart
     return best
@@ -98,22 +72,22 @@ def take_over(new: Contacts, row: int, old: OldContacts, m: int) -> None:
         new.manifold[row, c] = old.manifold[m, c]
     for c in range(old.key.shape[1]):
         new.key[row, c] = old.key[m, c]
-    for k in range(old.key[m, POINTS]):
+    for k in range(old.key[m, at.POINTS]):
         for c in range(old.point.shape[1]):
             new.point[4 * row + k, c] = old.point[4 * m + k, c]
         new.point_key[4 * row + k, 0] = old.point_key[4 * m + k, 0]
-    old.key[m, POINTS] = 0
+    old.key[m, at.POINTS] = 0
 
 
 @kernel
 def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) -> None:
     """Begin a step with the manifolds first..end - 1 as they are; `refresh` has put their points where the bodies are now."""
     for m in range(first, end):
-        pa = load3(state, key[m, BODY_A], P)
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            point[i, FIRST_GAP] = point[i, SEPARATION]
-            store3(point, i, PLACE, add(pa, load3(point, i, ARM_A)))
-            store3(point, i, SUM, (0.0, 0.0, 0.0))
+        pa = load3(state, key[m, at.BODY_A], at.P)
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            point[i, at.FIRST_GAP] = point[i, at.SEPARATION]
+            store3(point, i, at.PLACE, add(pa, load3(point, i, at.ARM_A)))
+            store3(point, i, at.SUM, (0.0, 0.0, 0.0))
 
 
 @kernel
@@ -122,14 +96,14 @@ def carry_over(new: Contacts, row: int, old: OldContacts, m: int, near: float) -
 
     What is taken over leaves the old manifold without points, here and in the other functions.
     """
-    new.key[row, SLIPS] = old.key[m, SLIPS]
-    store3(new.manifold, row, SPIN_IMPULSE, load3(old.manifold, m, SPIN_IMPULSE))
-    for i in range(4 * row, 4 * row + new.key[row, POINTS]):
+    new.key[row, at.SLIPS] = old.key[m, at.SLIPS]
+    store3(new.manifold, row, at.SPIN_IMPULSE, load3(old.manifold, m, at.SPIN_IMPULSE))
+    for i in range(4 * row, 4 * row + new.key[row, at.POINTS]):
         twin = matching_point(new, i, old, m, near)
         if twin >= 0:
-            new.point[i, NORMAL_IMPULSE] = old.point[twin, NORMAL_IMPULSE]
-            store3(new.point, i, TANGENT_IMPULSE, load3(old.point, twin, TANGENT_IMPULSE))
-    old.key[m, POINTS] = 0
+            new.point[i, at.NORMAL_IMPULSE] = old.point[twin, at.NORMAL_IMPULSE]
+            store3(new.point, i, at.TANGENT_IMPULSE, load3(old.point, twin, at.TANGENT_IMPULSE))
+    old.key[m, at.POINTS] = 0
 
 
 @kernel
@@ -138,18 +112,18 @@ def go_on(shape: Floats, shape_kind: Ints, new: Contacts, row: int, old: OldCont
 
     Returns: whether there is such a one.
     """
-    a, b = new.key[row, SHAPE_A], new.key[row, SHAPE_B]
-    if shape_kind[a, TYPE] != SPHERE or shape_kind[b, TYPE] != TRIANGLE:
+    a, b = new.key[row, at.SHAPE_A], new.key[row, at.SHAPE_B]
+    if shape_kind[a, at.TYPE] != at.SPHERE or shape_kind[b, at.TYPE] != at.TRIANGLE:
         return False
-    n, x, m = load3(new.manifold, row, NORMAL), load3(new.point, 4 * row, PLACE), old.head[a, 0]
+    n, x, m = load3(new.manifold, row, at.NORMAL), load3(new.point, 4 * row, at.PLACE), old.head[a, 0]
     while m >= 0:
         if (
-            old.key[m, POINTS] == 1
-            and old.key[m, BODY_B] == new.key[row, BODY_B]
-            and dot(n, load3(old.manifold, m, NORMAL)) > BENT
-            and norm(sub(x, load3(old.point, 4 * m, PLACE))) < ON * shape[a, SIZE]
+            old.key[m, at.POINTS] == 1
+            and old.key[m, at.BODY_B] == new.key[row, at.BODY_B]
+            and dot(n, load3(old.manifold, m, at.NORMAL)) > BENT
+            and norm(sub(x, load3(old.point, 4 * m, at.PLACE))) < ON * shape[a, at.SIZE]
         ):
-            carry_over(new, row, old, m, ON * shape[a, SIZE])
+            carry_over(new, row, old, m, ON * shape[a, at.SIZE])
             return True
         m = old.following[m, 0]
     return False

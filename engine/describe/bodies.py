@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.check import finite, not_negative, positive, spd_inertia, unit_quaternion
 from engine.describe.optics import Optics
 from engine.describe.shapes import Placed
+from engine.maths.types import Floats
 
-__all__ = ["Body", "Numbers", "Surface"]
-
-Numbers = Sequence[float] | NDArray[np.float64]
+Numbers = Sequence[float] | Floats
 """A few numbers: a tuple, a list or an array."""
 
 

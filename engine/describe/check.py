@@ -8,8 +8,6 @@ import numpy as np
 
 from engine.maths.arrays import eigenvalues, norm
 
-__all__ = ["finite", "not_negative", "number", "positive", "spd_inertia", "unit_quaternion", "whole"]
-
 
 def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     """The value as an array of the expected shape. Raises: ValueError if it is no numbers, of another shape, or not finite."""

@@ -1,7 +1,5 @@
 """The engine's own errors and warnings."""
 
-__all__ = ["Diverged", "ManyImpacts", "NotSupported"]
-
 
 class NotSupported(Exception):
     """The engine has no model for `what`; `why` says what is missing."""

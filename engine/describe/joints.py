@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from engine.describe.check import finite, not_negative, number
 from engine.maths.arrays import norm
 
-__all__ = ["WORLD", "Ball", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
-
 WORLD = "world"
 """The parent of a joint that holds its child to the world."""
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from engine.describe.check import finite, not_negative, number
 from engine.maths.arrays import norm
 
-__all__ = ["Optics", "Sun"]
-
 
 def _share(label: str, field: str, value: float) -> None:
     """Raises: ValueError unless the value lies between 0 and 1."""

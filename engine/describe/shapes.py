@@ -9,9 +9,6 @@ import numpy as np
 from engine.describe.check import finite, positive
 from engine.maths.arrays import norm
 
-__all__ = ["Box", "Capsule", "ConvexHull", "Cylinder", "Ellipsoid", "Placed", "Plane", "Shape", "Sphere", "TriangleMesh"]
-
-
 FLAT = 1e-12
 """Height of a triangle over its longest edge [1] below which rounding decides where its normal points."""
 

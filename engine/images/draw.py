@@ -2,32 +2,22 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.describe.bodies import Body
 from engine.describe.errors import NotSupported
+from engine.describe.optics import Sun
 from engine.images.eye import Eye, Picture
 from engine.images.tables import lighting_of
+from engine.maths.types import Floats, Ints
+from engine.rays.hits import Cast, Hits
 
-if TYPE_CHECKING:
-    from engine.describe.bodies import Body
-    from engine.describe.optics import Sun
-    from engine.images.waves import Cast
-    from engine.rays.hits import Hits
-
-__all__ = ["rasterised", "ray_traced"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 BLOCK = 1 << 16
 """Pixels that are traced at once: their rays of one generation take some ten megabytes."""
 
 
-def rasterised(
-    floats: FloatArray, ints: IntArray, bodies: "Sequence[Body]", sun: "Sun", eye: Eye, colour: bool = True
-) -> Picture:
+def rasterised(floats: Floats, ints: Ints, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: bool = True) -> Picture:
     """A picture by the z-buffer. Raises: NotSupported for a lens."""
     from engine.images.rasteriser import rasterise
     from engine.images.shading import name_bodies, shade
@@ -45,7 +35,7 @@ def rasterised(
     return Picture(depth, body, painted)
 
 
-def ray_traced(cast: "Cast", bodies: "Sequence[Body]", sun: "Sun", eye: Eye, colour: bool = True) -> Picture:
+def ray_traced(cast: Cast, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: bool = True) -> Picture:
     """A picture by rays. Raises: ValueError for a lens that shows nothing at some pixel."""
     from engine.images.patterns import even_points
     from engine.images.waves import Light, first_wave, follow
@@ -72,9 +62,7 @@ def ray_traced(cast: "Cast", bodies: "Sequence[Body]", sun: "Sun", eye: Eye, col
     return Picture(depth, body, painted)
 
 
-def _aimed(
-    cast: "Cast", eye: Eye, first: int, rows: int, x: float, y: float
-) -> "tuple[FloatArray, FloatArray, Hits, FloatArray]":
+def _aimed(cast: Cast, eye: Eye, first: int, rows: int, x: float, y: float) -> tuple[Floats, Floats, Hits, Floats]:
     """The rays through one point (x, y) of each pixel in some rows, and what they meet from the near plane on.
 
     Returns: origins (n, 3) or (1, 3) m, directions (n, 3), hits, z-depths (rows, w) m.

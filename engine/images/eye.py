@@ -4,14 +4,10 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.check import finite, not_negative, number, positive, unit_quaternion, whole
+from engine.maths.types import Floats, Ints
 
-__all__ = ["Eye", "Lens", "Picture"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 WIDEST = 16384
 
 
@@ -85,14 +81,14 @@ class Eye:
         whole("eye", "sky_rays", self.sky_rays, 0)
 
     @property
-    def axes(self) -> FloatArray:
+    def axes(self) -> Floats:
         """R_WE (3, 3): right, down and ahead as columns."""
         from engine.build.solids import quat_mat  # late: it loads the compiler
 
         return quat_mat(unit_quaternion("eye", "q_WE", self.q_WE))
 
     @property
-    def row(self) -> FloatArray:
+    def row(self) -> Floats:
         """(1, 23) for compiled code: p_WE, R_WE by rows, focal lengths, centre, near, then k1, k2, k3, p1, p2 and the fold."""
         lens = self.lens or Lens()
         pinhole = (self.focal_x, self.focal_y, self.centre_x, self.centre_y, self.near)
@@ -108,6 +104,6 @@ class Picture:
         colour (h, w, 3): radiance, linear red, green, blue, averaged over the pixel where it is sampled; None if not wanted.
     """
 
-    depth: FloatArray
-    body: IntArray
-    colour: FloatArray | None
+    depth: Floats
+    body: Ints
+    colour: Floats | None

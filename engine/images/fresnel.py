@@ -7,9 +7,8 @@ Introduction to Ray Tracing, 1989, section 2.5 (vectors).
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, axpy, dot, norm, scale
-
-__all__ = ["reflect", "reflectance", "refract"]
+from engine.maths.rows import Vec
+from engine.maths.vec import axpy, dot, norm, scale
 
 
 @kernel

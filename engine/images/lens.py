@@ -7,9 +7,8 @@ import math
 
 from engine.compile.jit import entry, kernel
 from engine.maths.elementary import hypot
-from engine.maths.vec import Floats, load9, mat_vec, store3
-
-__all__ = ["RESIDUAL", "distort", "look"]
+from engine.maths.rows import Floats, load9, store3
+from engine.maths.vec import mat_vec
 
 RESIDUAL = 1e-12
 """Largest distance [1] of a distorted direction from the pixel that it belongs to."""

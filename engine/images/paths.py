@@ -2,23 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.describe.bodies import Body
 from engine.describe.optics import Sun
 from engine.images.tables import lighting_of
 from engine.maths.arrays import unit
+from engine.maths.types import Floats, Ints
+from engine.rays.hits import Cast
 
-if TYPE_CHECKING:
-    from engine.describe.bodies import Body
-    from engine.images.waves import Cast
-
-__all__ = ["Paths", "traced_paths"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 KINDS = ("given", "mirrored", "reflected", "refracted")
 
 
@@ -32,16 +26,16 @@ class Paths:
         share of the light of the given ray.
     """
 
-    parent: IntArray
+    parent: Ints
     kind: NDArray[np.str_]
-    start: FloatArray
-    direction: FloatArray
-    end: FloatArray
-    body: IntArray
-    weight: FloatArray
+    start: Floats
+    direction: Floats
+    end: Floats
+    body: Ints
+    weight: Floats
 
 
-def traced_paths(cast: "Cast", bodies: "Sequence[Body]", origins: FloatArray, directions: FloatArray, bounces: int) -> Paths:
+def traced_paths(cast: Cast, bodies: Sequence[Body], origins: Floats, directions: Floats, bounces: int) -> Paths:
     """All pieces of rays with origins (r, 3) m and directions (r, 3) over so many surfaces; scattering ends a way."""
     from engine.images.waves import Light, first_wave, follow
 

@@ -5,12 +5,11 @@ Theoretic Methods for Multiple Integration, 1976 (a pattern shifted for each pla
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["even_points"]
+from engine.maths.types import Floats
 
 
-def even_points(count: int) -> NDArray[np.float64]:
+def even_points(count: int) -> Floats:
     """Points (count, 2) in the unit square whose mean is its middle; one point is the middle itself."""
     k = np.arange(count)
     mirrored, bits = np.zeros(count), max(1, int(count - 1).bit_length())

@@ -12,9 +12,8 @@ import math
 from engine.compile.jit import kernel
 from engine.images.scanlines import flat_row
 from engine.images.screen import Screen, pixel_range, row_of
-from engine.maths.vec import Floats, Vec, axpy, dot, load3, store3, sub
-
-__all__ = ["draw_polygon"]
+from engine.maths.rows import Floats, Vec, load3, store3
+from engine.maths.vec import axpy, dot, sub
 
 GRID = float(2**20)
 """Steps of a pixel that corners are rounded to."""

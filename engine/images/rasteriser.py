@@ -13,55 +13,10 @@ from engine.images.polygons import draw_polygon
 from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder, draw_ellipsoid
 from engine.images.scanlines import flat_row
 from engine.images.screen import Screen, row_of, screen_of
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Mat,
-    Vec,
-    add,
-    dot,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    quat_mat,
-    quat_mul,
-    store3,
-    sub,
-    tmat_vec,
-)
-from engine.memory.arena import (
-    BOX,
-    CAPSULE,
-    COUNT,
-    CYLINDER,
-    ELLIPSOID,
-    FACE,
-    FACES,
-    FIRST_FACE,
-    HULL,
-    LOOP,
-    OFFSET,
-    OWNER,
-    PLANE,
-    POLYHEDRON,
-    SHAPE,
-    SHAPE_KIND,
-    SHAPES,
-    SIZE,
-    SPAN,
-    SPHERE,
-    STATE,
-    TRIANGLE,
-    TURN,
-    TYPE,
-    VERTEX,
-    P,
-    Q,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4, load9, store3
+from engine.maths.vec import add, dot, mat_vec, quat_mat, quat_mul, sub, tmat_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["TAGS", "rasterise", "shape_pose"]
 
 TAGS = 2**32
 """Patches of a shape that can be told apart: a tag is its row in the table of shapes times this, plus the patch."""
@@ -70,11 +25,11 @@ TAGS = 2**32
 @kernel
 def shape_pose(state: Floats, shape: Floats, shape_kind: Ints, s: int) -> tuple[Vec, Mat]:
     """Origin [m] and axes of a shape in W."""
-    b = shape_kind[s, OWNER]
-    q = load4(state, b, Q)
+    b = shape_kind[s, at.OWNER]
+    q = load4(state, b, at.Q)
     return (
-        add(load3(state, b, P), mat_vec(quat_mat(q), load3(shape, s, OFFSET))),
-        quat_mat(quat_mul(q, load4(shape, s, TURN))),
+        add(load3(state, b, at.P), mat_vec(quat_mat(q), load3(shape, s, at.OFFSET))),
+        quat_mat(quat_mul(q, load4(shape, s, at.TURN))),
     )
 
 
@@ -83,14 +38,14 @@ def draw_box(screen: Screen, c: Vec, m: Mat, h: Vec, tag: int, corner: Floats, k
     """Draw the six faces of a box; patch 2 k is the face at -h[k], 2 k + 1 the one opposite; room as of `draw_polygon`."""
     for face in range(6):
         k, sign = face // 2, (1.0 if face % 2 else -1.0)
-        for at in range(4):
-            one, two = (1.0 if at in (1, 2) else -1.0), (1.0 if at in (2, 3) else -1.0)
+        for q in range(4):
+            one, two = (1.0 if q in (1, 2) else -1.0), (1.0 if q in (2, 3) else -1.0)
             spot = (
                 h[0] * (sign if k == 0 else (two if k == 1 else one)),
                 h[1] * (sign if k == 1 else (one if k == 0 else two)),
                 h[2] * (sign if k == 2 else (two if k == 0 else one)),
             )
-            store3(corner, at, 0, add(c, mat_vec(m, spot)))
+            store3(corner, q, 0, add(c, mat_vec(m, spot)))
         draw_polygon(screen, 4, corner, (m[k], m[3 + k], m[6 + k]), tag + face, kept)
 
 
@@ -100,41 +55,39 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
 
     Args: eye (1, 23): see `engine.images.eye.Eye.row`; without distortion.
     """
-    state, shape, shape_kind = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
-    vertex, face = floats_of(floats, ints, VERTEX), floats_of(floats, ints, FACE)
-    polyhedron, span, loop = ints_of(ints, POLYHEDRON), ints_of(ints, SPAN), ints_of(ints, LOOP)
-    at, turn, pinhole = load3(eye, 0, 0), load9(eye, 0, 3), eye[:, 12:17]
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
+    vertex, face = floats_of(floats, ints, at.VERTEX), floats_of(floats, ints, at.FACE)
+    polyhedron, span, loop = ints_of(ints, at.POLYHEDRON), ints_of(ints, at.SPAN), ints_of(ints, at.LOOP)
+    origin, turn, pinhole = load3(eye, 0, 0), load9(eye, 0, 3), eye[:, 12:17]
     screen = screen_of(pinhole, depth, tags)
     most = 4
     for f in range(len(span)):
         most = max(most, span[f, 1])
     corner, kept = np.empty((most, 3)), np.empty((most + 2, 3))
-    for s in range(ints_of(ints, COUNT)[0, SHAPES]):
+    for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
         p_WS, axes = shape_pose(state, shape, shape_kind, s)
-        c, tag, kind, size = tmat_vec(turn, sub(p_WS, at)), s * TAGS, shape_kind[s, TYPE], load3(shape, s, SIZE)
-        x, y, a = (
-            tmat_vec(turn, (axes[0], axes[3], axes[6])),
-            tmat_vec(turn, (axes[1], axes[4], axes[7])),
-            tmat_vec(turn, (axes[2], axes[5], axes[8])),
-        )
+        c, tag, kind, size = tmat_vec(turn, sub(p_WS, origin)), s * TAGS, shape_kind[s, at.TYPE], load3(shape, s, at.SIZE)
+        x, y = tmat_vec(turn, (axes[0], axes[3], axes[6])), tmat_vec(turn, (axes[1], axes[4], axes[7]))
+        a = tmat_vec(turn, (axes[2], axes[5], axes[8]))
         m = (x[0], y[0], a[0], x[1], y[1], a[1], x[2], y[2], a[2])
-        if kind == SPHERE:
+        if kind == at.SPHERE:
             draw_ball(screen, c, size[0], tag)
-        elif kind == BOX:
+        elif kind == at.BOX:
             draw_box(screen, c, m, size, tag, corner, kept)
-        elif kind == CAPSULE:
+        elif kind == at.CAPSULE:
             draw_capsule(screen, c, a, size[0], size[1], tag)
-        elif kind == CYLINDER:
+        elif kind == at.CYLINDER:
             draw_cylinder(screen, c, a, size[0], size[1], tag)
-        elif kind == ELLIPSOID:
+        elif kind == at.ELLIPSOID:
             draw_ellipsoid(screen, c, m, size, tag)
-        elif kind == PLANE:
+        elif kind == at.PLANE:
             for j in range(depth.shape[0]):
                 flat_row(0, depth.shape[1], row_of(screen, j, pinhole[0, 4]), a, dot(a, c), tag)
-        elif kind in (HULL, TRIANGLE):
+        elif kind in (at.HULL, at.TRIANGLE):
             # The second face of a triangle is the first, seen from behind.
-            for f in range(polyhedron[s, FACES] if kind == HULL else 1):
-                row = polyhedron[s, FIRST_FACE] + f
+            for f in range(polyhedron[s, at.FACES] if kind == at.HULL else 1):
+                row = polyhedron[s, at.FIRST_FACE] + f
                 for k in range(span[row, 1]):
                     store3(corner, k, 0, add(c, mat_vec(m, load3(vertex, loop[span[row, 0] + k, 0], 0))))
                 draw_polygon(screen, span[row, 1], corner, mat_vec(m, load3(face, row, 0)), tag + f, kept)

@@ -8,9 +8,8 @@ import math
 from engine.compile.jit import kernel
 from engine.images.scanlines import ball_end_row, ball_row, cap_row, ellipsoid_row, side_row
 from engine.images.screen import Screen, pixel_range, row_of
-from engine.maths.vec import Floats, Mat, Vec, axpy, dot, neg
-
-__all__ = ["draw_ball", "draw_capsule", "draw_cylinder", "draw_ellipsoid"]
+from engine.maths.rows import Floats, Mat, Vec
+from engine.maths.vec import axpy, dot, neg
 
 Window = tuple[float, float, float, float]
 """Left, right, upper and lower end in units of the focal lengths."""

@@ -12,9 +12,8 @@ import math
 
 from engine.compile.jit import kernel, stream
 from engine.images.screen import Row
-from engine.maths.vec import Mat, Vec, cross, dot, mat_vec
-
-__all__ = ["ball_end_row", "ball_row", "cap_row", "ellipsoid_row", "flat_row", "side_row"]
+from engine.maths.rows import Mat, Vec
+from engine.maths.vec import cross, dot, mat_vec
 
 
 @kernel

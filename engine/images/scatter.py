@@ -16,13 +16,9 @@ from engine.compile.jit import entry, kernel
 from engine.images.fresnel import reflect, reflectance, refract
 from engine.images.tables import Lighting
 from engine.maths.elementary import cos_sin
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale
 from engine.rays.hits import Hits
-
-__all__ = [
-    "AIR", "GIVEN", "LEAST", "MIRRORED", "REFLECTED", "REFRACTED", "SCATTERED",
-    "Generation", "ShadowRays", "add_unshaded", "scatter",
-]  # fmt: skip
 
 GIVEN, MIRRORED, REFLECTED, REFRACTED, SCATTERED = 0, 1, 2, 3, 4
 """How a ray came to be."""

@@ -6,9 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Ints
-
-__all__ = ["Row", "Screen", "pixel_range", "row_of", "screen_of"]
+from engine.maths.rows import Floats, Ints
 
 
 class Screen(NamedTuple):

@@ -4,15 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.bodies import Body
 from engine.describe.optics import Sun
 from engine.maths.arrays import unit
-
-__all__ = ["Lighting", "lighting_of"]
-
-FloatArray = NDArray[np.float64]
+from engine.maths.types import Floats
 
 
 class Lighting(NamedTuple):
@@ -22,8 +18,8 @@ class Lighting(NamedTuple):
     of the sky.
     """
 
-    optics: FloatArray
-    sun: FloatArray
+    optics: Floats
+    sun: Floats
 
 
 def lighting_of(bodies: Sequence[Body], sun: Sun) -> Lighting:

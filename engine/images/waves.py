@@ -6,22 +6,15 @@ Source: Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ra
 Improved Illumination Model for Shaded Display, 1980.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.images.scatter import AIR, GIVEN, Generation, ShadowRays, add_unshaded, scatter
 from engine.images.tables import Lighting
-from engine.rays.hits import Hits
-
-__all__ = ["Light", "Wave", "first_wave", "follow"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Cast = Callable[[FloatArray, FloatArray], Hits]
-"""World.cast of origins and directions."""
+from engine.maths.types import Floats, Ints
+from engine.rays.hits import Cast, Hits
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +34,7 @@ class Light:
     sky_rays: int
 
 
-def first_wave(origins: FloatArray, directions: FloatArray, hits: Hits, pixels: IntArray) -> Wave:
+def first_wave(origins: Floats, directions: Floats, hits: Hits, pixels: Ints) -> Wave:
     """Rays of weight 1 in air, each for the pixel of its own."""
     light = np.ones((len(directions), 5))
     light[:, 3:] = AIR
@@ -49,7 +42,7 @@ def first_wave(origins: FloatArray, directions: FloatArray, hits: Hits, pixels: 
     return Wave(Generation(origins, directions, light, roots), hits)
 
 
-def follow(cast: Cast, wave: Wave, light: Light, sample: int, radiance: FloatArray) -> Iterator[Wave]:
+def follow(cast: Cast, wave: Wave, light: Light, sample: int, radiance: Floats) -> Iterator[Wave]:
     """Yield each generation, adding to radiance (pixels, 3) what the rays bring."""
     for bounce in range(light.bounces + 1):
         n = len(wave.rays.directions)

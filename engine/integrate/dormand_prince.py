@@ -20,21 +20,10 @@ from engine.compile.jit import entry, kernel
 from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
 from engine.integrate.free_steps import advance_free
 from engine.maths.elementary import fifth_root
-from engine.maths.vec import Floats, Ints, Vec, axpy, load3, load4, store3, store4
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    GRAVITY,
-    INV_MASS,
-    LINEAR_DAMPING,
-    MOMENTS,
-    STEP_TOLERANCE,
-    STRIDE,
-    P,
-    V,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from engine.maths.vec import axpy
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_dormand_prince"]
 
 STAGES: Final = 7
 A: Final = np.array(
@@ -117,18 +106,18 @@ def dormand_prince(
     state, body, load = bodies.state, bodies.body, bodies.load
     if not is_pushed(state, bodies.kind, b, end):
         return True
-    a = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
-    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
-    law = Law(a, body[b, LINEAR_DAMPING], moments, tau, d, gyroscopic)
+    a = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY))
+    tau, d, moments = load3(load, b, 3), body[b, at.ANGULAR_DAMPING], load3(principal, b, at.MOMENTS)
+    law = Law(a, body[b, at.LINEAR_DAMPING], moments, tau, d, gyroscopic)
     y, new, k = trial.y, trial.new, trial.k
-    tolerance = setting[0, STEP_TOLERANCE]
+    tolerance = setting[0, at.STEP_TOLERANCE]
     q, m = to_principal(state, principal, b)
-    store3(y, 0, Y_P, load3(state, b, P))
-    store3(y, 0, Y_V, load3(state, b, V))
+    store3(y, 0, Y_P, load3(state, b, at.P))
+    store3(y, 0, Y_V, load3(state, b, at.V))
     store4(y, 0, Y_Q, q)
     store3(y, 0, Y_M, m)
     rates(y, k, 0, law)
-    stride = principal[b, STRIDE] if principal[b, STRIDE] > 0.0 else end
+    stride = principal[b, at.STRIDE] if principal[b, at.STRIDE] > 0.0 else end
     done, rejected = 0.0, False
     for _ in range(MOST_TRIALS):
         left = end - done
@@ -155,9 +144,9 @@ def dormand_prince(
             for j in range(LENGTH):
                 y[0, j], k[0, j] = new[0, j], k[STAGES - 1, j]
             if cut:
-                principal[b, STRIDE] = stride
-                store3(state, b, P, load3(y, 0, Y_P))
-                store3(state, b, V, load3(y, 0, Y_V))
+                principal[b, at.STRIDE] = stride
+                store3(state, b, at.P, load3(y, 0, Y_P))
+                store3(state, b, at.V, load3(y, 0, Y_V))
                 from_principal(state, principal, b, load4(y, 0, Y_Q), load3(y, 0, Y_M))
                 return True
         else:

@@ -10,11 +10,10 @@ from engine.compile.jit import entry, kernel
 from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
 from engine.integrate.free_steps import advance_free
 from engine.integrate.runge_kutta import quat_axpy
-from engine.maths.vec import Floats, Ints, axpy, load3, store3
-from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import axpy
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_explicit_euler"]
 
 
 @kernel
@@ -23,11 +22,11 @@ def explicit_euler(bodies: Bodies, principal: Floats, setting: Floats, b: int, h
     state, body, load = bodies.state, bodies.body, bodies.load
     if not is_pushed(state, bodies.kind, b, h):
         return True
-    v, a = load3(state, b, V), axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
-    store3(state, b, P, axpy(h, v, load3(state, b, P)))
-    store3(state, b, V, axpy(h, axpy(-body[b, LINEAR_DAMPING], v, a), v))
+    v, a = load3(state, b, at.V), axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY))
+    store3(state, b, at.P, axpy(h, v, load3(state, b, at.P)))
+    store3(state, b, at.V, axpy(h, axpy(-body[b, at.LINEAR_DAMPING], v, a), v))
     q, m = to_principal(state, principal, b)
-    q1, m1 = spin_rates(q, m, load3(principal, b, MOMENTS), load3(load, b, 3), body[b, ANGULAR_DAMPING], gyroscopic)
+    q1, m1 = spin_rates(q, m, load3(principal, b, at.MOMENTS), load3(load, b, 3), body[b, at.ANGULAR_DAMPING], gyroscopic)
     from_principal(state, principal, b, quat_axpy(h, q1, q), axpy(h, m1, m))
     return True
 

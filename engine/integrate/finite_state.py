@@ -3,9 +3,7 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats
-
-__all__ = ["is_finite"]
+from engine.maths.rows import Floats
 
 
 @kernel

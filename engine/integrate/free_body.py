@@ -11,17 +11,12 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin, exp, expm1
+from engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4
 from engine.maths.vec import (
-    Floats,
-    Ints,
-    Quat,
-    Vec,
     add,
     axpy,
     cross,
     dot,
-    load3,
-    load4,
     mat_vec,
     quat_conj,
     quat_mat,
@@ -29,24 +24,18 @@ from engine.maths.vec import (
     quat_turn,
     quat_unit,
     scale,
-    store3,
-    store4,
     tmat_vec,
-)  # fmt: skip
-from engine.memory.arena import AXES, DYNAMIC, KINEMATIC, MOMENTS, MOTION, P, Q, V, W
-
-__all__ = [
-    "from_principal", "is_pushed", "kicked_spin", "kicked_velocity", "spin_rates", "to_principal", "turned_by", "velocities_of"
-]  # fmt: skip
+)
+from engine.memory import arena as at
 
 
 @kernel
 def is_pushed(state: Floats, kind: Ints, b: int, h: float) -> bool:
     """Whether forces move body b; where it is kinematic, it is carried on for h seconds by its velocities."""
-    if kind[b, MOTION] == KINEMATIC:
-        store3(state, b, P, axpy(h, load3(state, b, V), load3(state, b, P)))
-        store4(state, b, Q, quat_turn(load4(state, b, Q), load3(state, b, W), h))
-    return bool(kind[b, MOTION] == DYNAMIC)
+    if kind[b, at.MOTION] == at.KINEMATIC:
+        store3(state, b, at.P, axpy(h, load3(state, b, at.V), load3(state, b, at.P)))
+        store4(state, b, at.Q, quat_turn(load4(state, b, at.Q), load3(state, b, at.W), h))
+    return bool(kind[b, at.MOTION] == at.DYNAMIC)
 
 
 @kernel
@@ -63,8 +52,8 @@ def as_long(turned: Vec, v: Vec) -> Vec:
 @kernel
 def to_principal(state: Floats, principal: Floats, b: int) -> tuple[Quat, Vec]:
     """q_WP and the angular momentum [kg m2/s] of body b in P."""
-    q = quat_mul(load4(state, b, Q), load4(principal, b, AXES))
-    w_W, moments = load3(state, b, W), load3(principal, b, MOMENTS)
+    q = quat_mul(load4(state, b, at.Q), load4(principal, b, at.AXES))
+    w_W, moments = load3(state, b, at.W), load3(principal, b, at.MOMENTS)
     w = as_long(tmat_vec(quat_mat(q), w_W), w_W)
     return q, (moments[0] * w[0], moments[1] * w[1], moments[2] * w[2])
 
@@ -72,9 +61,9 @@ def to_principal(state: Floats, principal: Floats, b: int) -> tuple[Quat, Vec]:
 @kernel
 def from_principal(state: Floats, principal: Floats, b: int, q: Quat, m: Vec) -> None:
     """Write the rotation (q_WP, m) of body b as q_WB and w_WB."""
-    store4(state, b, Q, quat_unit(quat_mul(q, quat_conj(load4(principal, b, AXES)))))
-    w = velocities_of(m, load3(principal, b, MOMENTS))
-    store3(state, b, W, as_long(mat_vec(quat_mat(q), w), w))
+    store4(state, b, at.Q, quat_unit(quat_mul(q, quat_conj(load4(principal, b, at.AXES)))))
+    w = velocities_of(m, load3(principal, b, at.MOMENTS))
+    store3(state, b, at.W, as_long(mat_vec(quat_mat(q), w), w))
 
 
 @kernel

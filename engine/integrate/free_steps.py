@@ -5,13 +5,11 @@ from typing import Any
 
 from engine.compile.jit import kernel
 from engine.integrate.finite_state import is_finite
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, PRINCIPAL, SETTING, STEPS, SUBSTEPS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import bodies_of
-
-__all__ = ["advance_free"]
 
 
 @kernel
@@ -21,17 +19,18 @@ def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., 
     Args: advance: (bodies, principal, setting, b, h [s], gyroscopic, *room) -> whether body b was advanced by h.
     Returns: steps done, and DONE, or DIVERGED, or UNSOLVED if a body was not advanced.
     """
-    bodies, principal, setting = bodies_of(floats, ints), floats_of(floats, ints, PRINCIPAL), floats_of(floats, ints, SETTING)
-    count = ints_of(ints, COUNT)
-    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    bodies, principal = bodies_of(floats, ints), floats_of(floats, ints, at.PRINCIPAL)
+    setting = floats_of(floats, ints, at.SETTING)
+    count = ints_of(ints, at.COUNT)
+    h, gyroscopic = setting[0, at.DT] / count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     for step in range(steps):
         advanced = True
-        for _ in range(count[0, SUBSTEPS]):
-            for b in range(count[0, BODIES]):
+        for _ in range(count[0, at.SUBSTEPS]):
+            for b in range(count[0, at.BODIES]):
                 if not advance(bodies, principal, setting, b, h, gyroscopic, *room):
                     advanced = False
-        count[0, STEPS] += 1
-        if not is_finite(bodies.state, count[0, BODIES]):
+        count[0, at.STEPS] += 1
+        if not is_finite(bodies.state, count[0, at.BODIES]):
             return step + 1, DIVERGED
         if not advanced:
             return step + 1, UNSOLVED

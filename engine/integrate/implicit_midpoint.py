@@ -21,11 +21,10 @@ from engine.integrate.free_body import (
     velocities_of,
 )
 from engine.integrate.free_steps import advance_free
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, quat_mul, scale, store3, sub
-from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import axpy, cross, dot, norm, quat_mul, scale, sub
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["step_implicit_midpoint"]
 
 MOST_ITERATIONS = 50
 """Newton's method needs three or four where h w is small; where it needs more than this the step is far too long."""
@@ -60,12 +59,12 @@ def implicit_midpoint(bodies: Bodies, principal: Floats, setting: Floats, b: int
     state, body, load = bodies.state, bodies.body, bodies.load
     if not is_pushed(state, bodies.kind, b, h):
         return True
-    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
-    v = kicked_velocity(load3(state, b, V), a, c, 0.5 * h)
-    store3(state, b, P, axpy(h, v, load3(state, b, P)))
-    store3(state, b, V, kicked_velocity(v, a, c, 0.5 * h))
+    a, c = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY)), body[b, at.LINEAR_DAMPING]
+    v = kicked_velocity(load3(state, b, at.V), a, c, 0.5 * h)
+    store3(state, b, at.P, axpy(h, v, load3(state, b, at.P)))
+    store3(state, b, at.V, kicked_velocity(v, a, c, 0.5 * h))
 
-    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    tau, d, moments = load3(load, b, 3), body[b, at.ANGULAR_DAMPING], load3(principal, b, at.MOMENTS)
     q, m = to_principal(state, principal, b)
     m = kicked_spin(q, m, tau, d, 0.5 * h)
     solved = True

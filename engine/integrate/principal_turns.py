@@ -7,9 +7,7 @@ Source: Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997) 5840, sectio
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
-from engine.maths.vec import Quat, Vec
-
-__all__ = ["turn_first", "turn_second", "turn_third"]
+from engine.maths.rows import Quat, Vec
 
 
 @kernel

@@ -7,45 +7,10 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sect
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.vec import (
-    Floats,
-    Quat,
-    Sym,
-    Vec,
-    add,
-    axpy,
-    load3,
-    load4,
-    load6,
-    mat_vec,
-    quat_mat,
-    quat_mul,
-    quat_turn,
-    quat_unit,
-    scale,
-    store3,
-    store4,
-    sym_vec,
-    tmat_vec,
-)  # fmt: skip
-from engine.memory.arena import (
-    ANGULAR_DAMPING,
-    DYNAMIC,
-    GRAVITY,
-    INV_INERTIA,
-    INV_MASS,
-    KINEMATIC,
-    LINEAR_DAMPING,
-    MOTION,
-    ROUND,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Quat, Sym, Vec, load3, load4, load6, store3, store4
+from engine.maths.vec import add, axpy, mat_vec, quat_mat, quat_mul, quat_turn, quat_unit, scale, sym_vec, tmat_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["quat_axpy", "quat_rate", "runge_kutta_free", "spin_rate"]
 
 
 @kernel
@@ -77,30 +42,30 @@ def spin_rate(q: Quat, inverse: Sym, momentum: Vec) -> Vec:
 def runge_kutta_free(bodies: Bodies, setting: Floats, b: int, dt: float, gyroscopic: int) -> None:
     """Advance body b by dt."""
     state, body, kind, load = bodies.state, bodies.body, bodies.kind, bodies.load
-    p, q = load3(state, b, P), load4(state, b, Q)
-    v, w = load3(state, b, V), load3(state, b, W)
-    if kind[b, MOTION] == KINEMATIC:
-        store3(state, b, P, axpy(dt, v, p))
-        store4(state, b, Q, quat_turn(q, w, dt))
-    if kind[b, MOTION] != DYNAMIC:
+    p, q = load3(state, b, at.P), load4(state, b, at.Q)
+    v, w = load3(state, b, at.V), load3(state, b, at.W)
+    if kind[b, at.MOTION] == at.KINEMATIC:
+        store3(state, b, at.P, axpy(dt, v, p))
+        store4(state, b, at.Q, quat_turn(q, w, dt))
+    if kind[b, at.MOTION] != at.DYNAMIC:
         return
-    a = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
-    c = body[b, LINEAR_DAMPING]
+    a = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY))
+    c = body[b, at.LINEAR_DAMPING]
     if c == 0.0:
-        store3(state, b, P, add(p, add(scale(dt, v), scale(0.5 * dt * dt, a))))
-        store3(state, b, V, axpy(dt, a, v))
+        store3(state, b, at.P, add(p, add(scale(dt, v), scale(0.5 * dt * dt, a))))
+        store3(state, b, at.V, axpy(dt, a, v))
     else:
         v1 = axpy(-c, v, a)
         v2 = axpy(-c, axpy(0.5 * dt, v1, v), a)
         v3 = axpy(-c, axpy(0.5 * dt, v2, v), a)
         v4 = axpy(-c, axpy(dt, v3, v), a)
-        store3(state, b, P, add(p, add(scale(dt, v), scale(dt * dt / 6.0, add(v1, add(v2, v3))))))
-        store3(state, b, V, axpy(dt / 6.0, add(add(v1, v4), scale(2.0, add(v2, v3))), v))
-    tau, d = load3(load, b, 3), body[b, ANGULAR_DAMPING]
-    if tau == (0.0, 0.0, 0.0) and d == 0.0 and (body[b, ROUND] == 1.0 or w == (0.0, 0.0, 0.0)):
-        store4(state, b, Q, quat_turn(q, w, dt))
+        store3(state, b, at.P, add(p, add(scale(dt, v), scale(dt * dt / 6.0, add(v1, add(v2, v3))))))
+        store3(state, b, at.V, axpy(dt / 6.0, add(add(v1, v4), scale(2.0, add(v2, v3))), v))
+    tau, d = load3(load, b, 3), body[b, at.ANGULAR_DAMPING]
+    if tau == (0.0, 0.0, 0.0) and d == 0.0 and (body[b, at.ROUND] == 1.0 or w == (0.0, 0.0, 0.0)):
+        store4(state, b, at.Q, quat_turn(q, w, dt))
     else:
-        inverse = load6(body, b, INV_INERTIA)
+        inverse = load6(body, b, at.INV_INERTIA)
         if gyroscopic == 1:
             m = angular_momentum(state, body, b)
             m1, q1 = axpy(-d, m, tau), quat_rate(q, w)
@@ -112,8 +77,8 @@ def runge_kutta_free(bodies: Bodies, setting: Floats, b: int, dt: float, gyrosco
             m4, q4 = axpy(-d, mc, tau), quat_rate(qc, spin_rate(qc, inverse, mc))
             m = axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), m)
             q = quat_unit(quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q))
-            store4(state, b, Q, q)
-            store3(state, b, W, spin_rate(q, inverse, m))
+            store4(state, b, at.Q, q)
+            store3(state, b, at.W, spin_rate(q, inverse, m))
         else:
             m1, q1 = axpy(-d, w, spin_rate(q, inverse, tau)), quat_rate(q, w)
             wa, qa = axpy(0.5 * dt, m1, w), quat_axpy(0.5 * dt, q1, q)
@@ -122,7 +87,7 @@ def runge_kutta_free(bodies: Bodies, setting: Floats, b: int, dt: float, gyrosco
             m3, q3 = axpy(-d, wb, spin_rate(qb, inverse, tau)), quat_rate(qb, wb)
             wc, qc = axpy(dt, m3, w), quat_axpy(dt, q3, q)
             m4, q4 = axpy(-d, wc, spin_rate(qc, inverse, tau)), quat_rate(qc, wc)
-            store3(state, b, W, axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), w))
+            store3(state, b, at.W, axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), w))
             q = quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q)
-            store4(state, b, Q, quat_unit(q))
+            store4(state, b, at.Q, quat_unit(q))
     turn_inertia(state, body, bodies.turned, b)

@@ -26,11 +26,10 @@ from engine.integrate.free_body import (
 )
 from engine.integrate.free_steps import advance_free
 from engine.integrate.principal_turns import turn_first, turn_third
-from engine.maths.vec import Floats, Ints, Quat, Vec, axpy, load3, scale, store3
-from engine.memory.arena import ANGULAR_DAMPING, GRAVITY, INV_MASS, LINEAR_DAMPING, MOMENTS, P, V
+from engine.maths.rows import Floats, Ints, Quat, Vec, load3, store3
+from engine.maths.vec import axpy, scale
+from engine.memory import arena as at
 from engine.memory.tables import Bodies
-
-__all__ = ["KAHAN_LI_8", "SUZUKI_4", "step_splitting_4", "step_splitting_8"]
 
 ROOT_OF_FOUR = 1.5874010519681994748  # the third
 SUZUKI_4: Final = np.array([1.0, 1.0, -ROOT_OF_FOUR, 1.0, 1.0]) / (4.0 - ROOT_OF_FOUR)
@@ -82,8 +81,8 @@ def splitting(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: flo
     state, body, load = bodies.state, bodies.body, bodies.load
     if not is_pushed(state, bodies.kind, b, h):
         return True
-    a, c = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY)), body[b, LINEAR_DAMPING]
-    p, v = load3(state, b, P), load3(state, b, V)
+    a, c = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY)), body[b, at.LINEAR_DAMPING]
+    p, v = load3(state, b, at.P), load3(state, b, at.V)
     if c == 0.0:
         # A constant acceleration is kicked and drifted exactly, whatever the composition.
         p, v = axpy(0.5 * h * h, a, axpy(h, v, p)), axpy(h, a, v)
@@ -93,10 +92,10 @@ def splitting(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: flo
             v = kicked_velocity(v, a, c, 0.5 * weight * h)
             p = axpy(weight * h, v, p)
             v = kicked_velocity(v, a, c, 0.5 * weight * h)
-    store3(state, b, P, p)
-    store3(state, b, V, v)
+    store3(state, b, at.P, p)
+    store3(state, b, at.V, v)
 
-    tau, d, moments = load3(load, b, 3), body[b, ANGULAR_DAMPING], load3(principal, b, MOMENTS)
+    tau, d, moments = load3(load, b, 3), body[b, at.ANGULAR_DAMPING], load3(principal, b, at.MOMENTS)
     q, m = to_principal(state, principal, b)
     if gyroscopic == 1 and d == 0.0 and tau == (0.0, 0.0, 0.0):
         q, m = free_rotor(q, m, moments, weights, h)

@@ -10,55 +10,10 @@ Dynamics with Temporal Coherence, GDC 2005 (islands).
 
 from typing import NamedTuple
 
-from engine.compile.jit import entry, kernel
-from engine.maths.vec import Ints
-from engine.memory.arena import (
-    BODY_A,
-    COUNT,
-    DYNAMIC,
-    FIRST_BODY,
-    FIRST_JOINT,
-    FIRST_LOCAL,
-    FIRST_MANIFOLD,
-    GROUPED,
-    GROUPED_JOINT,
-    ISLAND,
-    ISLANDS,
-    JOINT_KIND,
-    LOCAL,
-    LOCAL_JOINT_KIND,
-    LOCAL_OWNER,
-    MANIFOLD_KEY,
-    MANIFOLDS,
-    MEMBER,
-    MOTION,
-    NUMBER,
-    OLD_KEY,
-    PARENT,
-    ROOT,
-    SPAN_OF_ISLAND,
-    STAMP,
-    THREADS,
-    TOUCHED,
-)  # fmt: skip
+from engine.compile.jit import kernel
+from engine.maths.rows import Ints
+from engine.memory import arena as at
 from engine.memory.carve import ints_of
-
-__all__ = [
-    "Islands",
-    "Links",
-    "assign_rows",
-    "connect",
-    "connected_components",
-    "ends_of",
-    "group_bodies",
-    "group_links",
-    "islands_of",
-    "linked_by_contacts",
-    "linked_by_joints",
-    "number_islands",
-    "share",
-    "start_islands",
-]
 
 
 class Islands(NamedTuple):
@@ -84,20 +39,20 @@ class Links(NamedTuple):
 @kernel
 def islands_of(ints: Ints) -> Islands:
     """The tables of the islands of an arena."""
-    return Islands(ints_of(ints, ISLAND), ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, LOCAL_OWNER))
+    return Islands(ints_of(ints, at.ISLAND), ints_of(ints, at.SPAN_OF_ISLAND), ints_of(ints, at.LOCAL_OWNER))
 
 
 @kernel
 def linked_by_contacts(ints: Ints) -> Links:
     """The contacts of this step; the last step's table, which is done with, takes their rows."""
-    n = ints_of(ints, COUNT)[0, MANIFOLDS]
-    return Links(ints_of(ints, MANIFOLD_KEY)[:n], ints_of(ints, GROUPED), ints_of(ints, OLD_KEY)[:n], BODY_A)
+    n = ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
+    return Links(ints_of(ints, at.MANIFOLD_KEY)[:n], ints_of(ints, at.GROUPED), ints_of(ints, at.OLD_KEY)[:n], at.BODY_A)
 
 
 @kernel
 def linked_by_joints(ints: Ints) -> Links:
     """The joints."""
-    return Links(ints_of(ints, JOINT_KIND), ints_of(ints, GROUPED_JOINT), ints_of(ints, LOCAL_JOINT_KIND), PARENT)
+    return Links(ints_of(ints, at.JOINT_KIND), ints_of(ints, at.GROUPED_JOINT), ints_of(ints, at.LOCAL_JOINT_KIND), at.PARENT)
 
 
 @kernel
@@ -109,9 +64,9 @@ def ends_of(links: Links, k: int) -> tuple[int, int]:
 @kernel
 def root_of(island: Ints, b: int) -> int:
     """The root of body b; on the way every other body is hung one place higher."""
-    while island[b, ROOT] != b:
-        island[b, ROOT] = island[island[b, ROOT], ROOT]
-        b = island[b, ROOT]
+    while island[b, at.ROOT] != b:
+        island[b, at.ROOT] = island[island[b, at.ROOT], at.ROOT]
+        b = island[b, at.ROOT]
     return b
 
 
@@ -119,15 +74,15 @@ def root_of(island: Ints, b: int) -> int:
 def start_islands(island: Ints, bodies: int) -> None:
     """Every body alone."""
     for b in range(bodies):
-        island[b, ROOT], island[b, NUMBER] = b, -1
+        island[b, at.ROOT], island[b, at.NUMBER] = b, -1
 
 
 @kernel
 def connect(island: Ints, kind: Ints, a: int, b: int) -> None:
     """Join the islands of two bodies, if both are dynamic."""
-    if kind[a, MOTION] == DYNAMIC and kind[b, MOTION] == DYNAMIC:
+    if kind[a, at.MOTION] == at.DYNAMIC and kind[b, at.MOTION] == at.DYNAMIC:
         one, two = root_of(island, a), root_of(island, b)
-        island[max(one, two), ROOT] = min(one, two)
+        island[max(one, two), at.ROOT] = min(one, two)
 
 
 @kernel
@@ -135,38 +90,38 @@ def number_islands(island: Ints, kind: Ints, bodies: int) -> int:
     """Write the number of every dynamic body's island, -1 for the others. Returns: how many islands there are."""
     islands = 0
     for b in range(bodies):
-        if kind[b, MOTION] != DYNAMIC:
-            island[b, NUMBER] = -1
+        if kind[b, at.MOTION] != at.DYNAMIC:
+            island[b, at.NUMBER] = -1
         elif root_of(island, b) == b:
-            island[b, NUMBER] = islands
+            island[b, at.NUMBER] = islands
             islands += 1
         else:
-            island[b, NUMBER] = island[root_of(island, b), NUMBER]
+            island[b, at.NUMBER] = island[root_of(island, b), at.NUMBER]
     return islands
 
 
 @kernel
 def island_of(island: Ints, a: int, b: int) -> int:
     """The number of the island of a contact or joint between a and b; -1 where neither is dynamic."""
-    return int(max(island[a, NUMBER], island[b, NUMBER]))
+    return int(max(island[a, at.NUMBER], island[b, at.NUMBER]))
 
 
 @kernel
 def group_bodies(island: Ints, kind: Ints, bodies: int, span: Ints, islands: int) -> None:
     """List the touched bodies of every island in MEMBER, in ascending order (counting sort)."""
     for i in range(islands + 1):
-        span[i, FIRST_BODY] = 0
+        span[i, at.FIRST_BODY] = 0
     for b in range(bodies):
-        if island[b, NUMBER] >= 0 and kind[b, TOUCHED] == 1:
-            span[island[b, NUMBER] + 1, FIRST_BODY] += 1
+        if island[b, at.NUMBER] >= 0 and kind[b, at.TOUCHED] == 1:
+            span[island[b, at.NUMBER] + 1, at.FIRST_BODY] += 1
     for i in range(islands):
-        span[i + 1, FIRST_BODY] += span[i, FIRST_BODY]
-        span[i, STAMP] = span[i, FIRST_BODY]
+        span[i + 1, at.FIRST_BODY] += span[i, at.FIRST_BODY]
+        span[i, at.STAMP] = span[i, at.FIRST_BODY]
     for b in range(bodies):
-        if island[b, NUMBER] >= 0 and kind[b, TOUCHED] == 1:
-            i = island[b, NUMBER]
-            island[span[i, STAMP], MEMBER] = b
-            span[i, STAMP] += 1
+        if island[b, at.NUMBER] >= 0 and kind[b, at.TOUCHED] == 1:
+            i = island[b, at.NUMBER]
+            island[span[i, at.STAMP], at.MEMBER] = b
+            span[i, at.STAMP] += 1
 
 
 @kernel
@@ -185,34 +140,34 @@ def group_links(islands: Islands, n: int, links: Links, first: int) -> None:
             span[i + 1, first] += 1
     for i in range(n):
         span[i + 1, first] += span[i, first]
-        span[i, STAMP] = span[i, first]
+        span[i, at.STAMP] = span[i, first]
     for k in range(links.bodies.shape[0]):
         a, b = ends_of(links, k)
         i = island_of(island, a, b)
         if i >= 0:
-            links.order[span[i, STAMP], 0] = k
-            span[i, STAMP] += 1
+            links.order[span[i, at.STAMP], 0] = k
+            span[i, at.STAMP] += 1
 
 
 @kernel
 def assign_row(islands: Islands, b: int, i: int, row: int) -> int:
     """Give body b a row of island i, unless it has one. Returns: the next free row."""
     island = islands.island
-    if island[b, STAMP] == i:
+    if island[b, at.STAMP] == i:
         return row
-    island[b, STAMP], island[b, LOCAL] = i, row
+    island[b, at.STAMP], island[b, at.LOCAL] = i, row
     islands.owner[row, 0] = b
     return row + 1
 
 
 @kernel
-def assign_link(islands: Islands, links: Links, at: int, i: int, row: int) -> int:
-    """Give the bodies of the link that is listed at place `at` rows of island i. Returns: the next free row."""
-    k, first = links.order[at, 0], islands.span[i, FIRST_LOCAL]
+def assign_link(islands: Islands, links: Links, rank: int, i: int, row: int) -> int:
+    """Give the bodies of the link that is listed in rank `rank` of island i. Returns: the next free row."""
+    k, first = links.order[rank, 0], islands.span[i, at.FIRST_LOCAL]
     for side in range(2):
         b = links.bodies[k, links.first + side]
         row = assign_row(islands, b, i, row)
-        links.rows[at, links.first + side] = islands.island[b, LOCAL] - first
+        links.rows[rank, links.first + side] = islands.island[b, at.LOCAL] - first
     return row
 
 
@@ -225,42 +180,29 @@ def assign_rows(islands: Islands, n: int, contacts: Links, joints: Links) -> Non
     """
     island, span = islands.island, islands.span
     for b in range(island.shape[0]):
-        island[b, STAMP] = -1
+        island[b, at.STAMP] = -1
     row = 0
     for i in range(n):
-        span[i, FIRST_LOCAL] = row
-        for at in range(span[i, FIRST_BODY], span[i + 1, FIRST_BODY]):
-            row = assign_row(islands, island[at, MEMBER], i, row)
-        for at in range(span[i, FIRST_MANIFOLD], span[i + 1, FIRST_MANIFOLD]):
-            row = assign_link(islands, contacts, at, i, row)
-        for at in range(span[i, FIRST_JOINT], span[i + 1, FIRST_JOINT]):
-            row = assign_link(islands, joints, at, i, row)
-    span[n, FIRST_LOCAL] = row
+        span[i, at.FIRST_LOCAL] = row
+        for rank in range(span[i, at.FIRST_BODY], span[i + 1, at.FIRST_BODY]):
+            row = assign_row(islands, island[rank, at.MEMBER], i, row)
+        for rank in range(span[i, at.FIRST_MANIFOLD], span[i + 1, at.FIRST_MANIFOLD]):
+            row = assign_link(islands, contacts, rank, i, row)
+        for rank in range(span[i, at.FIRST_JOINT], span[i + 1, at.FIRST_JOINT]):
+            row = assign_link(islands, joints, rank, i, row)
+    span[n, at.FIRST_LOCAL] = row
 
 
 @kernel
 def share(span: Ints, tally: Ints, t: int) -> int:
     """Where the islands of thread t begin, so that each thread has about as many contacts and joints as the next."""
-    islands, threads = tally[0, ISLANDS], tally[0, THREADS]
-    links = span[islands, FIRST_MANIFOLD] + span[islands, FIRST_JOINT]
+    islands, threads = tally[0, at.ISLANDS], tally[0, at.THREADS]
+    links = span[islands, at.FIRST_MANIFOLD] + span[islands, at.FIRST_JOINT]
     low, high = 0, islands
     while low < high:
         middle = (low + high) // 2
-        if (span[middle, FIRST_MANIFOLD] + span[middle, FIRST_JOINT]) * threads < t * links:
+        if (span[middle, at.FIRST_MANIFOLD] + span[middle, at.FIRST_JOINT]) * threads < t * links:
             low = middle + 1
         else:
             high = middle
     return islands if t == threads else (0 if t == 0 else low)
-
-
-@entry
-def connected_components(links: Ints, kind: Ints, island: Ints) -> int:
-    """Number the islands of bodies under links alone.
-
-    Args: links (k, 2): pairs of bodies; kind (n, 4) as BODY_KIND; island (n, 8) as ISLAND, whose column NUMBER is written.
-    Returns: how many islands there are.
-    """
-    start_islands(island, kind.shape[0])
-    for k in range(links.shape[0]):
-        connect(island, kind, links[k, 0], links[k, 1])
-    return number_islands(island, kind, kind.shape[0])

@@ -18,75 +18,20 @@ import math
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import angular_momentum
-from engine.maths.vec import Floats, Ints, dot, load3, store3
-from engine.memory.arena import (
-    ASLEEP,
-    AWAKE,
-    BODIES,
-    BODY,
-    BODY_A,
-    BODY_B,
-    BODY_KIND,
-    BOUNDS,
-    CALM,
-    CANDIDATES,
-    CHILD,
-    COUNT,
-    DT,
-    DYNAMIC,
-    ISLAND,
-    ISLANDS,
-    JOINT_KIND,
-    JOINTS,
-    LOAD,
-    MANIFOLD_KEY,
-    MANIFOLDS,
-    MASS,
-    MOTION,
-    NUMBER,
-    OWNER,
-    PARENT,
-    POINTS,
-    PROGRESS,
-    REMEMBERED,
-    REST,
-    RESTING,
-    RESTING_KEY,
-    RESTING_MANIFOLD,
-    RESTING_POINT,
-    RESTING_POINT_KEY,
-    RESTLESS,
-    RESTLESS_BODIES,
-    ROOT,
-    SEARCHED,
-    SETTING,
-    SHAPE_KIND,
-    SHAPES,
-    SLEEP,
-    SLEEP_SPEED,
-    SLEEP_TIME,
-    SPAN_OF_ISLAND,
-    STATE,
-    STATIC,
-    TALLY,
-    UNEASY,
-    WAKES,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import dot
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE, FULL
 from engine.memory.tables import Contacts, contacts_of
-
-__all__ = ["fall_asleep", "mark_changed", "mark_touched", "remember", "wake_marked"]
 
 
 @kernel
 def mark(island: Ints, b: int) -> int:
     """Let the island of body b wake. Returns: 1 if b slept."""
-    if island[b, ASLEEP] == 0:
+    if island[b, at.ASLEEP] == 0:
         return 0
-    island[island[b, ASLEEP] - 1, WAKES] = 1
+    island[island[b, at.ASLEEP] - 1, at.WAKES] = 1
     return 1
 
 
@@ -105,7 +50,7 @@ def has_changed(state: Floats, load: Floats, remembered: Floats, b: int) -> bool
 def is_moving(state: Floats, b: int) -> bool:
     """Whether body b has a velocity."""
     moving = False
-    for c in range(V, W + 3):
+    for c in range(at.V, at.W + 3):
         moving = moving or state[b, c] != 0.0
     return moving
 
@@ -113,30 +58,30 @@ def is_moving(state: Floats, b: int) -> bool:
 @kernel
 def mark_changed(floats: Floats, ints: Ints) -> int:
     """Mark the islands that a change from outside reaches, and the fixed bodies that move. Returns: how many bodies woke."""
-    state, load, remembered = floats_of(floats, ints, STATE), floats_of(floats, ints, LOAD), floats_of(floats, ints, REMEMBERED)
-    kind, count, island, tally = (
-        ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
-    )  # fmt: skip
-    key, joint_kind = ints_of(ints, RESTING_KEY), ints_of(ints, JOINT_KIND)
+    state, load = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.LOAD)
+    remembered = floats_of(floats, ints, at.REMEMBERED)
+    kind, count, island = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND)
+    tally = ints_of(ints, at.TALLY)
+    key, joint_kind = ints_of(ints, at.RESTING_KEY), ints_of(ints, at.JOINT_KIND)
     marked, restless = 0, 0
-    for b in range(count[0, BODIES]):
-        island[b, RESTLESS] = 0
-        if kind[b, MOTION] != DYNAMIC:
+    for b in range(count[0, at.BODIES]):
+        island[b, at.RESTLESS] = 0
+        if kind[b, at.MOTION] != at.DYNAMIC:
             changed = has_changed(state, load, remembered, b)
-            if island[b, ASLEEP] > 0:
+            if island[b, at.ASLEEP] > 0:
                 if changed:
                     marked += mark(island, b)
             elif changed or is_moving(state, b):
-                island[b, RESTLESS] = 1
+                island[b, at.RESTLESS] = 1
                 restless += 1
-    tally[0, RESTLESS_BODIES] = restless
+    tally[0, at.RESTLESS_BODIES] = restless
     if restless > 0:
-        for m in range(tally[0, RESTING]):
-            if island[key[m, BODY_A], RESTLESS] == 1 or island[key[m, BODY_B], RESTLESS] == 1:
-                marked += mark(island, key[m, BODY_A]) + mark(island, key[m, BODY_B])
-        for j in range(count[0, JOINTS]):
-            a, b = joint_kind[j, PARENT], joint_kind[j, CHILD]
-            if island[a, RESTLESS] == 1 or island[b, RESTLESS] == 1:
+        for m in range(tally[0, at.RESTING]):
+            if island[key[m, at.BODY_A], at.RESTLESS] == 1 or island[key[m, at.BODY_B], at.RESTLESS] == 1:
+                marked += mark(island, key[m, at.BODY_A]) + mark(island, key[m, at.BODY_B])
+        for j in range(count[0, at.JOINTS]):
+            a, b = joint_kind[j, at.PARENT], joint_kind[j, at.CHILD]
+            if island[a, at.RESTLESS] == 1 or island[b, at.RESTLESS] == 1:
                 marked += mark(island, a) + mark(island, b)
     return marked
 
@@ -147,18 +92,18 @@ def mark_touched(floats: Floats, ints: Ints) -> int:
 
     Returns: how many times an asleep body was met.
     """
-    bounds, calm = floats_of(floats, ints, BOUNDS), floats_of(floats, ints, CALM)
-    count, island, tally = ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
-    key, shape_kind = ints_of(ints, MANIFOLD_KEY), ints_of(ints, SHAPE_KIND)
+    bounds, calm = floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.CALM)
+    count, island, tally = ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND), ints_of(ints, at.TALLY)
+    key, shape_kind = ints_of(ints, at.MANIFOLD_KEY), ints_of(ints, at.SHAPE_KIND)
     marked = 0
-    for m in range(count[0, MANIFOLDS]):
-        marked += mark(island, key[m, BODY_A]) + mark(island, key[m, BODY_B])
-    if tally[0, RESTLESS_BODIES] == 0:
+    for m in range(count[0, at.MANIFOLDS]):
+        marked += mark(island, key[m, at.BODY_A]) + mark(island, key[m, at.BODY_B])
+    if tally[0, at.RESTLESS_BODIES] == 0:
         return marked
-    for s in range(count[0, SHAPES]):
-        if island[shape_kind[s, OWNER], RESTLESS] == 1:
-            for t in range(count[0, SHAPES]):
-                b = shape_kind[t, OWNER]
+    for s in range(count[0, at.SHAPES]):
+        if island[shape_kind[s, at.OWNER], at.RESTLESS] == 1:
+            for t in range(count[0, at.SHAPES]):
+                b = shape_kind[t, at.OWNER]
                 meets = True
                 for c in range(3):
                     meets = meets and bounds[s, c] <= bounds[t, c + 3] and bounds[t, c] <= bounds[s, c + 3]
@@ -172,10 +117,10 @@ def mark_touched(floats: Floats, ints: Ints) -> int:
 def resting_contacts_of(floats: Floats, ints: Ints) -> Contacts:
     """The contacts of asleep islands."""
     return Contacts(
-        floats_of(floats, ints, RESTING_MANIFOLD),
-        floats_of(floats, ints, RESTING_POINT),
-        ints_of(ints, RESTING_KEY),
-        ints_of(ints, RESTING_POINT_KEY),
+        floats_of(floats, ints, at.RESTING_MANIFOLD),
+        floats_of(floats, ints, at.RESTING_POINT),
+        ints_of(ints, at.RESTING_KEY),
+        ints_of(ints, at.RESTING_POINT_KEY),
     )
 
 
@@ -186,7 +131,7 @@ def copy_contact(contacts: Contacts, m: int, target: Contacts, to: int) -> None:
         target.manifold[to, c] = contacts.manifold[m, c]
     for c in range(target.key.shape[1]):
         target.key[to, c] = contacts.key[m, c]
-    for k in range(contacts.key[m, POINTS]):
+    for k in range(contacts.key[m, at.POINTS]):
         for c in range(target.point.shape[1]):
             target.point[4 * to + k, c] = contacts.point[4 * m + k, c]
         for c in range(target.point_key.shape[1]):
@@ -199,32 +144,31 @@ def wake_marked(floats: Floats, ints: Ints) -> int:
 
     Returns: DONE, or FULL where there is no room for them; then nothing has changed.
     """
-    kind, count, island, tally = (
-        ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
-    )  # fmt: skip
+    kind, count, island = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND)
+    tally = ints_of(ints, at.TALLY)
     contacts, resting = contacts_of(floats, ints), resting_contacts_of(floats, ints)
-    calm, key, rest = floats_of(floats, ints, CALM), resting.key, floats_of(floats, ints, REST)
+    calm, key, rest = floats_of(floats, ints, at.CALM), resting.key, floats_of(floats, ints, at.REST)
     rising = 0
-    for m in range(tally[0, RESTING]):
-        rising += island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES]
-    if count[0, MANIFOLDS] + rising > key.shape[0]:
+    for m in range(tally[0, at.RESTING]):
+        rising += island[max(island[key[m, at.BODY_A], at.ASLEEP], island[key[m, at.BODY_B], at.ASLEEP]) - 1, at.WAKES]
+    if count[0, at.MANIFOLDS] + rising > key.shape[0]:
         return FULL
     still = 0
-    for m in range(tally[0, RESTING]):
-        if island[max(island[key[m, BODY_A], ASLEEP], island[key[m, BODY_B], ASLEEP]) - 1, WAKES] == 1:
-            copy_contact(resting, m, contacts, count[0, MANIFOLDS])
-            count[0, MANIFOLDS] += 1
+    for m in range(tally[0, at.RESTING]):
+        if island[max(island[key[m, at.BODY_A], at.ASLEEP], island[key[m, at.BODY_B], at.ASLEEP]) - 1, at.WAKES] == 1:
+            copy_contact(resting, m, contacts, count[0, at.MANIFOLDS])
+            count[0, at.MANIFOLDS] += 1
         else:
             copy_contact(resting, m, resting, still)
             still += 1
-    tally[0, RESTING] = still
-    for b in range(count[0, BODIES]):
-        if island[b, ASLEEP] > 0 and island[island[b, ASLEEP] - 1, WAKES] == 1:
-            island[b, ASLEEP], kind[b, MOTION], calm[b, 0], rest[b, 0] = 0, DYNAMIC, 0.0, math.inf
-            tally[0, AWAKE] += 1
-            tally[0, SEARCHED], ints_of(ints, PROGRESS)[0, CANDIDATES] = 0, -1
-    for b in range(count[0, BODIES]):
-        island[b, WAKES] = 0
+    tally[0, at.RESTING] = still
+    for b in range(count[0, at.BODIES]):
+        if island[b, at.ASLEEP] > 0 and island[island[b, at.ASLEEP] - 1, at.WAKES] == 1:
+            island[b, at.ASLEEP], kind[b, at.MOTION], calm[b, 0], rest[b, 0] = 0, at.DYNAMIC, 0.0, math.inf
+            tally[0, at.AWAKE] += 1
+            tally[0, at.SEARCHED], ints_of(ints, at.PROGRESS)[0, at.CANDIDATES] = 0, -1
+    for b in range(count[0, at.BODIES]):
+        island[b, at.WAKES] = 0
     return DONE
 
 
@@ -234,60 +178,61 @@ def fall_asleep(floats: Floats, ints: Ints) -> int:
 
     Returns: DONE, or FULL where there is no room for their contacts; then the islands stay awake for now.
     """
-    state, body, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, SETTING)
-    calm, sleep = floats_of(floats, ints, CALM), floats_of(floats, ints, SLEEP)
-    kind, count, island, tally = (
-        ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, ISLAND), ints_of(ints, TALLY)
-    )  # fmt: skip
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    setting = floats_of(floats, ints, at.SETTING)
+    calm, sleep = floats_of(floats, ints, at.CALM), floats_of(floats, ints, at.SLEEP)
+    kind, count, island = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.ISLAND)
+    tally = ints_of(ints, at.TALLY)
     contacts, resting = contacts_of(floats, ints), resting_contacts_of(floats, ints)
-    key, span = contacts.key, ints_of(ints, SPAN_OF_ISLAND)
-    for i in range(tally[0, ISLANDS]):
-        span[i, UNEASY] = 0
+    key, span = contacts.key, ints_of(ints, at.SPAN_OF_ISLAND)
+    for i in range(tally[0, at.ISLANDS]):
+        span[i, at.UNEASY] = 0
     awake = 0
-    for b in range(count[0, BODIES]):
-        if kind[b, MOTION] == DYNAMIC:
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.MOTION] == at.DYNAMIC:
             awake += 1
-            v, w = load3(state, b, V), load3(state, b, W)
-            energy = dot(v, v) + dot(w, angular_momentum(state, body, b)) / body[b, MASS]
-            calm[b, 0] = calm[b, 0] + setting[0, DT] if energy < sleep[0, SLEEP_SPEED] * sleep[0, SLEEP_SPEED] else 0.0
-            if calm[b, 0] < sleep[0, SLEEP_TIME]:
-                span[island[b, NUMBER], UNEASY] += 1
-    tally[0, AWAKE] = awake
+            v, w = load3(state, b, at.V), load3(state, b, at.W)
+            energy = dot(v, v) + dot(w, angular_momentum(state, body, b)) / body[b, at.MASS]
+            calm[b, 0] = calm[b, 0] + setting[0, at.DT] if energy < sleep[0, at.SLEEP_SPEED] * sleep[0, at.SLEEP_SPEED] else 0.0
+            if calm[b, 0] < sleep[0, at.SLEEP_TIME]:
+                span[island[b, at.NUMBER], at.UNEASY] += 1
+    tally[0, at.AWAKE] = awake
     leaving = 0
-    for m in range(count[0, MANIFOLDS]):
-        leaving += int(span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0)
-    if tally[0, RESTING] + leaving > resting.key.shape[0]:
+    for m in range(count[0, at.MANIFOLDS]):
+        leaving += int(span[max(island[key[m, at.BODY_A], at.NUMBER], island[key[m, at.BODY_B], at.NUMBER]), at.UNEASY] == 0)
+    if tally[0, at.RESTING] + leaving > resting.key.shape[0]:
         return FULL
     staying = 0
-    for m in range(count[0, MANIFOLDS]):
-        if span[max(island[key[m, BODY_A], NUMBER], island[key[m, BODY_B], NUMBER]), UNEASY] == 0:
-            copy_contact(contacts, m, resting, tally[0, RESTING])
-            tally[0, RESTING] += 1
+    for m in range(count[0, at.MANIFOLDS]):
+        if span[max(island[key[m, at.BODY_A], at.NUMBER], island[key[m, at.BODY_B], at.NUMBER]), at.UNEASY] == 0:
+            copy_contact(contacts, m, resting, tally[0, at.RESTING])
+            tally[0, at.RESTING] += 1
         else:
             if staying < m:
                 copy_contact(contacts, m, contacts, staying)
             staying += 1
-    count[0, MANIFOLDS] = staying
-    for b in range(count[0, BODIES]):
-        if kind[b, MOTION] == DYNAMIC and span[island[b, NUMBER], UNEASY] == 0:
+    count[0, at.MANIFOLDS] = staying
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.MOTION] == at.DYNAMIC and span[island[b, at.NUMBER], at.UNEASY] == 0:
             root = b
-            while island[root, ROOT] != root:
-                root = island[root, ROOT]
-            island[b, ASLEEP], kind[b, MOTION] = root + 1, STATIC
-            ints_of(ints, PROGRESS)[0, CANDIDATES] = -1
-            store3(state, b, V, (0.0, 0.0, 0.0))
-            store3(state, b, W, (0.0, 0.0, 0.0))
-            tally[0, AWAKE] -= 1
+            while island[root, at.ROOT] != root:
+                root = island[root, at.ROOT]
+            island[b, at.ASLEEP], kind[b, at.MOTION] = root + 1, at.STATIC
+            ints_of(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
+            store3(state, b, at.V, (0.0, 0.0, 0.0))
+            store3(state, b, at.W, (0.0, 0.0, 0.0))
+            tally[0, at.AWAKE] -= 1
     return DONE
 
 
 @kernel
 def remember(floats: Floats, ints: Ints) -> None:
     """Note state and load of all bodies that do not move by themselves."""
-    state, load, remembered = floats_of(floats, ints, STATE), floats_of(floats, ints, LOAD), floats_of(floats, ints, REMEMBERED)
-    kind = ints_of(ints, BODY_KIND)
-    for b in range(ints_of(ints, COUNT)[0, BODIES]):
-        if kind[b, MOTION] != DYNAMIC:
+    state, load = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.LOAD)
+    remembered = floats_of(floats, ints, at.REMEMBERED)
+    kind = ints_of(ints, at.BODY_KIND)
+    for b in range(ints_of(ints, at.COUNT)[0, at.BODIES]):
+        if kind[b, at.MOTION] != at.DYNAMIC:
             for c in range(13):
                 remembered[b, c] = state[b, c]
             for c in range(6):

@@ -18,83 +18,45 @@ from engine.islands.islands import (
     start_islands,
 )
 from engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    AROUSED,
-    AWAKE,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    BROAD,
-    CHILD,
-    COUNT,
-    DT,
-    DYNAMIC,
-    ELASTIC,
-    FIRST_JOINT,
-    FIRST_MANIFOLD,
-    GYROSCOPIC,
-    HIT,
-    ISLANDS,
-    JOINT_KIND,
-    JOINTS,
-    KINEMATIC,
-    LAW,
-    MANIFOLD,
-    MANIFOLD_KEY,
-    MANIFOLDS,
-    MOTION,
-    NEW,
-    PARENT,
-    POINT,
-    REST,
-    RESTLESS_BODIES,
-    SEARCHED,
-    SETTING,
-    SLEEP,
-    SLEEP_TIME,
-    SPAN_OF_ISLAND,
-    STATE,
-    STEPS,
-    SUBSTEPS,
-    TALLY,
-    TOUCHED,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
 from engine.memory.tables import bodies_of
-
-__all__ = ["any_hit", "begin_islands", "end_islands", "next_meeting", "skip_sleep"]
 
 
 @kernel
 def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
     """Let `steps` steps pass in which all bodies sleep and no fixed body moves. Returns: 1, or 0 if there is work to do."""
-    tally = ints_of(ints, TALLY)
-    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] == 0.0 or tally[0, AWAKE] > 0 or ints_of(ints, COUNT)[0, STEPS] == 0:
+    tally = ints_of(ints, at.TALLY)
+    if (
+        floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] == 0.0
+        or tally[0, at.AWAKE] > 0
+        or ints_of(ints, at.COUNT)[0, at.STEPS] == 0
+    ):
         return 0
-    if mark_changed(floats, ints) > 0 or tally[0, RESTLESS_BODIES] > 0:
+    if mark_changed(floats, ints) > 0 or tally[0, at.RESTLESS_BODIES] > 0:
         return 0
-    ints_of(ints, COUNT)[0, STEPS] += steps
+    ints_of(ints, at.COUNT)[0, at.STEPS] += steps
     return 1
 
 
 @kernel
 def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
-    state, body, rest = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, REST)
-    setting, point = floats_of(floats, ints, SETTING), floats_of(floats, ints, POINT)
-    kind, count, key = ints_of(ints, BODY_KIND), ints_of(ints, COUNT), ints_of(ints, MANIFOLD_KEY)
-    tally, sleeps = ints_of(ints, TALLY), floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0
+    state, body, rest = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY), floats_of(floats, ints, at.REST)
+    setting, point = floats_of(floats, ints, at.SETTING), floats_of(floats, ints, at.POINT)
+    kind, count, key = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.MANIFOLD_KEY)
+    tally, sleeps = ints_of(ints, at.TALLY), floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0
     searching = not keeping or not keep_contacts(state, body, kind, rest, setting, count, key, point)
     while True:
         if searching:
-            if count[0, BROAD] == 1 and tally[0, SEARCHED] == 0:
+            if count[0, at.BROAD] == 1 and tally[0, at.SEARCHED] == 0:
                 return SEARCH_PENDING
             status = find_contacts(floats, ints)
             if status != DONE:
                 return status
-            tally[0, AROUSED] += count[0, NEW]
+            tally[0, at.AROUSED] += count[0, at.NEW]
         if not sleeps or mark_touched(floats, ints) == 0:
             return DONE
         if wake_marked(floats, ints) == FULL:
@@ -109,21 +71,21 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
     Args: keeping: whether to keep the contacts of the last step where all bodies are still.
     Returns: as `find_contacts`, or SEARCH_PENDING if pairs must be found anew before the step, since bodies woke.
     """
-    bodies, setting = bodies_of(floats, ints), floats_of(floats, ints, SETTING)
-    kind, count, tally = bodies.kind, ints_of(ints, COUNT), ints_of(ints, TALLY)
-    last = count[0, BODIES]
-    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] > 0.0:
+    bodies, setting = bodies_of(floats, ints), floats_of(floats, ints, at.SETTING)
+    kind, count, tally = bodies.kind, ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
+    last = count[0, at.BODIES]
+    if floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0:
         mark_changed(floats, ints)
         if wake_marked(floats, ints) == FULL:
             return FULL
     status = meet(floats, ints, keeping)
     if status != DONE:
         return status
-    joint_kind = ints_of(ints, JOINT_KIND)
-    for j in range(count[0, JOINTS]):
-        if kind[joint_kind[j, PARENT], MOTION] == DYNAMIC or kind[joint_kind[j, CHILD], MOTION] == DYNAMIC:
-            kind[joint_kind[j, PARENT], TOUCHED] = 1
-            kind[joint_kind[j, CHILD], TOUCHED] = 1
+    joint_kind = ints_of(ints, at.JOINT_KIND)
+    for j in range(count[0, at.JOINTS]):
+        if kind[joint_kind[j, at.PARENT], at.MOTION] == at.DYNAMIC or kind[joint_kind[j, at.CHILD], at.MOTION] == at.DYNAMIC:
+            kind[joint_kind[j, at.PARENT], at.TOUCHED] = 1
+            kind[joint_kind[j, at.CHILD], at.TOUCHED] = 1
     advance_untouched(bodies, setting, count)
     islands, contacts, joints = islands_of(ints), linked_by_contacts(ints), linked_by_joints(ints)
     island, span = islands.island, islands.span
@@ -136,14 +98,14 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
         connect(island, kind, a, b)
     n = number_islands(island, kind, last)
     group_bodies(island, kind, last, span, n)
-    group_links(islands, n, contacts, FIRST_MANIFOLD)
-    group_links(islands, n, joints, FIRST_JOINT)
+    group_links(islands, n, contacts, at.FIRST_MANIFOLD)
+    group_links(islands, n, joints, at.FIRST_JOINT)
     assign_rows(islands, n, contacts, joints)
-    manifold = floats_of(floats, ints, MANIFOLD)
-    tally[0, ISLANDS], tally[0, ELASTIC] = n, 0
-    for m in range(count[0, MANIFOLDS]):
-        if manifold[m, LAW + 2] > 0.0:
-            tally[0, ELASTIC] = 1
+    manifold = floats_of(floats, ints, at.MANIFOLD)
+    tally[0, at.ISLANDS], tally[0, at.ELASTIC] = n, 0
+    for m in range(count[0, at.MANIFOLDS]):
+        if manifold[m, at.LAW + 2] > 0.0:
+            tally[0, at.ELASTIC] = 1
     return DONE
 
 
@@ -153,15 +115,15 @@ def next_meeting(ints: Ints, stage: int) -> int:
 
     They do so before a sub-step is solved, and where surfaces bounce before it ends too.
     """
-    return stage + 1 if stage % 2 == 0 or ints_of(ints, TALLY)[0, ELASTIC] == 1 else stage + 2
+    return stage + 1 if stage % 2 == 0 or ints_of(ints, at.TALLY)[0, at.ELASTIC] == 1 else stage + 2
 
 
 @kernel
 def any_hit(ints: Ints) -> int:
     """1 if any island has something to tell."""
-    span, hit = ints_of(ints, SPAN_OF_ISLAND), 0
-    for i in range(ints_of(ints, TALLY)[0, ISLANDS]):
-        hit |= span[i, HIT]
+    span, hit = ints_of(ints, at.SPAN_OF_ISLAND), 0
+    for i in range(ints_of(ints, at.TALLY)[0, at.ISLANDS]):
+        hit |= span[i, at.HIT]
     return hit
 
 
@@ -171,18 +133,18 @@ def end_islands(floats: Floats, ints: Ints) -> int:
 
     Returns: DONE, or DIVERGED, or FULL.
     """
-    bodies, count, tally = bodies_of(floats, ints), ints_of(ints, COUNT), ints_of(ints, TALLY)
+    bodies, count, tally = bodies_of(floats, ints), ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
     kind = bodies.kind
-    h = floats_of(floats, ints, SETTING)[0, DT] / count[0, SUBSTEPS]
-    for b in range(count[0, BODIES]):
-        if kind[b, TOUCHED] == 1 and kind[b, MOTION] == KINEMATIC:
-            for _ in range(count[0, SUBSTEPS]):
-                drift(bodies, b, h, count[0, GYROSCOPIC])
-    tally[0, AROUSED], tally[0, SEARCHED] = 0, 0
-    count[0, STEPS] += 1
-    if not is_finite(bodies.state, count[0, BODIES]):
+    h = floats_of(floats, ints, at.SETTING)[0, at.DT] / count[0, at.SUBSTEPS]
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.KINEMATIC:
+            for _ in range(count[0, at.SUBSTEPS]):
+                drift(bodies, b, h, count[0, at.GYROSCOPIC])
+    tally[0, at.AROUSED], tally[0, at.SEARCHED] = 0, 0
+    count[0, at.STEPS] += 1
+    if not is_finite(bodies.state, count[0, at.BODIES]):
         return DIVERGED
-    if floats_of(floats, ints, SLEEP)[0, SLEEP_TIME] == 0.0:
+    if floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] == 0.0:
         return DONE
     status = fall_asleep(floats, ints)
     remember(floats, ints)

@@ -7,12 +7,10 @@ from numba import prange
 from engine.compile.jit import template
 from engine.islands.islands import share
 from engine.islands.stages import any_hit, end_islands, next_meeting, skip_sleep
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, ISLANDS, SPAN_OF_ISLAND, SUBSTEPS, TALLY, THREADS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import ints_of
 from engine.memory.status import DONE
-
-__all__ = ["in_turn", "on_threads", "step_by_islands"]
 
 Advance = Callable[[Floats, Ints, int, int, int, int], None]
 """The stages first..end - 1 of the step of an island: (floats, ints, island, first, end, whether any was hit)."""
@@ -21,15 +19,15 @@ Advance = Callable[[Floats, Ints, int, int, int, int], None]
 @template
 def in_turn(floats: Floats, ints: Ints, advance: Advance, first: int, end: int, hit: int) -> None:
     """Advance all islands, one after the other."""
-    for i in range(ints_of(ints, TALLY)[0, ISLANDS]):
+    for i in range(ints_of(ints, at.TALLY)[0, at.ISLANDS]):
         advance(floats, ints, i, first, end, hit)
 
 
 @template
 def on_threads(floats: Floats, ints: Ints, advance: Advance, first: int, end: int, hit: int) -> None:
     """As `in_turn`, to the last bit, with neighbouring islands of about as many contacts on each thread."""
-    span, tally = ints_of(ints, SPAN_OF_ISLAND), ints_of(ints, TALLY)
-    for t in prange(tally[0, THREADS]):
+    span, tally = ints_of(ints, at.SPAN_OF_ISLAND), ints_of(ints, at.TALLY)
+    for t in prange(tally[0, at.THREADS]):
         for i in range(share(span, tally, t), share(span, tally, t + 1)):
             advance(floats, ints, i, first, end, hit)
 
@@ -45,7 +43,7 @@ def step_by_islands(
     Args: begin: finds the contacts of a step and groups the bodies, as `begin_islands`; run: `in_turn` or `on_threads`.
     Returns: steps done, and the status of the last one.
     """
-    stages = ints_of(ints, COUNT)[0, SUBSTEPS] * 2 + 1
+    stages = ints_of(ints, at.COUNT)[0, at.SUBSTEPS] * 2 + 1
     for step in range(steps):
         if skip_sleep(floats, ints, steps - step):
             return steps, DONE

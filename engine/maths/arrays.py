@@ -8,11 +8,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["cross", "det", "dot", "eigen", "eigenvalues", "inverse", "mat_mat", "mat_vec", "norm", "unit"]
-
-Floats = NDArray[np.float64]
+from engine.maths.types import Floats
 
 SWEEPS = 30
 """At most: five did for each of 20 000 random matrices whose moments lay up to 1e16 apart."""

@@ -5,9 +5,7 @@ Library for Double-Double and Quad-Double Arithmetic, 2007.
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec
-
-__all__ = ["Double", "add2", "div2", "dot2", "less2", "mul2", "product"]
+from engine.maths.rows import Vec
 
 Double = tuple[float, float]
 

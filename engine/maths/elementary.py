@@ -15,8 +15,6 @@ import numpy as np
 from engine.compile.jit import kernel, seldom
 from engine.maths.floats import fma, from_word, word
 
-__all__ = ["atan2", "cos_sin", "exp", "expm1", "fifth_root", "hypot", "log"]
-
 PI_HALF = (1.5707963267948966, 6.123233995736766e-17)
 PI = (3.141592653589793, 1.2246467991473532e-16)
 PI_HALF_PARTS = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)

@@ -10,8 +10,6 @@ from typing import Any, cast
 
 from engine.compile.jit import jit_is_off
 
-__all__ = ["fma", "from_word", "word"]
-
 
 def _fma() -> Callable[[float, float, float], float]:
     """The C library's, which rounds once with or without an instruction."""

@@ -1,83 +1,11 @@
-"""Vectors, quaternions and matrices as tuples of numbers, which the compiler keeps in registers.
-
-Terms: Vec (x, y, z); Quat (w, x, y, z), unit; Mat nine numbers by rows; Sym (xx, yy, zz, xy, xz, yz).
-"""
+"""Arithmetic of vectors, quaternions and matrices, which are tuples of numbers as `rows` has them."""
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
 from engine.maths.floats import fma
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Vec = tuple[float, float, float]
-Quat = tuple[float, float, float, float]
-Mat = tuple[float, float, float, float, float, float, float, float, float]
-Sym = tuple[float, float, float, float, float, float]
-
-__all__ = [
-    "Floats", "Ints", "Mat", "Quat", "Sym", "Vec",
-    "add", "along", "axpy", "cross", "dot", "load3", "load4", "load6", "load9", "mat_vec", "neg", "norm", "perpendicular",
-    "quat_conj", "quat_mat", "quat_mul", "quat_spin", "quat_turn", "quat_unit", "scale", "store3", "store4", "store6", "store9",
-    "sub", "sym_rotate", "sym_vec", "tmat_vec",
-]  # fmt: skip
-
-
-@kernel
-def load3(a: Floats, i: int, c: int) -> Vec:
-    """Three numbers of row i from column c."""
-    return a[i, c], a[i, c + 1], a[i, c + 2]
-
-
-@kernel
-def load4(a: Floats, i: int, c: int) -> Quat:
-    """Four numbers of row i from column c."""
-    return a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3]
-
-
-@kernel
-def load6(a: Floats, i: int, c: int) -> Sym:
-    """Six numbers of row i from column c."""
-    return a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3], a[i, c + 4], a[i, c + 5]
-
-
-@kernel
-def load9(a: Floats, i: int, c: int) -> Mat:
-    """Nine numbers of row i from column c."""
-    return (
-        a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3], a[i, c + 4], a[i, c + 5], a[i, c + 6], a[i, c + 7], a[i, c + 8]
-    )  # fmt: skip
-
-
-@kernel
-def store3(a: Floats, i: int, c: int, v: Vec) -> None:
-    """Put a vector into row i from column c."""
-    a[i, c], a[i, c + 1], a[i, c + 2] = v[0], v[1], v[2]
-
-
-@kernel
-def store4(a: Floats, i: int, c: int, q: Quat) -> None:
-    """Put a quaternion into row i from column c."""
-    a[i, c], a[i, c + 1], a[i, c + 2], a[i, c + 3] = q[0], q[1], q[2], q[3]
-
-
-@kernel
-def store6(a: Floats, i: int, c: int, s: Sym) -> None:
-    """Put a symmetric matrix into row i from column c."""
-    a[i, c], a[i, c + 1], a[i, c + 2] = s[0], s[1], s[2]
-    a[i, c + 3], a[i, c + 4], a[i, c + 5] = s[3], s[4], s[5]
-
-
-@kernel
-def store9(a: Floats, i: int, c: int, m: Mat) -> None:
-    """Put a matrix into row i from column c."""
-    a[i, c], a[i, c + 1], a[i, c + 2] = m[0], m[1], m[2]
-    a[i, c + 3], a[i, c + 4], a[i, c + 5] = m[3], m[4], m[5]
-    a[i, c + 6], a[i, c + 7], a[i, c + 8] = m[6], m[7], m[8]
+from engine.maths.rows import Mat, Quat, Sym, Vec
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""The layout of a world's memory (over 400 lines: each table and column is declared here, once).
+"""The layout of a world's memory.
 
 One array of floats and one of integers are carved into tables. Passing two arrays to compiled code costs a fifth of a
 microsecond; passing thirty costs more than a small step. The integer array starts with a directory of (offset, rows, columns)
@@ -11,18 +11,14 @@ from typing import Final
 
 import numpy as np
 
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.layout import FLOATS, INTS, Per, float_columns, int_columns
-
-__all__ = ["float_table", "int_table", "new_arena"]
 
 # What holds for the whole world.
 SETTING: Final = float_columns(Per.WORLD, 24)
 DT: Final = 0
 GRAVITY: Final = 1  # 3
-HERTZ: Final = 4
-DAMPING_RATIO: Final = 5
-MAX_PUSH: Final = 6
+HERTZ, DAMPING_RATIO, MAX_PUSH = range(4, 7)
 BOUNCE_SPEED: Final = 7  # below it there is no restitution; negative: chosen from the sub-step
 MARGIN: Final = 8
 STEP_TOLERANCE: Final = 9
@@ -31,21 +27,10 @@ LAST_SPAN: Final = 11  # time that the impulses at hand belong to
 OPEN_GAP: Final = 12  # of the joint that a step found open [m or rad]
 
 COUNT: Final = int_columns(Per.WORLD, 18)
-BODIES: Final = 0
-SHAPES: Final = 1
-JOINTS: Final = 2
-MANIFOLDS: Final = 3
-OLD_MANIFOLDS: Final = 4
-SUBSTEPS: Final = 5
-ITERATIONS: Final = 6
-RELAXATIONS: Final = 7
-RUNGE_KUTTA: Final = 8
-GYROSCOPIC: Final = 9
-CONTINUOUS: Final = 10
+BODIES, SHAPES, JOINTS, MANIFOLDS, OLD_MANIFOLDS = range(5)
+SUBSTEPS, ITERATIONS, RELAXATIONS, RUNGE_KUTTA, GYROSCOPIC, CONTINUOUS = range(5, 11)
 BROAD: Final = 11  # 0 brute force inside the step, 1 found before it
-MATERIALS: Final = 12
-EXCLUSIONS: Final = 13
-STEPS: Final = 14
+MATERIALS, EXCLUSIONS, STEPS = range(12, 15)
 NEW: Final = 15  # manifolds of this step that the last one did not have
 CONVEX_READY: Final = 16  # 1 where the convex narrow phase has answered the pairs of the coming step
 PAIRS: Final = 17  # pairs of the coming step in PAIR
@@ -79,9 +64,7 @@ BODY_KIND: Final = int_columns(Per.BODY, 4)
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
 STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
-STATIC: Final = 0
-KINEMATIC: Final = 1
-DYNAMIC: Final = 2
+STATIC, KINEMATIC, DYNAMIC = range(3)
 
 PRINCIPAL: Final = float_columns(Per.PRINCIPAL_BODY, 8)
 MOMENTS: Final = 0  # 3, ascending
@@ -101,18 +84,9 @@ SIZE: Final = 7  # 3: radius | half extents or semi-axes | radius, half length
 BALL_RADIUS: Final = 10  # of the bounding sphere; inf for a plane
 
 SHAPE_KIND: Final = int_columns(Per.SHAPE, 4)
-TYPE: Final = 0
-OWNER: Final = 1
-MATERIAL: Final = 2
+TYPE, OWNER, MATERIAL = range(3)
 PART: Final = 3  # which of its body's shapes it is, or belongs to
-SPHERE: Final = 0
-CAPSULE: Final = 1
-BOX: Final = 2
-CYLINDER: Final = 3
-ELLIPSOID: Final = 4
-PLANE: Final = 5
-HULL: Final = 6
-TRIANGLE: Final = 7
+SPHERE, CAPSULE, BOX, CYLINDER, ELLIPSOID, PLANE, HULL, TRIANGLE = range(8)
 
 POSE: Final = float_columns(Per.SHAPE, 12)  # position and rotation matrix in W
 BOUNDS: Final = float_columns(Per.SHAPE, 7)  # lower and upper corner, and by how much they are widened
@@ -122,10 +96,7 @@ FAT: Final = float_columns(Per.SHAPE, 6)  # widened bounds, which candidates wer
 ORDER: Final = int_columns(Per.SHAPE, 1)  # the sorted axis
 
 POLYHEDRON: Final = int_columns(Per.SHAPE, 5)
-FIRST_VERTEX: Final = 0
-VERTICES: Final = 1
-FIRST_FACE: Final = 2
-FACES: Final = 3
+FIRST_VERTEX, VERTICES, FIRST_FACE, FACES = range(4)
 INNER: Final = 4  # bits of a triangle's edges that do not stick out
 
 VERTEX: Final = float_columns(Per.VERTEX, 3)  # in S
@@ -152,9 +123,7 @@ ANCHOR_B: Final = 3  # 3, in B
 AXIS_A: Final = 6
 AXIS_B: Final = 9
 TURN_AB: Final = 12  # 4: orientation of B in A at the start
-LENGTH: Final = 16
-LOWER: Final = 17
-UPPER: Final = 18
+LENGTH, LOWER, UPPER = range(16, 19)
 SPRING: Final = 19  # stiffness, damping, rest
 DRIVE: Final = 22  # stiffness, damping, target, target velocity, limit
 COORDINATE: Final = 27  # last value, to count full turns
@@ -166,16 +135,10 @@ REACTION: Final = 32  # 6: impulse and angular impulse on B about its anchor ove
 SPEED_LIMIT: Final = 38  # of the coordinate's rate, both ways
 
 JOINT_KIND: Final = int_columns(Per.JOINT, 6)
-JOINT_TYPE: Final = 0
-PARENT: Final = 1
-CHILD: Final = 2
+JOINT_TYPE, PARENT, CHILD = range(3)
 HAS: Final = 3  # bits: 1 limits, 2 spring, 4 drive, 8 armature, 16 dry friction, 32 a limit of speed
 IMPLICIT: Final = 4  # bits 2 and 4: too stiff for the explicit stages
-FIXED: Final = 0
-BALL: Final = 1
-REVOLUTE: Final = 2
-PRISMATIC: Final = 3
-DISTANCE: Final = 4
+FIXED, BALL, REVOLUTE, PRISMATIC, DISTANCE = range(5)
 HAS_LIMITS: Final = 1
 HAS_SPRING: Final = 2
 HAS_DRIVE: Final = 4
@@ -187,10 +150,7 @@ ROW: Final = float_columns(Per.ROW_OR_TRIAL, 18)  # one scalar constraint J v = 
 JACOBIAN: Final = 0  # 12: linear and angular part of A, then of B
 GAP: Final = 12  # violation of the position
 CURVATURE: Final = 13  # dJ/dt v
-SOFTNESS: Final = 14
-BIAS: Final = 15
-LOW: Final = 16
-HIGH: Final = 17
+SOFTNESS, BIAS, LOW, HIGH = range(14, 18)
 
 ROW_BODY: Final = int_columns(Per.ROW_OR_TRIAL, 4)
 JOINT_OF: Final = 2  # whose row it is
@@ -199,11 +159,7 @@ MATRIX: Final = float_columns(Per.ROW, Per.ROW)
 FACTOR: Final = float_columns(Per.ROW, Per.ROW)
 
 VECTOR: Final = float_columns(Per.VECTOR, Per.ROW)
-IMPULSE: Final = 0
-RIGHT: Final = 1
-WORK: Final = 2
-LOWEST: Final = 3
-HIGHEST: Final = 4
+IMPULSE, RIGHT, WORK, LOWEST, HIGHEST = range(5)
 PIVOT: Final = 5  # 1 where the row is held: it has no equation of its own
 BOUND: Final = 6  # -1 or 1 where a bound holds the row
 ENVELOPE: Final = 7  # first column of the row's factor that may differ from 0
@@ -230,12 +186,7 @@ RIM_AXIS_B: Final = 58
 STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
 MANIFOLD_KEY: Final = int_columns(Per.PAIR, 8)
-SHAPE_A: Final = 0
-SHAPE_B: Final = 1
-BODY_A: Final = 2
-BODY_B: Final = 3
-POINTS: Final = 4
-SLIPS: Final = 5
+SHAPE_A, SHAPE_B, BODY_A, BODY_B, POINTS, SLIPS = range(6)
 LEADS: Final = 6  # 0 if the points move with A, 1 if with B
 STRIKES: Final = 7  # 1 if a point strikes in this sub-step
 
@@ -292,10 +243,7 @@ T_SUM: Final = 14  # 3: impulse on B over the step, but for its last sub-step's 
 
 TOUCH_REST: Final = float_columns(Per.TOUCH, 15)  # what it needs less often
 R_PLACE: Final = 0  # 3, in W
-R_FIRST_GAP: Final = 3
-R_STATIC: Final = 4
-R_KINETIC: Final = 5
-R_RESTITUTION: Final = 6
+R_FIRST_GAP, R_STATIC, R_KINETIC, R_RESTITUTION = range(3, 7)
 R_APPROACH: Final = 7  # 3, in W: velocity of B against A at impact
 R_STRUCK: Final = 10
 R_SPIKE: Final = 11
@@ -328,9 +276,7 @@ WAKES: Final = 6  # 1 at the lowest body of an island that is to wake
 RESTLESS: Final = 7  # 1 for a static or kinematic body that moves
 
 SPAN_OF_ISLAND: Final = int_columns(Per.SPAN, 10)  # and STAMP
-FIRST_BODY: Final = 0
-FIRST_MANIFOLD: Final = 1
-FIRST_JOINT: Final = 2
+FIRST_BODY, FIRST_MANIFOLD, FIRST_JOINT = range(3)
 FIRST_LOCAL: Final = 4
 FIRST_ROW: Final = 5
 HIT: Final = 6  # 1 if a point is about to strike, or, once solved, a surface with restitution was struck
@@ -350,10 +296,7 @@ FIRST_IN_BAND: Final = 0  # of the contacts of a band
 SLIPPING: Final = 1  # of a lane: whether a contact of its last sweep slips
 
 BANDING: Final = float_columns(Per.BANDED_WORLD, 4)  # how the world is cut
-BAND_AXIS: Final = 0
-BAND_COUNT: Final = 1
-BAND_START: Final = 2
-BAND_WIDTH: Final = 3
+BAND_AXIS, BAND_COUNT, BAND_START, BAND_WIDTH = range(4)
 
 ANSWER: Final = float_columns(Per.ANSWERING_PAIR, 6)  # what a manifold gives in a sweep: force and moment, in its frame
 
@@ -392,9 +335,7 @@ THREADS: Final = 6
 SEARCHED: Final = 7  # 1 where PAIR holds the pairs of the coming step, found before it
 
 # Values of CONTINUOUS, in the order of the option's.
-OFF: Final = 0
-SPECULATIVE: Final = 1
-SWEPT: Final = 2
+OFF, SPECULATIVE, SWEPT = range(3)
 
 FLOAT_TABLES: Final = len(FLOATS)
 INT_TABLES: Final = len(INTS)
@@ -408,28 +349,28 @@ def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, i
     """
     places = 3 * (FLOAT_TABLES + INT_TABLES)
     directory: list[int] = []
-    at = 0
+    offset = 0
     for rows, columns in float_shapes:
-        directory += [at, rows, columns]
-        at += rows * columns
-    floats = np.zeros(max(at, 1))
-    at = places
+        directory += [offset, rows, columns]
+        offset += rows * columns
+    floats = np.zeros(max(offset, 1))
+    offset = places
     for rows, columns in int_shapes:
-        directory += [at, rows, columns]
-        at += rows * columns
-    ints = np.zeros(at, np.int64)
+        directory += [offset, rows, columns]
+        offset += rows * columns
+    ints = np.zeros(offset, np.int64)
     ints[:places] = directory
     return floats, ints
 
 
 def float_table(floats: Floats, ints: Ints, k: int) -> Floats:
     """Table k of the floats, (rows, columns), without a copy."""
-    at, rows, columns = ints[3 * k], ints[3 * k + 1], ints[3 * k + 2]
-    return floats[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[3 * k], ints[3 * k + 1], ints[3 * k + 2]
+    return floats[offset : offset + rows * columns].reshape((rows, columns))
 
 
 def int_table(ints: Ints, k: int) -> Ints:
     """Table k of the integers, (rows, columns), without a copy."""
     d = 3 * (FLOAT_TABLES + k)
-    at, rows, columns = ints[d], ints[d + 1], ints[d + 2]
-    return ints[at : at + rows * columns].reshape((rows, columns))
+    offset, rows, columns = ints[d], ints[d + 1], ints[d + 2]
+    return ints[offset : offset + rows * columns].reshape((rows, columns))

@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.compile.jit import inlined, kernel, linker
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import FLOAT_TABLES
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.layout import FLOATS, INTS
-
-__all__ = ["floats_of", "ints_of", "table_within"]
 
 OPEN = 0
 """In place of a number of columns that the world decides."""
@@ -46,7 +44,7 @@ def floats_of(floats: Floats, ints: Ints, k: int) -> Floats:
 @inlined
 def ints_of(ints: Ints, k: int) -> Ints:
     """Table k of integers, as `arena.int_table`."""
-    d = 3 * (FLOAT_TABLES + k)
+    d = 3 * (at.FLOAT_TABLES + k)
     columns = INT_COLUMNS[k] if INT_COLUMNS[k] != OPEN else ints[d + 2]
     table: Ints = table_within(ints, ints[d], ints[d + 1], columns)
     return table

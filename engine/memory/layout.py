@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from enum import Enum, auto
 from typing import NamedTuple
 
-__all__ = ["FLOATS", "INTS", "Per", "Table", "float_columns", "int_columns", "shapes_of"]
-
 
 class Per(Enum):
     """Of what a table has a row."""

@@ -2,8 +2,6 @@
 
 from typing import Final
 
-__all__ = ["CONVEX_PENDING", "DIVERGED", "DONE", "FULL", "OPEN_JOINT", "SEARCH_PENDING", "UNSOLVED"]
-
 DONE: Final = 0
 DIVERGED: Final = 1  # the state stopped being finite
 FULL: Final = 2  # the arena has no room for all pairs: it must grow before the next step

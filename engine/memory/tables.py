@@ -3,43 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    BODY,
-    BODY_KIND,
-    FACTOR,
-    JOINT,
-    JOINT_KIND,
-    LOAD,
-    MANIFOLD,
-    MANIFOLD_KEY,
-    MATRIX,
-    POINT,
-    POINT_KEY,
-    POSE,
-    REACH,
-    ROW,
-    ROW_BODY,
-    SHAPE,
-    SHAPE_KIND,
-    STATE,
-    TURNED,
-    VECTOR,
-)
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = [
-    "Bodies",
-    "Contacts",
-    "Joints",
-    "Rows",
-    "Shapes",
-    "bodies_of",
-    "contacts_of",
-    "joints_of",
-    "rows_of",
-    "shapes_of",
-]
 
 
 class Bodies(NamedTuple):
@@ -95,11 +61,11 @@ class Rows(NamedTuple):
 def bodies_of(floats: Floats, ints: Ints) -> Bodies:
     """The tables of the bodies of an arena."""
     return Bodies(
-        floats_of(floats, ints, STATE),
-        floats_of(floats, ints, BODY),
-        floats_of(floats, ints, TURNED),
-        floats_of(floats, ints, LOAD),
-        ints_of(ints, BODY_KIND),
+        floats_of(floats, ints, at.STATE),
+        floats_of(floats, ints, at.BODY),
+        floats_of(floats, ints, at.TURNED),
+        floats_of(floats, ints, at.LOAD),
+        ints_of(ints, at.BODY_KIND),
     )
 
 
@@ -107,33 +73,33 @@ def bodies_of(floats: Floats, ints: Ints) -> Bodies:
 def contacts_of(floats: Floats, ints: Ints) -> Contacts:
     """The tables of the contacts of an arena."""
     return Contacts(
-        floats_of(floats, ints, MANIFOLD),
-        floats_of(floats, ints, POINT),
-        ints_of(ints, MANIFOLD_KEY),
-        ints_of(ints, POINT_KEY),
+        floats_of(floats, ints, at.MANIFOLD),
+        floats_of(floats, ints, at.POINT),
+        ints_of(ints, at.MANIFOLD_KEY),
+        ints_of(ints, at.POINT_KEY),
     )
 
 
 @inlined
 def shapes_of(floats: Floats, ints: Ints) -> Shapes:
     """The tables of the shapes of an arena."""
-    return Shapes(floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), ints_of(ints, SHAPE_KIND))
+    return Shapes(floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE), ints_of(ints, at.SHAPE_KIND))
 
 
 @inlined
 def joints_of(floats: Floats, ints: Ints) -> Joints:
     """The tables of the joints of an arena."""
-    return Joints(floats_of(floats, ints, JOINT), ints_of(ints, JOINT_KIND))
+    return Joints(floats_of(floats, ints, at.JOINT), ints_of(ints, at.JOINT_KIND))
 
 
 @inlined
 def rows_of(floats: Floats, ints: Ints) -> Rows:
     """The tables of the rows of an arena."""
     return Rows(
-        floats_of(floats, ints, ROW),
-        ints_of(ints, ROW_BODY),
-        floats_of(floats, ints, REACH),
-        floats_of(floats, ints, MATRIX),
-        floats_of(floats, ints, FACTOR),
-        floats_of(floats, ints, VECTOR),
+        floats_of(floats, ints, at.ROW),
+        ints_of(ints, at.ROW_BODY),
+        floats_of(floats, ints, at.REACH),
+        floats_of(floats, ints, at.MATRIX),
+        floats_of(floats, ints, at.FACTOR),
+        floats_of(floats, ints, at.VECTOR),
     )

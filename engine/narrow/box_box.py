@@ -7,11 +7,10 @@ and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test bet
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Mat, Vec, add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
+from engine.maths.rows import Mat, Vec
+from engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid
-
-__all__ = ["FACE_OF_B", "box_box"]
 
 HANDICAP = 1e-3
 """Share of the smallest half extent [1] by which a face of B must beat those of A, and an edge pair all faces.
@@ -42,7 +41,7 @@ def between(ma: Mat, mb: Mat) -> Mat:
 
 
 @kernel
-def box_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def box_box(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Box A against box B."""
     pa, ma, ha = a
     pb, mb, hb = b
@@ -86,15 +85,15 @@ def box_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[in
         i, j = (code - 6) // 3, (code - 6) % 3
         n = cross(column(ma, i), column(mb, j))
         normal = scale(math.copysign(1.0 / norm(n), way), n)
-        return edge_edge(a, b, code, normal, best, out, at), normal
+        return edge_edge(a, b, code, normal, best, out, row), normal
     reference, incident = (a, b) if code < 3 else (b, a)
     normal = scale(1.0 if way >= 0.0 else -1.0, column(reference.m, code % 3))
     outward = normal if code < 3 else neg(normal)
-    return face_face(reference, incident, code, outward, margin, out, at), normal
+    return face_face(reference, incident, code, outward, margin, out, row), normal
 
 
 @kernel
-def edge_edge(a: Solid, b: Solid, code: int, n: Vec, gap: float, out: Points, at: int) -> int:
+def edge_edge(a: Solid, b: Solid, code: int, n: Vec, gap: float, out: Points, row: int) -> int:
     """One point, midway between the two edges that face each other along n.
 
     Args: code: 6 + 3 i + j, where n is the cross product of axis i of A and axis j of B. Returns: the number of points.
@@ -114,12 +113,12 @@ def edge_edge(a: Solid, b: Solid, code: int, n: Vec, gap: float, out: Points, at
     t = (c * dot(d, ua) - dot(d, ub)) / (1.0 - c * c)
     s, t = min(max(s, -ha[i]), ha[i]), min(max(t, -hb[j]), hb[j])
     place = scale(0.5, add(axpy(s, ua, x), axpy(t, ub, y)))
-    put_point(out, at, place, gap, EDGES + code)
+    put_point(out, row, place, gap, EDGES + code)
     return 1
 
 
 @kernel
-def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: float, out: Points, at: int) -> int:
+def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: float, out: Points, row: int) -> int:
     """Points of the incident box under the face of the reference box whose outward normal is n.
 
     The polygon lives in the two in-plane coordinates of the reference face and the height above it.
@@ -190,7 +189,7 @@ def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: floa
     for c in range(points):
         height = clip[base + c, 2]
         place = axpy(clip[base + c, 0], u, axpy(clip[base + c, 1], v, axpy(0.5 * height, n, origin)))
-        put_point(out, at + c, place, height, marker + clip_key[base + c, 0])
+        put_point(out, row + c, place, height, marker + clip_key[base + c, 0])
     return points
 
 

@@ -6,11 +6,10 @@ Source: Ericson, Real-Time Collision Detection, sections 5.1.3 (closest point of
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from engine.maths.rows import Vec
+from engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of, moved
-
-__all__ = ["box_plane", "capsule_box", "sphere_box"]
 
 
 @kernel
@@ -31,7 +30,7 @@ def nearest_face(p: Vec, h: Vec) -> tuple[Vec, float]:
 
 
 @kernel
-def sphere_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def sphere_box(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Sphere A against box B."""
     ra, h = a.size[0], b.size
     p = tmat_vec(b.m, sub(a.p, b.p))
@@ -46,7 +45,7 @@ def sphere_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple
     gap = distance - ra
     if gap > margin:
         return 0, n
-    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
+    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
@@ -81,7 +80,7 @@ def closest_on_axis(p: Vec, u: Vec, half: float, h: Vec) -> float:
 
 
 @kernel
-def capsule_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def capsule_box(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Capsule A against box B: the ends of the part of its axis that lies over the touched face, or the closest point."""
     axis, ra, half, h = axis_of(a), a.size[0], a.size[1], b.size
     p, u = tmat_vec(b.m, sub(a.p, b.p)), tmat_vec(b.m, axis)
@@ -112,10 +111,10 @@ def capsule_box(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tupl
                 y = axpy(s, u, p)
                 gap = sign * y[face] - h[face] - ra
                 if gap <= margin:
-                    put_point(out, at + count, axpy(ra + 0.5 * gap, n, axpy(s, axis, a.p)), gap, 1 + end)
+                    put_point(out, row + count, axpy(ra + 0.5 * gap, n, axpy(s, axis, a.p)), gap, 1 + end)
                     count += 1
             return count, n
-    return sphere_box(moved(a, axpy(t, axis, a.p)), b, margin, out, at)
+    return sphere_box(moved(a, axpy(t, axis, a.p)), b, margin, out, row)
 
 
 @kernel
@@ -133,7 +132,7 @@ def deepest_axis(p: Vec, u: Vec, half: float, h: Vec) -> Vec:
 
 
 @kernel
-def box_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def box_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Box A against plane B: the corners of the face that looks most at the plane."""
     up, h = axis_of(b), a.size
     u = tmat_vec(a.m, up)
@@ -157,6 +156,6 @@ def box_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[
         place = add(a.p, mat_vec(a.m, c))
         gap = dot(sub(place, b.p), up)
         if gap <= margin:
-            put_point(out, at + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)
+            put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)
             count += 1
     return count, n

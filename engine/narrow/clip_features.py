@@ -7,11 +7,10 @@ Convex Polyhedra, GDC 2013.
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, axpy, cross, dot, load3, perpendicular, sub
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import axpy, cross, dot, perpendicular, sub
 from engine.narrow.box_box import keep_four
 from engine.narrow.point import Points, put_point
-
-__all__ = ["clip_features", "crossing_lines"]
 
 ON_SIDE = 1e-7
 """Share of the reference face's size [1] within which a corner counts as on its side: it keeps its feature."""
@@ -22,15 +21,15 @@ CROSSING = 4096
 
 
 @kernel
-def flatten(polygon: Floats, at: int, count: int, origin: Vec, u: Vec, v: Vec, n: Vec) -> None:
+def flatten(polygon: Floats, row: int, count: int, origin: Vec, u: Vec, v: Vec, n: Vec) -> None:
     """Turn corners from W into two coordinates in the reference plane and the height above it."""
-    for k in range(at, at + count):
+    for k in range(row, row + count):
         x = sub(load3(polygon, k, 0), origin)
         polygon[k, 0], polygon[k, 1], polygon[k, 2] = dot(x, u), dot(x, v), dot(x, n)
 
 
 @kernel
-def clip_features(sides: int, count: int, n: Vec, radius: float, margin: float, out: Points, at: int, marker: int) -> int:
+def clip_features(sides: int, count: int, n: Vec, radius: float, margin: float, out: Points, row: int, marker: int) -> int:
     """Write the points of the incident feature that lie under the reference face.
 
     Args: sides: of the reference face, in the first third of the rows of the polygon; count: corners of the incident feature,
@@ -86,12 +85,12 @@ def clip_features(sides: int, count: int, n: Vec, radius: float, margin: float, 
     for c in range(points):
         gap = polygon[base + c, 2] - radius
         place = axpy(polygon[base + c, 0], u, axpy(polygon[base + c, 1], v, axpy(0.5 * gap, n, origin)))
-        put_point(out, at + c, place, gap, marker + key[base + c, 0])
+        put_point(out, row + c, place, gap, marker + key[base + c, 0])
     return points
 
 
 @kernel
-def crossing_lines(n: Vec, ra: float, rb: float, margin: float, out: Points, at: int) -> int:
+def crossing_lines(n: Vec, ra: float, rb: float, margin: float, out: Points, row: int) -> int:
     """The two ends of the common part of two parallel lines, of A in the first rows, of B in the second third of the polygon.
 
     Args: n: normal from A to B; ra, rb [m]: radii around the lines.
@@ -116,6 +115,6 @@ def crossing_lines(n: Vec, ra: float, rb: float, margin: float, out: Points, at:
         other = axpy((s - one) / (two - one), eb, b)
         gap = dot(sub(other, x), n) - ra - rb
         if gap <= margin:
-            put_point(out, at + points, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
+            put_point(out, row + points, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
             points += 1
     return points

@@ -5,8 +5,9 @@ Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferri
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, load3, neg, norm, scale, store3, sub
-from engine.memory.arena import BALL_RADIUS, CYLINDER, ELLIPSOID, INNER, SPHERE, TRIANGLE, TYPE
+from engine.maths.rows import Vec, load3, store3
+from engine.maths.vec import add, axpy, dot, neg, norm, scale, sub
+from engine.memory import arena as at
 from engine.narrow.clip_features import clip_features, crossing_lines
 from engine.narrow.curved import sharpen
 from engine.narrow.epa import depth
@@ -16,8 +17,6 @@ from engine.narrow.point import CORNERS_OF_B, Points, put_point
 from engine.narrow.sphere_triangle import sphere_triangle
 from engine.narrow.support import Solids, core_radius, separation_along
 from engine.narrow.triangle import BACK, BESIDE, leans_over
-
-__all__ = ["convex_contact", "part_cores", "plane_contact"]
 
 FACE = 1 << 13
 """Features of one reference face lie within this many numbers."""
@@ -51,7 +50,7 @@ def part_cores(
 
 @kernel
 def convex_contact(
-    t: Solids, a: int, b: int, margin: float, slack: float, simplex: Simplex, out: Points, at: int
+    t: Solids, a: int, b: int, margin: float, slack: float, simplex: Simplex, out: Points, row: int
 ) -> tuple[int, Vec]:  # fmt: skip
     """Convex shape A against convex shape B, or against the outer side of a triangle B.
 
@@ -63,18 +62,18 @@ def convex_contact(
     pa, pb = load3(t.pose, a, 0), load3(t.pose, b, 0)
     d = sub(pb, pa)
     ra, rb = core_radius(t, a), core_radius(t, b)
-    size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
-    one_sided = t.shape_kind[b, TYPE] == TRIANGLE
-    if one_sided and t.shape_kind[a, TYPE] == SPHERE:
-        return sphere_triangle(t, a, b, margin, out, at)
+    size = t.shape[a, at.BALL_RADIUS] + t.shape[b, at.BALL_RADIUS]
+    one_sided = t.shape_kind[b, at.TYPE] == at.TRIANGLE
+    if one_sided and t.shape_kind[a, at.TYPE] == at.SPHERE:
+        return sphere_triangle(t, a, b, margin, out, row)
     outward = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
-    if one_sided and dot(d, outward) > t.shape[a, BALL_RADIUS]:
+    if one_sided and dot(d, outward) > t.shape[a, at.BALL_RADIUS]:
         return 0, outward
     gap, n, qa, qb = part_cores(t, a, b, d, size, margin + ra + rb, simplex)
     if gap - ra - rb > margin or (one_sided and dot(n, outward) > BACK):
         return 0, n
     forced = False
-    if one_sided and leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, INNER]):
+    if one_sided and leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, at.INNER]):
         if dot(n, outward) > -BESIDE:
             return 0, n
         n, forced = neg(outward), True
@@ -84,17 +83,17 @@ def convex_contact(
     if forced:
         pass
     elif ra + rb > 0.0:
-        flat = t.shape_kind[a, TYPE] != SPHERE and t.shape_kind[b, TYPE] != SPHERE
+        flat = t.shape_kind[a, at.TYPE] != at.SPHERE and t.shape_kind[b, at.TYPE] != at.SPHERE
         on_a, on_b = flat and ca > ALIGNED, flat and cb > ALIGNED
     else:
         gap_a, gap_b = separation_along(t, a, b, d, na), separation_along(t, a, b, d, neg(nb))
         on_a, on_b = gap - gap_a <= slack, gap - gap_b <= slack
         # Whatever faces an ellipsoid is as good as its own tangent: it has no faces to prefer.
-        on_a, on_b = on_a and t.shape_kind[a, TYPE] != ELLIPSOID, on_b and t.shape_kind[b, TYPE] != ELLIPSOID
+        on_a, on_b = on_a and t.shape_kind[a, at.TYPE] != at.ELLIPSOID, on_b and t.shape_kind[b, at.TYPE] != at.ELLIPSOID
         if on_b and (one_sided or gap_b > gap_a + slack):
             on_a = False
     if on_a and on_b:
-        on_a = not (t.shape_kind[a, TYPE] == CYLINDER and dot(na, nb) < -SAME)
+        on_a = not (t.shape_kind[a, at.TYPE] == at.CYLINDER and dot(na, nb) < -SAME)
     if on_a:
         n = na
     elif on_b:
@@ -105,17 +104,17 @@ def convex_contact(
         sides = write_feature(t, a, fa, n, out, 0)
         count = write_feature(t, b, fb, neg(n), out, third)
         marker = CORNERS_OF_B + FACE * (fa + 2)
-        points = clip_features(sides, count, n, rb, margin, out, at, marker)
+        points = clip_features(sides, count, n, rb, margin, out, row, marker)
     elif on_b:
         fa, na, ca = facing(t, a, n)
         sides = write_feature(t, b, fb, neg(n), out, 0)
         count = write_feature(t, a, fa, n, out, third)
         marker = FACE * (fb + 2)
-        points = clip_features(sides, count, neg(n), ra, margin, out, at, marker)
+        points = clip_features(sides, count, neg(n), ra, margin, out, row, marker)
     elif is_line(t, a, n) and is_line(t, b, neg(n)):
         write_feature(t, a, fa, n, out, 0)
         write_feature(t, b, fb, neg(n), out, third)
-        points = crossing_lines(n, ra, rb, margin, out, at)
+        points = crossing_lines(n, ra, rb, margin, out, row)
     if points == 0 and not forced:
         if on_a or on_b:
             gap = separation_along(t, a, b, d, n)
@@ -123,17 +122,17 @@ def convex_contact(
         if gap > margin:
             return 0, n
         middle = add(pa, scale(0.5, add(axpy(ra, n, qa), axpy(-rb, n, qb))))
-        put_point(out, at, middle, gap, 1)
+        put_point(out, row, middle, gap, 1)
         points = 1
     return points, n
 
 
 @kernel
-def plane_contact(t: Solids, a: int, b: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def plane_contact(t: Solids, a: int, b: int, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Plane A against polyhedron B: the corners of the face through the deepest corner that looks most at the plane."""
     up = (t.pose[a, 5], t.pose[a, 8], t.pose[a, 11])
     face, _, _ = facing(t, b, neg(up))
     store3(out.polygon, 0, 0, load3(t.pose, a, 0))
     count = write_feature(t, b, face, neg(up), out, out.polygon.shape[0] // 3)
     marker = CORNERS_OF_B + FACE * (face + 2)
-    return clip_features(0, count, up, 0.0, margin, out, at, marker), up
+    return clip_features(0, count, up, 0.0, margin, out, row, marker), up

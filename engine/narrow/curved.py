@@ -15,11 +15,10 @@ Schneider, Convex Bodies: The Brunn-Minkowski Theory, 2014, section 2.5 (curvatu
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, cross, dot, load3, load9, mat_vec, neg, norm, perpendicular, scale, sub, tmat_vec
-from engine.memory.arena import ELLIPSOID, SIZE, TYPE
+from engine.maths.rows import Vec, load3, load9
+from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, perpendicular, scale, sub, tmat_vec
+from engine.memory import arena as at
 from engine.narrow.support import Solids, core_support
-
-__all__ = ["sharpen"]
 
 ROUNDS = 8
 ROUGH = 1e-15
@@ -29,9 +28,9 @@ ROUGH = 1e-15
 @kernel
 def radii_along(t: Solids, s: int, n: Vec, e: Vec) -> Vec:
     """H e for a tangent e: how the farthest point of shape s moves as its normal n turns along e [m]; 0 but for ellipsoids."""
-    if t.shape_kind[s, TYPE] != ELLIPSOID:
+    if t.shape_kind[s, at.TYPE] != at.ELLIPSOID:
         return 0.0, 0.0, 0.0
-    m, size = load9(t.pose, s, 3), load3(t.shape, s, SIZE)
+    m, size = load9(t.pose, s, 3), load3(t.shape, s, at.SIZE)
     u, v = tmat_vec(m, n), tmat_vec(m, e)
     square = (size[0] * size[0], size[1] * size[1], size[2] * size[2])
     mu = (square[0] * u[0], square[1] * u[1], square[2] * u[2])
@@ -69,8 +68,8 @@ def sharpen(t: Solids, a: int, b: int, d: Vec, size: float, parted: tuple[float,
 
     Edges of the other shape are kinks of the separation, where no step gains: what GJK said of them stays.
     """
-    kind_a, kind_b = t.shape_kind[a, TYPE], t.shape_kind[b, TYPE]
-    if kind_a != ELLIPSOID and kind_b != ELLIPSOID:
+    kind_a, kind_b = t.shape_kind[a, at.TYPE], t.shape_kind[b, at.TYPE]
+    if kind_a != at.ELLIPSOID and kind_b != at.ELLIPSOID:
         return parted
     gap, n, qa, qb = parted
     w = way_between(t, a, b, d, n)
@@ -84,7 +83,7 @@ def sharpen(t: Solids, a: int, b: int, d: Vec, size: float, parted: tuple[float,
             break
         n, w = ahead, way
     gap = dot(n, w)
-    if kind_a == ELLIPSOID:
+    if kind_a == at.ELLIPSOID:
         qa = core_support(t, a, n)
         return gap, n, qa, axpy(gap, n, qa)
     qb = add(d, core_support(t, b, neg(n)))

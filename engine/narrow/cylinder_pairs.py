@@ -7,18 +7,17 @@ contact cases).
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from engine.maths.rows import Vec
+from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of
-
-__all__ = ["cylinder_plane", "sphere_cylinder"]
 
 UPRIGHT = 1e-3
 """Sine of the tilt below which a cylinder stands on the same four points of its rim, whichever of them is lowest."""
 
 
 @kernel
-def sphere_cylinder(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def sphere_cylinder(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Sphere A against cylinder B."""
     ra, rb, half = a.size[0], b.size[0], b.size[1]
     p = tmat_vec(b.m, sub(a.p, b.p))
@@ -36,12 +35,12 @@ def sphere_cylinder(a: Solid, b: Solid, margin: float, out: Points, at: int) -> 
     gap = distance - ra
     if gap > margin:
         return 0, n
-    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
+    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
 @kernel
-def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Cylinder A against plane B: the lowest points of both rims, and three more of the lower one where it stands."""
     axis, up, ra, half = axis_of(a), axis_of(b), a.size[0], a.size[1]
     n = neg(up)
@@ -64,6 +63,6 @@ def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> t
         place = add(axpy(end * half, axis, a.p), scale(ra, rim))
         gap = dot(sub(place, b.p), up)
         if gap <= margin and count < 4:
-            put_point(out, at + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))
+            put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))
             count += 1
     return count, n

@@ -5,16 +5,15 @@ Source: Ericson, Real-Time Collision Detection, section 3.8 (support mappings); 
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, mat_vec, neg, sub, tmat_vec
+from engine.maths.rows import Vec
+from engine.maths.vec import add, axpy, dot, mat_vec, neg, sub, tmat_vec
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of
 from engine.narrow.support import ellipsoid_support
 
-__all__ = ["ellipsoid_plane"]
-
 
 @kernel
-def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Ellipsoid A against plane B; the normal from A to B is the plane's reversed."""
     up = axis_of(b)
     n = neg(up)
@@ -22,5 +21,5 @@ def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> 
     gap = dot(sub(lowest, b.p), up)
     if gap > margin:
         return 0, n
-    put_point(out, at, axpy(0.5 * gap, n, lowest), gap, 0)
+    put_point(out, row, axpy(0.5 * gap, n, lowest), gap, 0)
     return 1, n

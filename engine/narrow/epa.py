@@ -8,11 +8,10 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, neg, norm, perpendicular, scale, store3, sub
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale, sub
 from engine.narrow.gjk import Simplex, corner, put_corner
 from engine.narrow.support import Solids
-
-__all__ = ["CORNERS", "FACES", "depth"]
 
 CORNERS = 160
 """Most corners of the polytope: a curved surface, of which each new corner quarters the error nearby, needs about 100."""

@@ -7,12 +7,11 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import cos_sin
-from engine.maths.vec import Vec, add, axpy, dot, load3, load9, mat_vec, store3, tmat_vec
-from engine.memory.arena import CAPSULE, CYLINDER, ELLIPSOID, FACES, FIRST_FACE, FIRST_VERTEX, SIZE, SPHERE, TYPE, VERTICES
+from engine.maths.rows import Vec, load3, load9, store3
+from engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
+from engine.memory import arena as at
 from engine.narrow.point import Points
 from engine.narrow.support import Solids, core_support
-
-__all__ = ["RIM", "UPRIGHT", "facing", "is_line", "write_feature"]
 
 RIM = 16
 """Corners of the polygon that stands for a cap: its sides lie within 2 % of the radius of the rim."""
@@ -28,20 +27,20 @@ def facing(t: Solids, s: int, n: Vec) -> tuple[int, Vec, float]:
 
     Returns: its row, -1 for a cap or where there is no face; its outward normal in W; the cosine between it and n, -2 if none.
     """
-    kind = t.shape_kind[s, TYPE]
-    if kind in (SPHERE, CAPSULE, ELLIPSOID):
+    kind = t.shape_kind[s, at.TYPE]
+    if kind in (at.SPHERE, at.CAPSULE, at.ELLIPSOID):
         return -1, n, -2.0
     m = load9(t.pose, s, 3)
     u = tmat_vec(m, n)
-    if kind == CYLINDER:
+    if kind == at.CYLINDER:
         sign = math.copysign(1.0, u[2])
         return -1, (sign * m[2], sign * m[5], sign * m[8]), abs(u[2])
-    most, spread, first = -math.inf, 0.0, t.polyhedron[s, FIRST_VERTEX]
-    for k in range(first, first + t.polyhedron[s, VERTICES]):
+    most, spread, first = -math.inf, 0.0, t.polyhedron[s, at.FIRST_VERTEX]
+    for k in range(first, first + t.polyhedron[s, at.VERTICES]):
         reach = dot(u, load3(t.vertex, k, 0))
         most, spread = max(most, reach), max(spread, abs(reach))
     best, cosine = -1, -2.0
-    for f in range(t.polyhedron[s, FIRST_FACE], t.polyhedron[s, FIRST_FACE] + t.polyhedron[s, FACES]):
+    for f in range(t.polyhedron[s, at.FIRST_FACE], t.polyhedron[s, at.FIRST_FACE] + t.polyhedron[s, at.FACES]):
         c = dot(u, load3(t.face, f, 0))
         if c > cosine + 1e-12:
             for k in range(t.span[f, 0], t.span[f, 0] + t.span[f, 1]):
@@ -54,46 +53,46 @@ def facing(t: Solids, s: int, n: Vec) -> tuple[int, Vec, float]:
 @kernel
 def is_line(t: Solids, s: int, n: Vec) -> bool:
     """Whether what faces n is a straight line on a round side."""
-    kind = t.shape_kind[s, TYPE]
+    kind = t.shape_kind[s, at.TYPE]
     axis = (t.pose[s, 5], t.pose[s, 8], t.pose[s, 11])
-    return (kind in (CAPSULE, CYLINDER)) and abs(dot(axis, n)) < UPRIGHT
+    return (kind in (at.CAPSULE, at.CYLINDER)) and abs(dot(axis, n)) < UPRIGHT
 
 
 @kernel
-def write_feature(t: Solids, s: int, face: int, n: Vec, out: Points, at: int) -> int:
+def write_feature(t: Solids, s: int, face: int, n: Vec, out: Points, row: int) -> int:
     """Write the corners, in W, of what faces n into the polygon, counter-clockwise seen from outside. Returns: their number.
 
-    Args: face: row of a polyhedron's face, as `facing` gives it; at: first row.
+    Args: face: row of a polyhedron's face, as `facing` gives it; row: the first of `out`.
     """
     polygon, key = out.polygon, out.polygon_key
-    kind = t.shape_kind[s, TYPE]
+    kind = t.shape_kind[s, at.TYPE]
     m, p = load9(t.pose, s, 3), load3(t.pose, s, 0)
-    if kind in (SPHERE, ELLIPSOID):
-        store3(polygon, at, 0, add(p, core_support(t, s, n)))
-        key[at, 0] = 0
+    if kind in (at.SPHERE, at.ELLIPSOID):
+        store3(polygon, row, 0, add(p, core_support(t, s, n)))
+        key[row, 0] = 0
         return 1
-    if kind != CAPSULE and kind != CYLINDER:
+    if kind != at.CAPSULE and kind != at.CYLINDER:
         first, corners = t.span[face, 0], t.span[face, 1]
         for k in range(corners):
             v = t.loop[first + k, 0]
-            store3(polygon, at + k, 0, add(p, mat_vec(m, load3(t.vertex, v, 0))))
-            key[at + k, 0] = v - t.polyhedron[s, FIRST_VERTEX]
+            store3(polygon, row + k, 0, add(p, mat_vec(m, load3(t.vertex, v, 0))))
+            key[row + k, 0] = v - t.polyhedron[s, at.FIRST_VERTEX]
         return int(corners)
     u = tmat_vec(m, n)
     across = math.sqrt(u[0] * u[0] + u[1] * u[1])
-    half = t.shape[s, SIZE + 1]
-    radius = t.shape[s, SIZE] if kind == CYLINDER else 0.0
+    half = t.shape[s, at.SIZE + 1]
+    radius = t.shape[s, at.SIZE] if kind == at.CYLINDER else 0.0
     x, y = (u[0] / across, u[1] / across) if across > UPRIGHT else (1.0, 0.0)
-    if kind == CAPSULE or abs(u[2]) < math.sqrt(0.5):
+    if kind == at.CAPSULE or abs(u[2]) < math.sqrt(0.5):
         for k in range(2):
-            store3(polygon, at + k, 0, add(p, mat_vec(m, (radius * x, radius * y, half if k == 0 else -half))))
-            key[at + k, 0] = k
+            store3(polygon, row + k, 0, add(p, mat_vec(m, (radius * x, radius * y, half if k == 0 else -half))))
+            key[row + k, 0] = k
         return 2
     side = math.copysign(1.0, u[2])
     for k in range(RIM):
         angle = side * k * 2.0 * math.pi / RIM
         c, sn = cos_sin(angle)
         rim = axpy(radius, (c * x - sn * y, sn * x + c * y, 0.0), (0.0, 0.0, side * half))
-        store3(polygon, at + k, 0, add(p, mat_vec(m, rim)))
-        key[at + k, 0] = k
+        store3(polygon, row + k, 0, add(p, mat_vec(m, rim)))
+        key[row + k, 0] = k
     return RIM

@@ -9,12 +9,11 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, add, axpy, cross, dot, load3, neg, norm, scale, store3, sub
-from engine.memory.arena import SIMPLEX, SIMPLEX_KEY
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.support import Solids, core_support
-
-__all__ = ["SHARE", "Simplex", "corner", "distance", "put_corner", "simplex_of"]
 
 MAX_ROUNDS = 128
 CLOSE = 1e-14
@@ -37,7 +36,7 @@ class Simplex(NamedTuple):
 @kernel
 def simplex_of(floats: Floats, ints: Ints) -> Simplex:
     """The scratch of an arena."""
-    return Simplex(floats_of(floats, ints, SIMPLEX), ints_of(ints, SIMPLEX_KEY))
+    return Simplex(floats_of(floats, ints, at.SIMPLEX), ints_of(ints, at.SIMPLEX_KEY))
 
 
 @kernel

@@ -13,8 +13,9 @@ Graphics, 2014, section 4 (one-sided triangles).
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Mat, Vec, add, axpy, cross, dot, load3, load9, mat_vec, neg, norm, scale, sub
-from engine.memory.arena import BALL_RADIUS, FIRST_FACE, FIRST_VERTEX, INNER
+from engine.maths.rows import Mat, Vec, load3, load9
+from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, scale, sub
+from engine.memory import arena as at
 from engine.narrow.clip_features import clip_features
 from engine.narrow.features import write_feature
 from engine.narrow.gjk import SHARE, Simplex, distance
@@ -22,8 +23,6 @@ from engine.narrow.point import CORNERS_OF_B, Points, put_point
 from engine.narrow.support import Solids
 from engine.narrow.triangle import leans_over
 from engine.narrow.triangle_triangle import CROSSING, EDGES_OF_B, corner, triangle_triangle
-
-__all__ = ["mesh_contact", "mesh_plane"]
 
 HANDICAP = 1e-3
 """Share of the smaller triangle's radius [1] by which another normal must beat that of a face."""
@@ -46,7 +45,7 @@ ON_FACE = 1 << 14
 @kernel
 def corners_of(t: Solids, s: int, centre: Vec) -> Mat:
     """The corners [m] of triangle s, by rows, along the axes of W, with its centre there."""
-    m, first = load9(t.pose, s, 3), t.polyhedron[s, FIRST_VERTEX]
+    m, first = load9(t.pose, s, 3), t.polyhedron[s, at.FIRST_VERTEX]
     x = add(centre, mat_vec(m, load3(t.vertex, first, 0)))
     y = add(centre, mat_vec(m, load3(t.vertex, first + 1, 0)))
     z = add(centre, mat_vec(m, load3(t.vertex, first + 2, 0)))
@@ -61,23 +60,23 @@ def heights(corners: Mat, on: Vec, n: Vec) -> Vec:
 
 
 @kernel
-def on_face(t: Solids, face: int, other: int, n: Vec, margin: float, out: Points, at: int, marker: int) -> int:
+def on_face(t: Solids, face: int, other: int, n: Vec, margin: float, out: Points, row: int, marker: int) -> int:
     """Write what of another triangle lies over a triangle with the outward normal n, or behind it. Returns: points, up to 4."""
-    write_feature(t, face, t.polyhedron[face, FIRST_FACE], n, out, 0)
-    write_feature(t, other, t.polyhedron[other, FIRST_FACE], n, out, out.polygon.shape[0] // 3)
-    return clip_features(3, 3, n, 0.0, margin, out, at, marker)
+    write_feature(t, face, t.polyhedron[face, at.FIRST_FACE], n, out, 0)
+    write_feature(t, other, t.polyhedron[other, at.FIRST_FACE], n, out, out.polygon.shape[0] // 3)
+    return clip_features(3, 3, n, 0.0, margin, out, row, marker)
 
 
 @kernel
-def on_b(t: Solids, a: int, b: int, nb: Vec, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def on_b(t: Solids, a: int, b: int, nb: Vec, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """The contact of A with the face of B."""
-    return on_face(t, b, a, nb, margin, out, at, ON_FACE), neg(nb)
+    return on_face(t, b, a, nb, margin, out, row, ON_FACE), neg(nb)
 
 
 @kernel
-def on_a(t: Solids, a: int, b: int, na: Vec, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def on_a(t: Solids, a: int, b: int, na: Vec, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """The contact of B with the face of A."""
-    return on_face(t, a, b, na, margin, out, at, CORNERS_OF_B + ON_FACE), na
+    return on_face(t, a, b, na, margin, out, row, CORNERS_OF_B + ON_FACE), na
 
 
 @kernel
@@ -88,7 +87,7 @@ def way_out(t: Solids, s: int, corners: Mat, centre: Vec, over: Vec, out: Vec) -
     leans over an edge at the corner that does not stick out, or through the back of s.
     """
     k = 0 if over[0] <= over[1] and over[0] <= over[2] else (1 if over[1] <= over[2] else 2)
-    if leans_over(t, s, sub(corner(corners, k), centre), out, t.polyhedron[s, INNER]):
+    if leans_over(t, s, sub(corner(corners, k), centre), out, t.polyhedron[s, at.INNER]):
         return math.inf
     return -over[k]
 
@@ -116,9 +115,9 @@ def passed_edges(a: Mat, b: Mat, i: int, j: int, na: Vec, nb: Vec) -> tuple[floa
 
 @kernel
 def mesh_contact(
-    t: Solids, a: int, b: int, margin: float, sunk: float, simplex: Simplex, out: Points, at: int
+    t: Solids, a: int, b: int, margin: float, sunk: float, simplex: Simplex, out: Points, row: int
 ) -> tuple[int, Vec]:  # fmt: skip
-    """Write the contact points of triangles a and b of two meshes from row `at` on.
+    """Write the contact points of triangles a and b of two meshes from row `row` on.
 
     Args: margin [m]: as far apart as they may be; sunk [m]: how deep one may lie behind the other, flat on it.
     Returns: the number of points, at most four, and the normal from a to b.
@@ -132,14 +131,14 @@ def mesh_contact(
         return 0, na
     if dot(na, nb) < -ALIGNED and min(over_b) > -sunk:
         # The larger one has the steadier normal, the same for all that lie on it.
-        if t.shape[a, BALL_RADIUS] > t.shape[b, BALL_RADIUS]:
-            return on_a(t, a, b, na, margin, out, at)
-        return on_b(t, a, b, nb, margin, out, at)
+        if t.shape[a, at.BALL_RADIUS] > t.shape[b, at.BALL_RADIUS]:
+            return on_a(t, a, b, na, margin, out, row)
+        return on_b(t, a, b, nb, margin, out, row)
     if max(over_b) < 0.0 or max(over_a) < 0.0:
         return 0, na
     met, first, last, begins, ends = triangle_triangle(one, two)
-    size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
-    slack = HANDICAP * min(t.shape[a, BALL_RADIUS], t.shape[b, BALL_RADIUS])
+    size = t.shape[a, at.BALL_RADIUS] + t.shape[b, at.BALL_RADIUS]
+    slack = HANDICAP * min(t.shape[a, at.BALL_RADIUS], t.shape[b, at.BALL_RADIUS])
     gap, v, count = 0.0, na, 0
     if met != CROSSING:
         gap, v, count = distance(t, a, b, d, size, margin, simplex.work)
@@ -149,16 +148,16 @@ def mesh_contact(
         most = DEEP * norm(sub(last, first)) + sunk if met == CROSSING else sunk
         if met == CROSSING and (begins < EDGES_OF_B) != (ends < EDGES_OF_B):
             i, j = (begins, ends - EDGES_OF_B) if begins < EDGES_OF_B else (ends, begins - EDGES_OF_B)
-            if t.polyhedron[a, INNER] & (1 << i) == 0 and t.polyhedron[b, INNER] & (1 << j) == 0:
+            if t.polyhedron[a, at.INNER] & (1 << i) == 0 and t.polyhedron[b, at.INNER] & (1 << j) == 0:
                 gap, n, middle = passed_edges(one, two, i, j, na, nb)
                 if -gap < min(behind_a, behind_b, most):
-                    put_point(out, at, add(pa, middle), gap, 2 * ON_FACE + 3 * i + j)
+                    put_point(out, row, add(pa, middle), gap, 2 * ON_FACE + 3 * i + j)
                     return 1, n
         if min(behind_a, behind_b) > most:
             return 0, na
         if behind_b <= behind_a:
-            return on_b(t, a, b, nb, margin, out, at)
-        return on_a(t, a, b, na, margin, out, at)
+            return on_b(t, a, b, nb, margin, out, row)
+        return on_a(t, a, b, na, margin, out, row)
     if gap > margin:
         return 0, na
     qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -168,21 +167,21 @@ def mesh_contact(
     n = scale(-1.0 / norm(v), v)
     if dot(n, na) < -INTO or dot(n, nb) > INTO:
         return 0, n
-    over_edge_a = leans_over(t, a, qa, n, t.polyhedron[a, INNER])
-    over_edge_b = leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, INNER])
+    over_edge_a = leans_over(t, a, qa, n, t.polyhedron[a, at.INNER])
+    over_edge_b = leans_over(t, b, sub(qb, d), neg(n), t.polyhedron[b, at.INNER])
     # Where the other triangle is not in front of that face, another triangle at the same edge or corner has the contact.
     if (over_edge_a and (over_edge_b or min(over_a) < -sunk)) or (over_edge_b and min(over_b) < -sunk):
         return 0, n
     if over_edge_b or (not over_edge_a and gap - min(over_b) <= slack):
-        return on_b(t, a, b, nb, margin, out, at)
+        return on_b(t, a, b, nb, margin, out, row)
     if over_edge_a or gap - min(over_a) <= slack:
-        return on_a(t, a, b, na, margin, out, at)
-    put_point(out, at, add(pa, scale(0.5, add(qa, qb))), gap, 2 * ON_FACE + 16)
+        return on_a(t, a, b, na, margin, out, row)
+    put_point(out, row, add(pa, scale(0.5, add(qa, qb))), gap, 2 * ON_FACE + 16)
     return 1, n
 
 
 @kernel
-def mesh_plane(t: Solids, plane: int, s: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def mesh_plane(t: Solids, plane: int, s: int, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Plane A against triangle B of a mesh: its corners, unless it looks away from the plane.
 
     A corner nearer to the plane than its neighbours has a triangle that looks at it.
@@ -195,6 +194,6 @@ def mesh_plane(t: Solids, plane: int, s: int, margin: float, out: Points, at: in
         x = corner(corners, k)
         gap = dot(up, sub(x, pa))
         if gap <= margin:
-            put_point(out, at + points, axpy(-0.5 * gap, up, x), gap, CORNERS_OF_B + k)
+            put_point(out, row + points, axpy(-0.5 * gap, up, x), gap, CORNERS_OF_B + k)
             points += 1
     return points, up

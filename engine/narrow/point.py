@@ -3,10 +3,8 @@
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, store3
-from engine.memory.arena import FIRST_GAP, PLACE
-
-__all__ = ["CORNERS_OF_B", "Points", "put_point"]
+from engine.maths.rows import Floats, Ints, Vec, store3
+from engine.memory import arena as at
 
 CORNERS_OF_B = 1 << 24
 """Features of convex pairs from here belong to corners of B on a face of A."""
@@ -28,6 +26,6 @@ def put_point(out: Points, row: int, place: Vec, gap: float, feature: int) -> No
     Args: place [m] in W, midway between the surfaces; gap [m], negative in penetration; feature: the same number for the same
     corners and edges in the next step.
     """
-    store3(out.point, row, PLACE, place)
-    out.point[row, FIRST_GAP] = gap
+    store3(out.point, row, at.PLACE, place)
+    out.point[row, at.FIRST_GAP] = gap
     out.key[row, 0] = feature

@@ -4,17 +4,16 @@ Source: Ericson, Real-Time Collision Detection, sections 4.5 and 5.1.9 (closest 
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, along, axpy, cross, dot, norm, scale, sub
+from engine.maths.rows import Vec
+from engine.maths.vec import along, axpy, cross, dot, norm, scale, sub
 from engine.narrow.point import Points, put_point
 from engine.narrow.solid import Solid, axis_of, moved
-
-__all__ = ["capsule_capsule", "capsule_plane", "closest_on_segment", "sphere_capsule", "sphere_plane", "sphere_sphere"]
 
 UP = (0.0, 0.0, 1.0)
 
 
 @kernel
-def sphere_sphere(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def sphere_sphere(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Sphere A against sphere B."""
     ra, rb = a.size[0], b.size[0]
     d = sub(b.p, a.p)
@@ -23,7 +22,7 @@ def sphere_sphere(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tu
     n = along(d, UP)
     if gap > margin:
         return 0, n
-    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
+    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
@@ -34,27 +33,27 @@ def closest_on_segment(p: Vec, centre: Vec, axis: Vec, half: float) -> float:
 
 
 @kernel
-def sphere_capsule(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def sphere_capsule(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Sphere A against capsule B: against the sphere about the closest point of its axis."""
     axis = axis_of(b)
     t = closest_on_segment(a.p, b.p, axis, b.size[1])
-    return sphere_sphere(a, moved(b, axpy(t, axis, b.p)), margin, out, at)
+    return sphere_sphere(a, moved(b, axpy(t, axis, b.p)), margin, out, row)
 
 
 @kernel
-def sphere_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def sphere_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Sphere A against plane B; the normal from A to B is the plane's reversed."""
     up, ra = axis_of(b), a.size[0]
     gap = dot(sub(a.p, b.p), up) - ra
     n = scale(-1.0, up)
     if gap > margin:
         return 0, n
-    put_point(out, at, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
+    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
     return 1, n
 
 
 @kernel
-def capsule_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def capsule_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Capsule A against plane B: a point under each end."""
     up, axis, ra = axis_of(b), axis_of(a), a.size[0]
     n = scale(-1.0, up)
@@ -63,13 +62,13 @@ def capsule_plane(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tu
         end = axpy(-a.size[1] if k == 0 else a.size[1], axis, a.p)
         gap = dot(sub(end, b.p), up) - ra
         if gap <= margin:
-            put_point(out, at + count, axpy(ra + 0.5 * gap, n, end), gap, k)
+            put_point(out, row + count, axpy(ra + 0.5 * gap, n, end), gap, k)
             count += 1
     return count, n
 
 
 @kernel
-def capsule_capsule(a: Solid, b: Solid, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def capsule_capsule(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Capsule A against capsule B: one point, or two where their axes run side by side."""
     ua, ub = axis_of(a), axis_of(b)
     ra, ha, rb, hb = a.size[0], a.size[1], b.size[0], b.size[1]
@@ -90,7 +89,7 @@ def capsule_capsule(a: Solid, b: Solid, margin: float, out: Points, at: int) -> 
                 x, y = axpy(s, ua, a.p), axpy(t, ub, b.p)
                 gap = dot(sub(y, x), n) - ra - rb
                 if gap <= margin:
-                    put_point(out, at + count, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
+                    put_point(out, row + count, axpy(ra + 0.5 * gap, n, x), gap, 1 + k)
                     count += 1
             return count, n
     s = 0.0
@@ -98,4 +97,4 @@ def capsule_capsule(a: Solid, b: Solid, margin: float, out: Points, at: int) -> 
         s = min(max((da - c * db) / sine2, -ha), ha)
     t = min(max(c * s - db, -hb), hb)
     s = min(max(c * t + da, -ha), ha)
-    return sphere_sphere(moved(a, axpy(s, ua, a.p)), moved(b, axpy(t, ub, b.p)), margin, out, at)
+    return sphere_sphere(moved(a, axpy(s, ua, a.p)), moved(b, axpy(t, ub, b.p)), margin, out, row)

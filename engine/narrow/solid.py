@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Mat, Vec, load3, load9
-from engine.memory.arena import SIZE
+from engine.maths.rows import Mat, Vec, load3, load9
+from engine.memory import arena as at
 from engine.memory.tables import Shapes
-
-__all__ = ["Solid", "axis_of", "moved", "solid_of"]
 
 
 class Solid(NamedTuple):
@@ -25,7 +23,7 @@ class Solid(NamedTuple):
 @kernel
 def solid_of(shapes: Shapes, s: int) -> Solid:
     """Shape s, where it is now."""
-    return Solid(load3(shapes.pose, s, 0), load9(shapes.pose, s, 3), load3(shapes.shape, s, SIZE))
+    return Solid(load3(shapes.pose, s, 0), load9(shapes.pose, s, 3), load3(shapes.shape, s, at.SIZE))
 
 
 @kernel

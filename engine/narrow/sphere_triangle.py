@@ -6,13 +6,12 @@ Source: Ericson, Real-Time Collision Detection, section 5.1.5 (closest point on 
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, axpy, load3, load9, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.memory.arena import BALL_RADIUS, FIRST_VERTEX, INNER, SIZE
+from engine.maths.rows import Floats, Vec, load3, load9
+from engine.maths.vec import axpy, mat_vec, neg, norm, scale, sub, tmat_vec
+from engine.memory import arena as at
 from engine.narrow.point import Points, put_point
 from engine.narrow.support import Solids
 from engine.narrow.triangle import BACK, BESIDE, ON_EDGE, leans_over
-
-__all__ = ["closest_on_triangle", "sphere_triangle"]
 
 TOUCHING = 1e-9
 """Share of the size [1] of a distance whose direction rounding spoils: the triangle's own normal is taken there."""
@@ -42,27 +41,27 @@ def closest_on_triangle(vertex: Floats, first: int, x: float, y: float) -> tuple
 
 
 @kernel
-def sphere_triangle(t: Solids, a: int, b: int, margin: float, out: Points, at: int) -> tuple[int, Vec]:
+def sphere_triangle(t: Solids, a: int, b: int, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Write the contact point of sphere A and triangle B. Returns: the number of points, and the normal from A to B.
 
     Over an edge that does not stick out the triangle's own normal alone is met, and that not beside it.
     """
     m, pa, pb = load9(t.pose, b, 3), load3(t.pose, a, 0), load3(t.pose, b, 0)
-    radius, n = t.shape[a, SIZE], (-m[2], -m[5], -m[8])
+    radius, n = t.shape[a, at.SIZE], (-m[2], -m[5], -m[8])
     c = tmat_vec(m, sub(pa, pb))
     if c[2] < -radius:
         return 0, n
-    qx, qy, beyond = closest_on_triangle(t.vertex, t.polyhedron[b, FIRST_VERTEX], c[0], c[1])
+    qx, qy, beyond = closest_on_triangle(t.vertex, t.polyhedron[b, at.FIRST_VERTEX], c[0], c[1])
     way = (c[0] - qx, c[1] - qy, c[2])
     apart = norm(way)
     if apart - radius > margin or way[2] < -BACK * apart:
         return 0, n
-    if beyond > 0.0 and apart > TOUCHING * (t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]):
+    if beyond > 0.0 and apart > TOUCHING * (t.shape[a, at.BALL_RADIUS] + t.shape[b, at.BALL_RADIUS]):
         out_of_it = mat_vec(m, scale(1.0 / apart, way))
-        if not leans_over(t, b, mat_vec(m, (qx, qy, 0.0)), out_of_it, t.polyhedron[b, INNER]):
+        if not leans_over(t, b, mat_vec(m, (qx, qy, 0.0)), out_of_it, t.polyhedron[b, at.INNER]):
             n = neg(out_of_it)
-        elif way[2] < BESIDE * apart or beyond > ON_EDGE * t.shape[b, BALL_RADIUS]:
+        elif way[2] < BESIDE * apart or beyond > ON_EDGE * t.shape[b, at.BALL_RADIUS]:
             return 0, n
     gap = apart - radius
-    put_point(out, at, axpy(radius + 0.5 * gap, n, pa), gap, 1)
+    put_point(out, row, axpy(radius + 0.5 * gap, n, pa), gap, 1)
     return 1, n

@@ -9,29 +9,10 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, dot, load3, load9, mat_vec, tmat_vec
-from engine.memory.arena import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
-    FACE,
-    FIRST_VERTEX,
-    LOOP,
-    POLYHEDRON,
-    POSE,
-    SHAPE,
-    SHAPE_KIND,
-    SIZE,
-    SPAN,
-    SPHERE,
-    TYPE,
-    VERTEX,
-    VERTICES,
-)
+from engine.maths.rows import Floats, Ints, Vec, load3, load9
+from engine.maths.vec import dot, mat_vec, tmat_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["Solids", "core_radius", "core_support", "ellipsoid_support", "separation_along", "solids_of"]
 
 
 class Solids(NamedTuple):
@@ -51,22 +32,22 @@ class Solids(NamedTuple):
 def solids_of(floats: Floats, ints: Ints) -> Solids:
     """The tables of the shapes of an arena."""
     return Solids(
-        floats_of(floats, ints, SHAPE),
-        floats_of(floats, ints, POSE),
-        floats_of(floats, ints, VERTEX),
-        floats_of(floats, ints, FACE),
-        ints_of(ints, SHAPE_KIND),
-        ints_of(ints, POLYHEDRON),
-        ints_of(ints, SPAN),
-        ints_of(ints, LOOP),
+        floats_of(floats, ints, at.SHAPE),
+        floats_of(floats, ints, at.POSE),
+        floats_of(floats, ints, at.VERTEX),
+        floats_of(floats, ints, at.FACE),
+        ints_of(ints, at.SHAPE_KIND),
+        ints_of(ints, at.POLYHEDRON),
+        ints_of(ints, at.SPAN),
+        ints_of(ints, at.LOOP),
     )
 
 
 @kernel
 def core_radius(t: Solids, s: int) -> float:
     """How far [m] the surface lies around the core."""
-    if t.shape_kind[s, TYPE] == SPHERE or t.shape_kind[s, TYPE] == CAPSULE:
-        return float(t.shape[s, SIZE])
+    if t.shape_kind[s, at.TYPE] == at.SPHERE or t.shape_kind[s, at.TYPE] == at.CAPSULE:
+        return float(t.shape[s, at.SIZE])
     return 0.0
 
 
@@ -82,26 +63,26 @@ def ellipsoid_support(semi_axes: Vec, u: Vec) -> Vec:
 @kernel
 def core_support(t: Solids, s: int, n: Vec) -> Vec:
     """The point of the core farthest along n, from the shape's centre, along the axes of W."""
-    kind = t.shape_kind[s, TYPE]
-    if kind == SPHERE:
+    kind = t.shape_kind[s, at.TYPE]
+    if kind == at.SPHERE:
         return 0.0, 0.0, 0.0
     m = load9(t.pose, s, 3)
     u = tmat_vec(m, n)
-    if kind == CAPSULE:
-        x, y, z = 0.0, 0.0, math.copysign(t.shape[s, SIZE + 1], u[2])
-    elif kind == BOX:
-        x, y, z = math.copysign(t.shape[s, SIZE], u[0]), math.copysign(t.shape[s, SIZE + 1], u[1]), 0.0
-        z = math.copysign(t.shape[s, SIZE + 2], u[2])
-    elif kind == CYLINDER:
+    if kind == at.CAPSULE:
+        x, y, z = 0.0, 0.0, math.copysign(t.shape[s, at.SIZE + 1], u[2])
+    elif kind == at.BOX:
+        x, y, z = math.copysign(t.shape[s, at.SIZE], u[0]), math.copysign(t.shape[s, at.SIZE + 1], u[1]), 0.0
+        z = math.copysign(t.shape[s, at.SIZE + 2], u[2])
+    elif kind == at.CYLINDER:
         across = math.sqrt(u[0] * u[0] + u[1] * u[1])
-        share = t.shape[s, SIZE] / across if across > 1e-300 else 0.0
-        x, y, z = share * u[0], share * u[1], math.copysign(t.shape[s, SIZE + 1], u[2])
-    elif kind == ELLIPSOID:
-        x, y, z = ellipsoid_support(load3(t.shape, s, SIZE), u)
+        share = t.shape[s, at.SIZE] / across if across > 1e-300 else 0.0
+        x, y, z = share * u[0], share * u[1], math.copysign(t.shape[s, at.SIZE + 1], u[2])
+    elif kind == at.ELLIPSOID:
+        x, y, z = ellipsoid_support(load3(t.shape, s, at.SIZE), u)
     else:
-        first = t.polyhedron[s, FIRST_VERTEX]
+        first = t.polyhedron[s, at.FIRST_VERTEX]
         best, most = first, -math.inf
-        for k in range(first, first + t.polyhedron[s, VERTICES]):
+        for k in range(first, first + t.polyhedron[s, at.VERTICES]):
             reach = dot(u, load3(t.vertex, k, 0))
             if reach > most:
                 best, most = k, reach

@@ -5,11 +5,10 @@ Interactive Simulation of Rigid Body Dynamics in Computer Graphics, 2014, sectio
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, cross, dot, load3, load9, norm, sub, tmat_vec
-from engine.memory.arena import BALL_RADIUS, FIRST_VERTEX
+from engine.maths.rows import Vec, load3, load9
+from engine.maths.vec import cross, dot, norm, sub, tmat_vec
+from engine.memory import arena as at
 from engine.narrow.support import Solids
-
-__all__ = ["BACK", "BESIDE", "ON_EDGE", "leans_over"]
 
 ON_EDGE = 1e-6
 """Share of the triangle's size [1] within which a point lies on an edge."""
@@ -35,8 +34,8 @@ def leans_over(t: Solids, s: int, spot: Vec, out: Vec, inner: int) -> bool:
         return True
     if u[0] * u[0] + u[1] * u[1] < UPRIGHT * UPRIGHT:
         return False
-    near = ON_EDGE * t.shape[s, BALL_RADIUS]
-    first, outside = t.polyhedron[s, FIRST_VERTEX], False
+    near = ON_EDGE * t.shape[s, at.BALL_RADIUS]
+    first, outside = t.polyhedron[s, at.FIRST_VERTEX], False
     for k in range(3):
         a, b = load3(t.vertex, first + k, 0), load3(t.vertex, first + (k + 1) % 3, 0)
         e = sub(b, a)

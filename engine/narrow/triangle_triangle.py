@@ -11,9 +11,8 @@ Devillers, Fast and Robust Triangle-Triangle Overlap Test Using Orientation Pred
 from typing import Final
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Mat, Vec, axpy, cross, dot, sub
-
-__all__ = ["APART", "CROSSING", "EDGES_OF_B", "FLAT", "corner", "triangle_triangle"]
+from engine.maths.rows import Mat, Vec
+from engine.maths.vec import axpy, cross, dot, sub
 
 APART: Final = 0
 CROSSING: Final = 1  # along a segment, perhaps a point

@@ -1,24 +1,17 @@
-"""Rays as a caller gives them: checked, and cast on all shapes but polyhedra, in tiles or one by one."""
+"""Rays as a caller gives them: checked, and cast on all shapes but polyhedra."""
 
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.check import finite
-from engine.maths.arrays import norm, unit
+from engine.maths.arrays import norm
+from engine.maths.types import Floats, Ints
 from engine.rays.hits import Hits, room_for
 
-__all__ = ["METHODS", "as_rays", "cast_on_shapes", "unit_directions"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-METHODS = ("tiles", "brute_force")
-
-
-def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
+def as_rays(origins: Any, directions: Any) -> tuple[Floats, Floats]:
     """Origins (r, 3) or (1, 3) and directions (r, 3) as compiled code takes them. Raises: ValueError for other shapes."""
     # Read-only arrays are another type to the compiler, which would compile everything once more for them.
     d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
@@ -28,30 +21,15 @@ def as_rays(origins: Any, directions: Any) -> tuple[FloatArray, FloatArray]:
     return o, d
 
 
-def unit_directions(o: FloatArray, d: FloatArray) -> FloatArray:
-    """The directions d at length 1. Raises: ValueError naming what is wrong with rays."""
-    check_rays(o, d)
-    return unit(d)
-
-
-def cast_on_shapes(
-    floats: FloatArray, ints: IntArray, o: FloatArray, d: FloatArray, max_range: float, method: str, threads: int
-) -> Hits:
-    """The first hits within max_range [m] of rays with origins o and directions d. Raises: ValueError naming what is wrong.
-
-    Args: method: 'tiles', or 'brute_force', which takes directions of length 1; threads: of the tiles.
-    """
+def cast_on_shapes(floats: Floats, ints: Ints, o: Floats, d: Floats, max_range: float, threads: int) -> Hits:
+    """The first hits within max_range [m] of rays with origins o and directions d. Raises: ValueError naming what is wrong."""
     hits = room_for(len(d))
-    if method == "brute_force":
-        from engine.rays.one_by_one import cast_rays
-
-        cast_rays(floats, ints, np.broadcast_to(o, d.shape).copy(), d, max_range, hits)
-    elif not choose_tiles(threads)(floats, ints, o, d, max_range, hits):
+    if not choose_tiles(threads)(floats, ints, o, d, max_range, hits):
         check_rays(o, d)
     return hits
 
 
-def check_rays(origins: FloatArray, directions: FloatArray) -> None:
+def check_rays(origins: Floats, directions: Floats) -> None:
     """Raises: ValueError naming what is wrong with rays."""
     finite("rays", "origins", origins, origins.shape, "m")
     finite("rays", "directions", directions, directions.shape, "1")

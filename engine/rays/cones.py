@@ -9,11 +9,10 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints, Vec, add, along, dot, load3, norm, sub
-from engine.memory.arena import PLANE, TYPE
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import add, along, dot, norm, sub
+from engine.memory import arena as at
 from engine.rays.streams import Rays
-
-__all__ = ["Cone", "candidates", "cone_around", "cull", "reach_planes"]
 
 WIDE = 0.1
 """Cosine of the half angle [1] of a cone below which nothing is culled by it."""
@@ -110,7 +109,7 @@ def cull(k: int, ball: Floats, cone: Cone, reach: Floats) -> None:
 def reach_planes(k: int, rows_of: Ints, shape_kind: Ints, pose: Floats, cone: Cone, reach: Floats) -> None:
     """As `cull`, for planes, which no ball bounds: nothing is nearer than their distance."""
     for p in range(k):
-        if shape_kind[rows_of[p], TYPE] == PLANE:
+        if shape_kind[rows_of[p], at.TYPE] == at.PLANE:
             normal = (pose[p, 5], pose[p, 8], pose[p, 11])
             height = abs(dot(normal, sub(cone.apex, load3(pose, p, 0))))
             reach[p] = max(0.0, height * (1.0 - SLACK) - cone.spread)

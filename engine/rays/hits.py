@@ -1,23 +1,24 @@
 """What rays meet first."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Hits", "room_for"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from engine.maths.types import Floats, Ints
 
 
 class Hits(NamedTuple):
     """First hits of rays: distance (r,) m, inf for a miss; body and shape (r,), -1 for a miss; normal (r, 3) in W, outward."""
 
-    distance: FloatArray
-    body: IntArray
-    shape: IntArray
-    normal: FloatArray
+    distance: Floats
+    body: Ints
+    shape: Ints
+    normal: Floats
+
+
+Cast = Callable[[Floats, Floats], Hits]
+"""World.cast of origins and directions."""
 
 
 def room_for(count: int) -> Hits:

@@ -7,8 +7,8 @@ of rays).
 import math
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BOX, CAPSULE, ELLIPSOID, PLANE, SPHERE
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.rays.streams import (
     Primitive,
     Rays,
@@ -22,8 +22,6 @@ from engine.rays.streams import (
     near_ball,
 )
 from engine.rays.tiling import TileHits
-
-__all__ = ["any_beyond", "clear", "label", "meet_shape", "pack", "picked", "scatter", "start_search"]
 
 
 @stream
@@ -96,10 +94,10 @@ def pack(n: int, pick: Ints, rays: Rays, t: Floats, packed: Rays, packed_t: Floa
 @kernel
 def meet_shape(n: int, rays: Rays, shape: Primitive, best: Floats, who: Ints, packed: Rays, pick: Ints, t: Floats) -> int:
     """Try one shape on all rays of a tile; packed, pick, t: room. Returns: for how many it is the nearest so far."""
-    if shape.kind == PLANE:
+    if shape.kind == at.PLANE:
         meet_plane(n, rays, shape.centre, (shape.axes[2], shape.axes[5], shape.axes[8]), t)
         return keep_nearer(n, t, shape.number, best, who)
-    if shape.kind == SPHERE:
+    if shape.kind == at.SPHERE:
         meet_sphere(n, rays, shape.centre, shape.size[0], t)
         return keep_nearer(n, t, shape.number, best, who)
     near_ball(n, rays, shape.centre, shape.ball, best, pick)
@@ -108,11 +106,11 @@ def meet_shape(n: int, rays: Rays, shape: Primitive, best: Floats, who: Ints, pa
     if some < n:
         pack(some, pick, rays, best, packed, t)
         chosen = packed
-    if shape.kind == BOX:
+    if shape.kind == at.BOX:
         meet_box(some, chosen, shape, t)
-    elif shape.kind == CAPSULE:
+    elif shape.kind == at.CAPSULE:
         meet_capsule(some, chosen, shape, t)
-    elif shape.kind == ELLIPSOID:
+    elif shape.kind == at.ELLIPSOID:
         meet_ellipsoid(some, chosen, shape, t)
     else:
         meet_cylinder(some, chosen, shape, t)

@@ -11,49 +11,12 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    load9,
-    mat_vec,
-    norm,
-    quat_mat,
-    scale,
-    store3,
-    sub,
-    tmat_vec,
-)
-from engine.memory.arena import (
-    BALL_RADIUS,
-    FACE,
-    FACES,
-    FIRST_FACE,
-    FIRST_VERTEX,
-    HULL,
-    LOOP,
-    PART,
-    POLYHEDRON,
-    SHAPE,
-    SHAPE_KIND,
-    SPAN,
-    STATE,
-    TYPE,
-    VERTEX,
-    P,
-    Q,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Vec, load3, load4, load9, store3
+from engine.maths.vec import add, axpy, cross, dot, mat_vec, norm, quat_mat, scale, sub, tmat_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.rays.hits import Hits
 from engine.rays.tree import RayTree
-
-__all__ = ["cast_on_polyhedra"]
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)
@@ -121,16 +84,16 @@ def cast_on_polyhedra(
     """As `engine.rays.tiles.cast_tiles`, whose answers it takes and improves."""
     root, node, link, solid, frame = tree
     distance, body, part, normal = hits
-    state, shape = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE)
-    vertex, face = floats_of(floats, ints, VERTEX), floats_of(floats, ints, FACE)
-    shape_kind, polyhedron = ints_of(ints, SHAPE_KIND), ints_of(ints, POLYHEDRON)
-    span, loop = ints_of(ints, SPAN), ints_of(ints, LOOP)
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    vertex, face = floats_of(floats, ints, at.VERTEX), floats_of(floats, ints, at.FACE)
+    shape_kind, polyhedron = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.POLYHEDRON)
+    span, loop = ints_of(ints, at.SPAN), ints_of(ints, at.LOOP)
     stack, reach = np.empty(DEPTH, np.int64), np.empty(DEPTH)
     one = origins.shape[0] == 1
     limit = np.nextafter(max_range, math.inf)
     for b in range(root.shape[0]):
         owner, top = root[b, 0], root[b, 1]
-        m, centre = quat_mat(load4(state, owner, Q)), load3(state, owner, P)
+        m, centre = quat_mat(load4(state, owner, at.Q)), load3(state, owner, at.P)
         low, high = load3(node, top, 0), load3(node, top, 3)
         middle, bound = scale(0.5, add(low, high)), 0.5 * norm(sub(high, low))
         middle = add(centre, mat_vec(m, middle))
@@ -169,12 +132,12 @@ def cast_on_polyhedra(
                     s = solid[leaf]
                     turn = load9(frame, leaf, 3)
                     lo, ld = tmat_vec(turn, sub(o, load3(frame, leaf, 0))), tmat_vec(turn, d)
-                    if shape_kind[s, TYPE] == HULL:
-                        t, n = ray_hull(lo, ld, vertex, face, span, loop, polyhedron[s, FIRST_FACE], polyhedron[s, FACES])
+                    if shape_kind[s, at.TYPE] == at.HULL:
+                        t, n = ray_hull(lo, ld, vertex, face, span, loop, polyhedron[s, at.FIRST_FACE], polyhedron[s, at.FACES])
                     else:
-                        t, n = ray_triangle(lo, ld, vertex, polyhedron[s, FIRST_VERTEX], shape[s, BALL_RADIUS])
+                        t, n = ray_triangle(lo, ld, vertex, polyhedron[s, at.FIRST_VERTEX], shape[s, at.BALL_RADIUS])
                     if t < best or (t == best and s < chosen):
                         best, chosen, facing = t, s, mat_vec(turn, n)
             if chosen >= 0:
-                distance[r], body[r], part[r] = best, owner, shape_kind[chosen, PART]
+                distance[r], body[r], part[r] = best, owner, shape_kind[chosen, at.PART]
                 store3(normal, r, 0, mat_vec(m, facing))

@@ -3,7 +3,8 @@
 Each loop reads the rays from six arrays, one for each coordinate, writes a single array and has no branch, so that the compiler
 turns it into vector instructions. An invalid root is NaN, which loses every comparison. A ray that starts inside hits its exit.
 
-Source: as for `engine.rays.one_by_one`; Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ray Tracing, 2001
+Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (sphere, and ellipsoid by scaling), 5.3.3 (box),
+5.3.7 (cylinder); Wald, Slusallek, Benthin, Wagner, Interactive Rendering with Coherent Ray Tracing, 2001
 (one instruction for several rays).
 """
 
@@ -11,13 +12,9 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints, Mat, Vec, mat_vec, tmat_vec
-from engine.memory.arena import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
-
-__all__ = [
-    "Primitive", "Rays", "Triple",
-    "meet_box", "meet_capsule", "meet_cylinder", "meet_ellipsoid", "meet_plane", "meet_sphere", "near_ball", "normals_of",
-]  # fmt: skip
+from engine.maths.rows import Floats, Ints, Mat, Vec
+from engine.maths.vec import mat_vec, tmat_vec
+from engine.memory import arena as at
 
 MISS = math.inf
 PARALLEL = 1e-30
@@ -204,8 +201,8 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
     """Outward unit normals in W where rays end on a shape: the direction in which its distance grows fastest."""
     nx, ny, nz = normal
     kind, c, m, size = shape.kind, shape.centre, shape.axes, shape.size
-    if kind in (SPHERE, CAPSULE):
-        half = size[1] if kind == CAPSULE else 0.0
+    if kind in (at.SPHERE, at.CAPSULE):
+        half = size[1] if kind == at.CAPSULE else 0.0
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
@@ -213,7 +210,7 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             z = math.copysign(beyond if beyond > 0.0 else 0.0, z)
             scale = 1.0 / math.sqrt(x * x + y * y + z * z)
             nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, scale * z))
-    elif kind == BOX:
+    elif kind == at.BOX:
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
@@ -224,7 +221,7 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             y = math.copysign(1.0, y) if second else 0.0
             z = 0.0 if first | second else math.copysign(1.0, z)
             nx[i], ny[i], nz[i] = mat_vec(m, (x, y, z))
-    elif kind == CYLINDER:
+    elif kind == at.CYLINDER:
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
@@ -232,7 +229,7 @@ def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) 
             cap = abs(z) - size[1] > away - size[0]
             scale = 0.0 if cap else 1.0 / away
             nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, math.copysign(1.0, z) if cap else 0.0))
-    elif kind == ELLIPSOID:
+    elif kind == at.ELLIPSOID:
         for i in range(n):
             o, d = ray_in(rays, i, c, m)
             x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]

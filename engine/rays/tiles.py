@@ -11,32 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compile.jit import entry, inlined, kernel
-from engine.maths.vec import Floats, Ints, add, load3, load4, load9, mat_vec, quat_mat, quat_mul, store3, store9
-from engine.memory.arena import (
-    BALL_RADIUS,
-    COUNT,
-    HULL,
-    OFFSET,
-    OWNER,
-    PART,
-    SHAPE,
-    SHAPE_KIND,
-    SHAPES,
-    SIZE,
-    STATE,
-    TURN,
-    TYPE,
-    P,
-    Q,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
+from engine.maths.vec import add, mat_vec, quat_mat, quat_mul
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.rays.cones import candidates, cone_around, cull, reach_planes
 from engine.rays.hits import Hits
 from engine.rays.nearest import any_beyond, clear, label, meet_shape, pack, picked, scatter, start_search
 from engine.rays.streams import Primitive, normals_of
 from engine.rays.tiling import TILE, Bundle, TileHits, Tiling, answer, load_tile, tiling_of
-
-__all__ = ["cast_tile_range", "cast_tiles"]
 
 
 class Primitives(NamedTuple):
@@ -52,23 +35,24 @@ class Primitives(NamedTuple):
 @kernel
 def pose_primitives(floats: Floats, ints: Ints) -> Primitives:
     """The shapes with closed forms where they are now."""
-    state, shape, shape_kind = floats_of(floats, ints, STATE), floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
-    shapes, found = ints_of(ints, COUNT)[0, SHAPES], 0
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
+    shapes, found = ints_of(ints, at.COUNT)[0, at.SHAPES], 0
     who = np.zeros(shapes + 1, np.int64)
     for s in range(shapes):
-        if shape_kind[s, TYPE] < HULL:
+        if shape_kind[s, at.TYPE] < at.HULL:
             who[found] = s
             found += 1
     pose, ball = np.empty((found, 12)), np.empty((4, found))
     for k in range(found):
         s = who[k]
-        b = shape_kind[s, OWNER]
-        q = load4(state, b, Q)
-        store3(pose, k, 0, add(load3(state, b, P), mat_vec(quat_mat(q), load3(shape, s, OFFSET))))
-        store9(pose, k, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
+        b = shape_kind[s, at.OWNER]
+        q = load4(state, b, at.Q)
+        store3(pose, k, 0, add(load3(state, b, at.P), mat_vec(quat_mat(q), load3(shape, s, at.OFFSET))))
+        store9(pose, k, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))
         for c in range(3):
             ball[c, k] = pose[k, c]
-        ball[3, k] = shape[s, BALL_RADIUS]
+        ball[3, k] = shape[s, at.BALL_RADIUS]
     return Primitives(who, pose, ball)
 
 
@@ -76,9 +60,9 @@ def pose_primitives(floats: Floats, ints: Ints) -> Primitives:
 def primitive_of(p: int, shape: Floats, shape_kind: Ints, posed: Primitives) -> Primitive:
     """One of the shapes with closed forms."""
     s = posed.row[p]
-    kind, owner, part = shape_kind[s, TYPE], shape_kind[s, OWNER], shape_kind[s, PART]
+    kind, owner, part = shape_kind[s, at.TYPE], shape_kind[s, at.OWNER], shape_kind[s, at.PART]
     centre, axes = load3(posed.pose, p, 0), load9(posed.pose, p, 3)
-    return Primitive(p, kind, owner, part, centre, axes, load3(shape, s, SIZE), posed.ball[3, p])
+    return Primitive(p, kind, owner, part, centre, axes, load3(shape, s, at.SIZE), posed.ball[3, p])
 
 
 @kernel
@@ -86,7 +70,7 @@ def cast_tile_range(
     floats: Floats, ints: Ints, bundle: Bundle, tiling: Tiling, first_tile: int, last_tile: int, hits: Hits
 ) -> bool:
     """As `cast_tiles`, for the tiles from first_tile up to, but not with, last_tile."""
-    shape, shape_kind = floats_of(floats, ints, SHAPE), ints_of(ints, SHAPE_KIND)
+    shape, shape_kind = floats_of(floats, ints, at.SHAPE), ints_of(ints, at.SHAPE_KIND)
     posed = pose_primitives(floats, ints)
     rows_of, pose, ball = posed
     origins, directions, max_range = bundle

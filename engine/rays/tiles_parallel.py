@@ -3,12 +3,10 @@
 from numba import prange
 
 from engine.compile.jit import parallel_entry
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.rays.hits import Hits
 from engine.rays.tiles import cast_tile_range
 from engine.rays.tiling import Bundle, Tiling, tiling_of
-
-__all__ = ["cast_tiles_parallel"]
 
 SHARE = 32
 """Tiles that a thread takes at once: enough to spread the cost of posing the shapes."""

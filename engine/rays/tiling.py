@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compile.jit import kernel, stream
-from engine.maths.vec import Floats, Ints, Vec, load3, norm, sub
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import norm, sub
 from engine.rays.hits import Hits
 from engine.rays.streams import Rays, Triple
-
-__all__ = ["TILE", "Bundle", "TileHits", "Tiling", "answer", "load_tile", "tiling_of"]
 
 TILE = 128
 """Rays of a tile: enough to share the cost of culling, few enough that all of them stay in the first-level cache."""

@@ -8,17 +8,11 @@ Source: Ericson, Real-Time Collision Detection, section 6.2 (top-down constructi
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.build.solids import quat_mat
 from engine.maths.arrays import mat_vec
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
-
-__all__ = ["RayTree", "ray_tree"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LEAF = 4
 """Most solids of a leaf."""
@@ -34,21 +28,18 @@ class RayTree(NamedTuple):
     shapes; frame (s, 12): its origin and rotation matrix in B.
     """
 
-    root: IntArray
-    node: FloatArray
-    link: IntArray
-    solid: IntArray
-    frame: FloatArray
+    root: Ints
+    node: Floats
+    link: Ints
+    solid: Ints
+    frame: Floats
 
 
-def ray_tree(floats: FloatArray, ints: IntArray) -> RayTree:
+def ray_tree(floats: Floats, ints: Ints) -> RayTree:
     """The trees of all bodies that have hulls or triangles."""
-    kinds, shape, polyhedron = (
-        int_table(ints, at.SHAPE_KIND),
-        float_table(floats, ints, at.SHAPE),
-        int_table(ints, at.POLYHEDRON),
-    )
-    vertex = float_table(floats, ints, at.VERTEX)
+    kinds, shape = at.int_table(ints, at.SHAPE_KIND), at.float_table(floats, ints, at.SHAPE)
+    polyhedron = at.int_table(ints, at.POLYHEDRON)
+    vertex = at.float_table(floats, ints, at.VERTEX)
     rows = np.flatnonzero(kinds[:, at.TYPE] >= at.HULL)
     turns = np.array([quat_mat(q) for q in shape[rows, at.TURN : at.TURN + 4]])
     frame = np.concatenate([shape[rows, at.OFFSET : at.OFFSET + 3], turns.reshape(-1, 9)], axis=1)
@@ -73,13 +64,13 @@ def ray_tree(floats: FloatArray, ints: IntArray) -> RayTree:
     return RayTree(np.array(root, np.int64), np.concatenate(node), np.concatenate(link), rows[places], frame[places])
 
 
-def _halved(low: FloatArray, high: FloatArray) -> tuple[IntArray, FloatArray, IntArray]:
+def _halved(low: Floats, high: Floats) -> tuple[Ints, Floats, Ints]:
     """Order, boxes and links of one tree over boxes (n, 3), level by level."""
     middle = (low + high) / 2
     order = np.arange(len(low))
     start, count = np.array([0]), np.array([len(low)])
-    boxes: list[FloatArray] = []
-    links: list[IntArray] = []
+    boxes: list[Floats] = []
+    links: list[Ints] = []
     below = 1
     while len(start):
         # All runs of a level follow each other without gaps only in the first one: name the members of each.

@@ -8,11 +8,10 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion 
 from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Mat, Vec, add, axpy, cross, load3, mat_vec, store3, sub, sym_vec, tmat_vec
-from engine.memory.arena import CENTRE_A, CENTRE_B, NORMAL, TANGENTS, V, W
+from engine.maths.rows import Floats, Mat, Vec, load3, store3
+from engine.maths.vec import add, axpy, cross, mat_vec, sub, sym_vec, tmat_vec
+from engine.memory import arena as at
 from engine.respond.pair import Motion, Pair
-
-__all__ = ["Centre", "centre_of", "frame_of", "give_impulse", "relative_motion"]
 
 
 class Centre(NamedTuple):
@@ -26,14 +25,14 @@ class Centre(NamedTuple):
 @kernel
 def frame_of(manifold: Floats, m: int) -> Mat:
     """The rotation from W to the frame of manifold m, rows t1, t2, n."""
-    t1, t2, n = load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3), load3(manifold, m, NORMAL)
+    t1, t2, n = load3(manifold, m, at.TANGENTS), load3(manifold, m, at.TANGENTS + 3), load3(manifold, m, at.NORMAL)
     return t1[0], t1[1], t1[2], t2[0], t2[1], t2[2], n[0], n[1], n[2]
 
 
 @inlined
 def centre_of(manifold: Floats, m: int) -> Centre:
     """The centre of manifold m."""
-    return Centre(frame_of(manifold, m), load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
+    return Centre(frame_of(manifold, m), load3(manifold, m, at.CENTRE_A), load3(manifold, m, at.CENTRE_B))
 
 
 @kernel
@@ -50,7 +49,7 @@ def relative_motion(centre: Centre, motion: Motion) -> tuple[Vec, Vec]:
 def give_impulse(state: Floats, pair: Pair, centre: Centre, motion: Motion, force: Vec, moment: Vec) -> None:
     """Give the impulses of force [N s] and moment [N m s] at the centre, in the frame, to B, and their reaction to A."""
     f, t = tmat_vec(centre.frame, force), tmat_vec(centre.frame, moment)
-    store3(state, pair.a, V, axpy(-pair.mass_a, f, motion.va))
-    store3(state, pair.a, W, sub(motion.wa, sym_vec(pair.inertia_a, add(cross(centre.arm_a, f), t))))
-    store3(state, pair.b, V, axpy(pair.mass_b, f, motion.vb))
-    store3(state, pair.b, W, add(motion.wb, sym_vec(pair.inertia_b, add(cross(centre.arm_b, f), t))))
+    store3(state, pair.a, at.V, axpy(-pair.mass_a, f, motion.va))
+    store3(state, pair.a, at.W, sub(motion.wa, sym_vec(pair.inertia_a, add(cross(centre.arm_a, f), t))))
+    store3(state, pair.b, at.V, axpy(pair.mass_b, f, motion.vb))
+    store3(state, pair.b, at.W, add(motion.wb, sym_vec(pair.inertia_b, add(cross(centre.arm_b, f), t))))

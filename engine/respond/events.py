@@ -23,14 +23,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.check import finite, not_negative, positive
 from engine.describe.errors import NotSupported
-
-__all__ = ["Event", "FlyingSphere", "ImpactLaw", "Motion", "Wall", "solve_events"]
-
-FloatArray = NDArray[np.float64]
+from engine.maths.types import Floats
 
 ZENO = 1e-12
 """Speed after a bounce, relative to the fastest blow, below which a sphere rests: the error in its velocity."""
@@ -94,10 +90,10 @@ class Event:
 class Motion:
     """States at the times (t,) s asked for: position (t, n, 3) m, velocity (t, n, 3) m/s, spin (t, n, 3) rad/s; the events."""
 
-    time: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
+    time: Floats
+    position: Floats
+    velocity: Floats
+    spin: Floats
     events: tuple[Event, ...]
 
 
@@ -106,9 +102,9 @@ class _Play:
     """Where the spheres are (n, 3), how they move, and what they rest on (n,), -1 for nothing."""
 
     spheres: Sequence[FlyingSphere]
-    point: FloatArray
-    normal: FloatArray
-    gravity: FloatArray
+    point: Floats
+    normal: Floats
+    gravity: Floats
     pairs: ImpactLaw
     walls: ImpactLaw
     now: float = 0.0
@@ -124,7 +120,7 @@ class _Play:
         self.rests, self.slip_ends = np.full(n, -1), np.full(n, np.inf)
         self.m, self.r, self.k = (np.array([getattr(s, a) for s in self.spheres], float) for a in ("mass", "radius", "inertia"))
 
-    def state(self, time: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def state(self, time: float) -> tuple[Floats, Floats, Floats]:
         """Positions, velocities and spins at a time before the next event."""
         t = time - self.now
         return self.p + t * (self.v + 0.5 * t * self.a), self.v + t * self.a, self.w + t * self.turn
@@ -220,7 +216,7 @@ class _Play:
         if wall >= 0:
             self.settle(i, wall, -law.restitution * approach)
 
-    def kick(self, i: int, impulse: FloatArray, arm: FloatArray) -> None:
+    def kick(self, i: int, impulse: Floats, arm: Floats) -> None:
         """An impulse [N s] on sphere i at an arm [m] from its centre."""
         self.v[i] += impulse / self.m[i]
         self.w[i] += np.cross(arm, impulse) / (self.k[i] * self.m[i] * self.r[i] ** 2)
@@ -247,7 +243,7 @@ class _Play:
         if self.walls.friction > 0.0:
             self.slide(i, normal, pull)
 
-    def slide(self, i: int, normal: FloatArray, pull: float) -> None:
+    def slide(self, i: int, normal: Floats, pull: float) -> None:
         """Kinetic friction on a sphere at rest on a level wall, until it rolls. Raises: NotSupported on a slope."""
         if np.abs(self.a[i]).max() > TOUCH * pull:
             raise NotSupported("friction on a slope", "the slip turns there, and the acceleration with it")

@@ -20,22 +20,9 @@ Source: Tonge, Benevolenski, Voroshilov, Mass splitting for jitter-free parallel
 from numba import prange
 
 from engine.compile.jit import inlined, kernel, template
-from engine.maths.vec import Floats, Ints, Vec, add, load3, store3
-from engine.memory.arena import (
-    ANSWER,
-    BODY_A,
-    BODY_B,
-    COUNT,
-    DT,
-    LAW,
-    MANIFOLDS,
-    POINTS,
-    SETTING,
-    START,
-    SUBSTEPS,
-    TALLY,
-    THREADS,
-)
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import add
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
 from engine.respond.arms import refresh
@@ -46,23 +33,21 @@ from engine.respond.soft import resist_at, roll
 from engine.respond.softness import PUSH, TURN, Softness, softness_of
 from engine.respond.substep import kept_impulse
 
-__all__ = ["at_once", "split_masses"]
-
 
 @kernel
 def split_masses(floats: Floats, ints: Ints) -> None:
     """Effective masses of all points between the parts of the bodies; rolling and torsional friction has a part of its own."""
-    bodies, contacts, parts = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
-    n = ints_of(ints, COUNT)[0, MANIFOLDS]
+    bodies, contacts, parts = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.START)
+    n = ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
     for b in range(parts.shape[0]):
         parts[b, 0] = 0.0
     for m in range(n):
-        turns = contacts.manifold[m, LAW + 3] > 0.0 or contacts.manifold[m, LAW + 4] > 0.0
-        more = contacts.key[m, POINTS] + (1 if turns else 0)
-        parts[contacts.key[m, BODY_A], 0] += more
-        parts[contacts.key[m, BODY_B], 0] += more
+        turns = contacts.manifold[m, at.LAW + 3] > 0.0 or contacts.manifold[m, at.LAW + 4] > 0.0
+        more = contacts.key[m, at.POINTS] + (1 if turns else 0)
+        parts[contacts.key[m, at.BODY_A], 0] += more
+        parts[contacts.key[m, at.BODY_B], 0] += more
     for m in range(n):
-        a, b = contacts.key[m, BODY_A], contacts.key[m, BODY_B]
+        a, b = contacts.key[m, at.BODY_A], contacts.key[m, at.BODY_B]
         part = lighter(pair_of(bodies.body, bodies.turned, a, b), parts[a, 0], parts[b, 0])
         weigh(contacts, m, centre_of(contacts.manifold, m), part)
 
@@ -72,7 +57,7 @@ def answer_of(contacts: Contacts, m: int, motion: tuple[Vec, Vec], soft: Softnes
     """What the points of manifold m give against the relative motion, each as if it were alone: force and moment."""
     moment = roll(contacts, m, motion[1])
     force = (0.0, 0.0, 0.0)
-    for i in range(4 * m, 4 * m + contacts.key[m, POINTS]):
+    for i in range(4 * m, 4 * m + contacts.key[m, at.POINTS]):
         f, t = resist_at(contacts, m, (i, i + 1), motion, (0.0, 0.0, 0.0), soft, aim)
         force, moment = add(force, f), add(moment, t)
     return force, moment
@@ -84,9 +69,9 @@ def answer_lane(floats: Floats, ints: Ints, aim: int, lane: int, lanes: int) -> 
 
     Tables are carved here, since no tuple of them can be handed to a thread.
     """
-    bodies, contacts, answer = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, ANSWER)
-    setting, n = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)[0, MANIFOLDS]
-    soft = softness_of(setting, setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+    bodies, contacts, answer = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.ANSWER)
+    setting, n = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
+    soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
     first, end = n * lane // lanes, n * (lane + 1) // lanes
     if aim == TURN:
         refresh(bodies.state, shapes_of(floats, ints), contacts, end, first)
@@ -96,7 +81,7 @@ def answer_lane(floats: Floats, ints: Ints, aim: int, lane: int, lanes: int) -> 
         if aim == PUSH:
             force, moment = kept_impulse(contacts, m, centre.frame)
         else:
-            motion = relative_motion(centre, motion_of(bodies.state, contacts.key[m, BODY_A], contacts.key[m, BODY_B]))
+            motion = relative_motion(centre, motion_of(bodies.state, contacts.key[m, at.BODY_A], contacts.key[m, at.BODY_B]))
             force, moment = answer_of(contacts, m, motion, soft, aim)
         store3(answer, m, 0, force)
         store3(answer, m, 3, moment)
@@ -106,7 +91,7 @@ def answer_lane(floats: Floats, ints: Ints, aim: int, lane: int, lanes: int) -> 
 def give_answers(bodies: Bodies, contacts: Contacts, answer: Floats, manifolds: int) -> None:
     """Give what was noted to the whole bodies."""
     for m in range(manifolds):
-        a, b = contacts.key[m, BODY_A], contacts.key[m, BODY_B]
+        a, b = contacts.key[m, at.BODY_A], contacts.key[m, at.BODY_B]
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
         give_impulse(bodies.state, pair, centre_of(contacts.manifold, m), motion, load3(answer, m, 0), load3(answer, m, 3))
 
@@ -114,11 +99,11 @@ def give_answers(bodies: Bodies, contacts: Contacts, answer: Floats, manifolds: 
 @template
 def at_once(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts, _soft: Softness, aim: int) -> None:
     """Do what `aim` says to all contacts, from one state of the world. Where there is one thread, none is sent for."""
-    lanes, n = ints_of(ints, TALLY)[0, THREADS], ints_of(ints, COUNT)[0, MANIFOLDS]
+    lanes, n = ints_of(ints, at.TALLY)[0, at.THREADS], ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
     if lanes == 1:
         answer_lane(floats, ints, aim, 0, 1)
     else:
         for lane in prange(lanes):
             answer_lane(floats, ints, aim, lane, lanes)
     if aim != TURN:
-        give_answers(bodies, contacts, floats_of(floats, ints, ANSWER), n)
+        give_answers(bodies, contacts, floats_of(floats, ints, at.ANSWER), n)

@@ -4,16 +4,14 @@ from numba import prange
 
 from engine.compile.jit import kernel, template
 from engine.contact.colours import cut
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BANDS, COLOURS, COUNT, DT, MANIFOLDS, MOST_BANDS, SETTING, SUBSTEPS, TALLY, THREADS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
 from engine.respond.arms import refresh
 from engine.respond.soft import sweep
 from engine.respond.softness import PUSH, TURN, Softness, softness_of
 from engine.respond.substep import warm_start
-
-__all__ = ["as_found", "by_colour"]
 
 
 @kernel
@@ -22,9 +20,9 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, colour: int, lane: int, lan
 
     Tables are carved here, since no tuple of them can be handed to a thread.
     """
-    bodies, contacts, bands = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, BANDS)
-    setting = floats_of(floats, ints, SETTING)
-    soft = softness_of(setting, setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+    bodies, contacts, bands = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, at.BANDS)
+    setting = floats_of(floats, ints, at.SETTING)
+    soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
     first, end = cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes)
     if aim == PUSH:
         warm_start(bodies, contacts, end, first)
@@ -37,7 +35,7 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, colour: int, lane: int, lan
 @template
 def as_found(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts, soft: Softness, aim: int) -> None:
     """Do what `aim` says to all contacts, in rising rows."""
-    n = ints_of(ints, COUNT)[0, MANIFOLDS]
+    n = ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
     if aim == PUSH:
         warm_start(bodies, contacts, n)
     elif aim == TURN:
@@ -52,8 +50,8 @@ def by_colour(floats: Floats, ints: Ints, _bodies: Bodies, _contacts: Contacts, 
 
     Where there is one thread, none is sent for.
     """
-    lanes = min(ints_of(ints, TALLY)[0, THREADS], MOST_BANDS)
-    for colour in range(COLOURS):
+    lanes = min(ints_of(ints, at.TALLY)[0, at.THREADS], at.MOST_BANDS)
+    for colour in range(at.COLOURS):
         if lanes == 1:
             visit_lane(floats, ints, aim, colour, 0, 1)
         else:

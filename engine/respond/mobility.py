@@ -6,12 +6,11 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion 
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Mat, Sym, Vec, cross, load6, mat_vec, store6, store9, sym_rotate
-from engine.memory.arena import COUPLING, NORMAL_BLOCK, POINTS, SPREAD, STOP_BLOCK, STOP_TURN, TANGENT_BLOCK
+from engine.maths.rows import Floats, Ints, Mat, Sym, Vec, load6, store6, store9
+from engine.maths.vec import cross, mat_vec, sym_rotate
+from engine.memory import arena as at
 from engine.respond.centre import Centre
 from engine.respond.pair import Pair
-
-__all__ = ["effective_masses", "write_blocks", "write_stop"]
 
 THIN = 1e-6
 """Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],
@@ -41,15 +40,15 @@ def write_blocks(manifold: Floats, m: int, centre: Centre, pair: Pair) -> None:
     fa, ta, ga = mobility(centre.frame, pair.mass_a, pair.inertia_a, centre.arm_a)
     fb, tb, gb = mobility(centre.frame, pair.mass_b, pair.inertia_b, centre.arm_b)
     store6(
-        manifold, m, NORMAL_BLOCK,
+        manifold, m, at.NORMAL_BLOCK,
         (fa[2] + fb[2], ga[0] + gb[0], ga[1] + gb[1], ta[6] + tb[6], ta[7] + tb[7], ga[3] + gb[3]),
     )  # fmt: skip
     store6(
-        manifold, m, TANGENT_BLOCK,
+        manifold, m, at.TANGENT_BLOCK,
         (fa[0] + fb[0], fa[1] + fb[1], ga[2] + gb[2], fa[3] + fb[3], ta[2] + tb[2], ta[5] + tb[5]),
     )  # fmt: skip
     store9(
-        manifold, m, COUPLING,
+        manifold, m, at.COUPLING,
         (
             fa[4] + fb[4], ta[0] + tb[0], ta[1] + tb[1],
             fa[5] + fb[5], ta[3] + tb[3], ta[4] + tb[4],
@@ -72,10 +71,10 @@ def effective_masses(normals: Sym, tangents: Sym, x: float, y: float) -> tuple[f
 @kernel
 def write_stop(manifold: Floats, m: int, key: Ints, point: Floats) -> None:
     """The inverse of the block on (V1, V2, W3), where the points can give a moment; else of that on (V1, V2)."""
-    t = load6(manifold, m, TANGENT_BLOCK)
+    t = load6(manifold, m, at.TANGENT_BLOCK)
     square = 0.0
-    for i in range(4 * m, 4 * m + key[m, POINTS]):
-        square += point[i, SPREAD] * point[i, SPREAD] + point[i, SPREAD + 1] * point[i, SPREAD + 1]
+    for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+        square += point[i, at.SPREAD] * point[i, at.SPREAD] + point[i, at.SPREAD + 1] * point[i, at.SPREAD + 1]
     spans = square * t[2] > THIN * (t[0] + t[1])
     if not spans:
         t = (t[0], t[1], 1.0, t[3], 0.0, 0.0)
@@ -88,5 +87,7 @@ def write_stop(manifold: Floats, m: int, key: Ints, point: Floats) -> None:
         t[3] * t[4] - t[0] * t[5],
     )
     one = 1.0 / (t[0] * stop[0] + t[3] * stop[3] + t[4] * stop[4])
-    store6(manifold, m, STOP_BLOCK, (one * stop[0], one * stop[1], one * stop[2], one * stop[3], one * stop[4], one * stop[5]))
-    manifold[m, STOP_TURN] = 1.0 / square if spans else 0.0
+    store6(
+        manifold, m, at.STOP_BLOCK, (one * stop[0], one * stop[1], one * stop[2], one * stop[3], one * stop[4], one * stop[5])
+    )
+    manifold[m, at.STOP_TURN] = 1.0 / square if spans else 0.0

@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 from engine.compile.jit import inlined
-from engine.maths.vec import Floats, Sym, Vec, load3, load6, store3, sym_scale
-from engine.memory.arena import INV_MASS, V, W
-
-__all__ = ["Motion", "Pair", "lighter", "motion_of", "pair_of", "store_motion"]
+from engine.maths.rows import Floats, Sym, Vec, load3, load6, store3
+from engine.maths.vec import sym_scale
+from engine.memory import arena as at
 
 
 class Pair(NamedTuple):
@@ -32,7 +31,7 @@ class Motion(NamedTuple):
 @inlined
 def pair_of(body: Floats, turned: Floats, a: int, b: int) -> Pair:
     """Two bodies as they weigh now."""
-    mass_a, mass_b = body[a, INV_MASS], body[b, INV_MASS]
+    mass_a, mass_b = body[a, at.INV_MASS], body[b, at.INV_MASS]
     return Pair(a, b, mass_a, load6(turned, a, 0), mass_b, load6(turned, b, 0))
 
 
@@ -46,13 +45,13 @@ def lighter(pair: Pair, by_a: float, by_b: float) -> Pair:
 @inlined
 def motion_of(state: Floats, a: int, b: int) -> Motion:
     """The velocities of two bodies."""
-    return Motion(load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W))
+    return Motion(load3(state, a, at.V), load3(state, a, at.W), load3(state, b, at.V), load3(state, b, at.W))
 
 
 @inlined
 def store_motion(state: Floats, a: int, b: int, motion: Motion) -> None:
     """Put the velocities back into the state."""
-    store3(state, a, V, motion.va)
-    store3(state, a, W, motion.wa)
-    store3(state, b, V, motion.vb)
-    store3(state, b, W, motion.wb)
+    store3(state, a, at.V, motion.va)
+    store3(state, a, at.W, motion.wa)
+    store3(state, b, at.V, motion.vb)
+    store3(state, b, at.W, motion.wb)

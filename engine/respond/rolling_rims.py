@@ -4,10 +4,9 @@ import math
 from typing import NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, norm, scale, sub
-from engine.memory.arena import CAPSULE, CYLINDER, SIZE, SPHERE, TYPE
-
-__all__ = ["Rim", "lowest_of", "radius", "rim_of", "rolls_on"]
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import axpy, dot, norm, scale, sub
+from engine.memory import arena as at
 
 UPRIGHT = 1e-3
 """Sine of a cylinder's tilt [1] below which it stands, and no point of its rim is the lowest; as in the narrow phase."""
@@ -27,11 +26,11 @@ class Rim(NamedTuple):
 @kernel
 def radius(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> float:
     """The radius [m] along the normal n that does not turn with a round shape; 0 for boxes and planes."""
-    if shape_kind[s, TYPE] == SPHERE or shape_kind[s, TYPE] == CAPSULE:
-        return float(shape[s, SIZE])
-    if shape_kind[s, TYPE] == CYLINDER:
+    if shape_kind[s, at.TYPE] == at.SPHERE or shape_kind[s, at.TYPE] == at.CAPSULE:
+        return float(shape[s, at.SIZE])
+    if shape_kind[s, at.TYPE] == at.CYLINDER:
         along = n[0] * pose[s, 5] + n[1] * pose[s, 8] + n[2] * pose[s, 11]
-        return float(shape[s, SIZE] * math.sqrt(max(1.0 - along * along, 0.0)))
+        return float(shape[s, at.SIZE] * math.sqrt(max(1.0 - along * along, 0.0)))
     return 0.0
 
 
@@ -46,11 +45,11 @@ def lowest_of(axis: Vec, n: Vec) -> Vec:
 @kernel
 def rim_of(shape: Floats, shape_kind: Ints, pose: Floats, s: int, n: Vec) -> Rim:
     """The rim of shape s that is lowest along the normal n."""
-    if shape_kind[s, TYPE] != CYLINDER:
+    if shape_kind[s, at.TYPE] != at.CYLINDER:
         return Rim(0.0, n, n, n)
     axis = (pose[s, 5], pose[s, 8], pose[s, 11])
     lowest = lowest_of(axis, n)
-    return Rim(shape[s, SIZE] if dot(lowest, lowest) > 0.5 else 0.0, load3(pose, s, 0), axis, lowest)
+    return Rim(shape[s, at.SIZE] if dot(lowest, lowest) > 0.5 else 0.0, load3(pose, s, 0), axis, lowest)
 
 
 @kernel

@@ -22,56 +22,12 @@ from typing import Final
 
 from engine.compile.jit import kernel
 from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.vec import (
-    Floats,
-    Vec,
-    add,
-    axpy,
-    cross,
-    dot,
-    load3,
-    load4,
-    norm,
-    quat_turn,
-    scale,
-    store3,
-    store4,
-    sub,
-    sym_vec,
-)  # fmt: skip
-from engine.memory.arena import (
-    APPROACH,
-    ARM_A,
-    ARM_B,
-    BODY_A,
-    BODY_B,
-    DYNAMIC,
-    HELD,
-    LAW,
-    MOTION,
-    NORMAL,
-    NORMAL_IMPULSE,
-    NORMAL_MASS,
-    POINTS,
-    PUSH,
-    SEPARATION,
-    SLIPS,
-    SPIKE,
-    SPIN_IMPULSE,
-    SPIN_MASS,
-    STRUCK,
-    TANGENT_MASS,
-    TANGENTS,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Vec, load3, load4, store3, store4
+from engine.maths.vec import add, axpy, cross, dot, norm, quat_turn, scale, sub, sym_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.pair import Motion, Pair, motion_of, pair_of, store_motion
 from engine.respond.softness import REBOUND
-
-__all__ = ["BACKWARDS", "FORWARDS", "push_apart", "sweep_velocities"]
 
 BAUMGARTE = 0.2
 """Share of a depth [1] that one position correction works off; Baumgarte's, here on pseudo-velocities."""
@@ -100,11 +56,11 @@ def velocity_at(arm_a: Vec, arm_b: Vec, motion: Motion) -> Vec:
 @kernel
 def spin_impulse(manifold: Floats, m: int, n: Vec, w: Vec, total: float) -> Vec:
     """The impulse [N m s] against rolling and spinning at the relative angular velocity w, under the normal impulse `total`."""
-    before = load3(manifold, m, SPIN_IMPULSE)
-    most = manifold[m, LAW + 4] * total
-    twist = min(max(dot(n, before) - manifold[m, SPIN_MASS + 1] * dot(n, w), -most), most)
-    roll = axpy(-manifold[m, SPIN_MASS], axpy(-dot(n, w), n, w), axpy(-dot(n, before), n, before))
-    size, most = norm(roll), manifold[m, LAW + 3] * total
+    before = load3(manifold, m, at.SPIN_IMPULSE)
+    most = manifold[m, at.LAW + 4] * total
+    twist = min(max(dot(n, before) - manifold[m, at.SPIN_MASS + 1] * dot(n, w), -most), most)
+    roll = axpy(-manifold[m, at.SPIN_MASS], axpy(-dot(n, w), n, w), axpy(-dot(n, before), n, before))
+    size, most = norm(roll), manifold[m, at.LAW + 3] * total
     if size > most:
         roll = scale(most / size, roll)
     return axpy(twist, n, roll)
@@ -120,50 +76,50 @@ def sweep_velocities(bodies: Bodies, contacts: Contacts, manifolds: int, h: floa
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for turn in range(manifolds):
         m = manifolds - 1 - turn if order == BACKWARDS else turn
-        a, b = key[m, BODY_A], key[m, BODY_B]
-        n, t1, t2 = load3(manifold, m, NORMAL), load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
+        n, t1, t2 = load3(manifold, m, at.NORMAL), load3(manifold, m, at.TANGENTS), load3(manifold, m, at.TANGENTS + 3)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
-        first, last = 4 * m, 4 * m + key[m, POINTS]
-        if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+        first, last = 4 * m, 4 * m + key[m, at.POINTS]
+        if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
             total = 0.0
             for i in range(first, last):
-                total += point[i, NORMAL_IMPULSE]
+                total += point[i, at.NORMAL_IMPULSE]
             spin = spin_impulse(manifold, m, n, sub(motion.wb, motion.wa), total)
-            change = sub(spin, load3(manifold, m, SPIN_IMPULSE))
-            store3(manifold, m, SPIN_IMPULSE, spin)
+            change = sub(spin, load3(manifold, m, at.SPIN_IMPULSE))
+            store3(manifold, m, at.SPIN_IMPULSE, spin)
             motion = Motion(
                 motion.va,
                 sub(motion.wa, sym_vec(pair.inertia_a, change)),
                 motion.vb,
                 add(motion.wb, sym_vec(pair.inertia_b, change)),
             )
-        friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
+        friction = manifold[m, at.LAW] if key[m, at.SLIPS] == 0 else manifold[m, at.LAW + 1]
         if friction > 0.0:
             for k in range(first, last):
                 i = first + last - 1 - k if order == BACKWARDS else k
-                ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+                ra, rb = load3(point, i, at.ARM_A), load3(point, i, at.ARM_B)
                 u = velocity_at(ra, rb, motion)
-                was_1, was_2 = point[i, HELD], point[i, HELD + 1]
-                one, two = was_1 - point[i, TANGENT_MASS] * dot(t1, u), was_2 - point[i, TANGENT_MASS] * dot(t2, u)
-                size, most = math.sqrt(one * one + two * two), friction * point[i, NORMAL_IMPULSE]
+                was_1, was_2 = point[i, at.HELD], point[i, at.HELD + 1]
+                one, two = was_1 - point[i, at.TANGENT_MASS] * dot(t1, u), was_2 - point[i, at.TANGENT_MASS] * dot(t2, u)
+                size, most = math.sqrt(one * one + two * two), friction * point[i, at.NORMAL_IMPULSE]
                 if size > most:
                     one, two = most / size * one, most / size * two
-                point[i, HELD], point[i, HELD + 1] = one, two
+                point[i, at.HELD], point[i, at.HELD + 1] = one, two
                 change = axpy(one - was_1, t1, scale(two - was_2, t2))
                 motion = push(pair, ra, rb, change, motion)
         for k in range(first, last):
             i = first + last - 1 - k if order == BACKWARDS else k
-            if aim == REBOUND and point[i, SEPARATION] > 0.0 and point[i, NORMAL_IMPULSE] == 0.0:
+            if aim == REBOUND and point[i, at.SEPARATION] > 0.0 and point[i, at.NORMAL_IMPULSE] == 0.0:
                 continue
-            ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
-            bias = max(point[i, SEPARATION], 0.0) / h
-            if aim == REBOUND and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
-                bias = manifold[m, LAW + 2] * point[i, APPROACH]
+            ra, rb = load3(point, i, at.ARM_A), load3(point, i, at.ARM_B)
+            bias = max(point[i, at.SEPARATION], 0.0) / h
+            if aim == REBOUND and point[i, at.STRUCK] == 1.0 and point[i, at.SPIKE] > 0.0:
+                bias = manifold[m, at.LAW + 2] * point[i, at.APPROACH]
             speed = dot(n, velocity_at(ra, rb, motion))
-            before = point[i, NORMAL_IMPULSE]
-            impulse = max(before - point[i, NORMAL_MASS] * (speed + bias), 0.0)
-            point[i, NORMAL_IMPULSE] = impulse
-            point[i, SPIKE] = max(point[i, SPIKE], impulse)
+            before = point[i, at.NORMAL_IMPULSE]
+            impulse = max(before - point[i, at.NORMAL_MASS] * (speed + bias), 0.0)
+            point[i, at.NORMAL_IMPULSE] = impulse
+            point[i, at.SPIKE] = max(point[i, at.SPIKE], impulse)
             motion = push(pair, ra, rb, scale(impulse - before, n), motion)
         store_motion(bodies.state, a, b, motion)
 
@@ -178,32 +134,32 @@ def push_apart(bodies: Bodies, contacts: Contacts, manifolds: int, pseudo: Float
     rows = state.shape[0]
     deep = False
     for m in range(manifolds):
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            point[i, PUSH] = 0.0
-            deep = deep or point[i, SEPARATION] < -slop
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            point[i, at.PUSH] = 0.0
+            deep = deep or point[i, at.SEPARATION] < -slop
     if not deep:
         return False
     for b in range(rows):
-        store3(pseudo, b, V, (0.0, 0.0, 0.0))
-        store3(pseudo, b, W, (0.0, 0.0, 0.0))
+        store3(pseudo, b, at.V, (0.0, 0.0, 0.0))
+        store3(pseudo, b, at.W, (0.0, 0.0, 0.0))
     for _ in range(sweeps):
         for m in range(manifolds):
-            a, b = key[m, BODY_A], key[m, BODY_B]
-            n = load3(manifold, m, NORMAL)
+            a, b = key[m, at.BODY_A], key[m, at.BODY_B]
+            n = load3(manifold, m, at.NORMAL)
             pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(pseudo, a, b)
-            for i in range(4 * m, 4 * m + key[m, POINTS]):
-                s, before = point[i, SEPARATION], point[i, PUSH]
+            for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+                s, before = point[i, at.SEPARATION], point[i, at.PUSH]
                 if s > -slop and before == 0.0:
                     continue
-                ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
+                ra, rb = load3(point, i, at.ARM_A), load3(point, i, at.ARM_B)
                 speed = dot(n, velocity_at(ra, rb, motion))
-                after = max(before - point[i, NORMAL_MASS] * (speed + BAUMGARTE * min(s + slop, 0.0) / h), 0.0)
-                point[i, PUSH] = after
+                after = max(before - point[i, at.NORMAL_MASS] * (speed + BAUMGARTE * min(s + slop, 0.0) / h), 0.0)
+                point[i, at.PUSH] = after
                 motion = push(pair, ra, rb, scale(after - before, n), motion)
             store_motion(pseudo, a, b, motion)
     for b in range(rows - 1):
-        if bodies.kind[b, MOTION] == DYNAMIC:
-            store3(state, b, P, axpy(h, load3(pseudo, b, V), load3(state, b, P)))
-            store4(state, b, Q, quat_turn(load4(state, b, Q), load3(pseudo, b, W), h))
+        if bodies.kind[b, at.MOTION] == at.DYNAMIC:
+            store3(state, b, at.P, axpy(h, load3(pseudo, b, at.V), load3(state, b, at.P)))
+            store4(state, b, at.Q, quat_turn(load4(state, b, at.Q), load3(pseudo, b, at.W), h))
             turn_inertia(state, bodies.body, bodies.turned, b)
     return True

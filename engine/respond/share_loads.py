@@ -13,24 +13,10 @@ Source: Winkler's foundation under a rigid plate: Timoshenko, Woinowsky-Krieger,
 """
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints, dot, load3, store3, sub
-from engine.memory.arena import (
-    ARM_A,
-    ARM_B,
-    BODY_A,
-    BODY_B,
-    DYNAMIC,
-    MOTION,
-    NORMAL,
-    NORMAL_IMPULSE,
-    POINTS,
-    SEPARATION,
-    STRUCK,
-    TANGENTS,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, store3
+from engine.maths.vec import dot, sub
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
-
-__all__ = ["share_loads"]
 
 FEW = 4
 """Loaded points up to which a body's contacts are left as they are: one manifold's."""
@@ -46,16 +32,16 @@ SIZE, SX, SY, SXX, SXY, SYY, SL, SLX, SLY, FIRST, MIXED = 0, 1, 2, 3, 4, 5, 6, 7
 @kernel
 def bearer(kind: Ints, key: Ints, m: int) -> int:
     """The dynamic body of a manifold with one that is not; -1 where both are."""
-    a, b = key[m, BODY_A], key[m, BODY_B]
-    if kind[a, MOTION] != DYNAMIC:
+    a, b = key[m, at.BODY_A], key[m, at.BODY_B]
+    if kind[a, at.MOTION] != at.DYNAMIC:
         return int(b)
-    return int(a) if kind[b, MOTION] != DYNAMIC else -1
+    return int(a) if kind[b, at.MOTION] != at.DYNAMIC else -1
 
 
 @kernel
 def bears(point: Floats, i: int) -> bool:
     """Whether a point carries load, or touches and may, but for a blow."""
-    return bool(point[i, STRUCK] == 0.0 and (point[i, NORMAL_IMPULSE] > 0.0 or point[i, SEPARATION] <= TOUCHING))
+    return bool(point[i, at.STRUCK] == 0.0 and (point[i, at.NORMAL_IMPULSE] > 0.0 or point[i, at.SEPARATION] <= TOUCHING))
 
 
 @kernel
@@ -72,17 +58,17 @@ def share_loads(bodies: Bodies, contacts: Contacts, manifolds: int, sums: Floats
         b = bearer(kind, key, m)
         if b < 0:
             continue
-        n, t1, t2 = load3(manifold, m, NORMAL), load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
-        arm = ARM_A if key[m, BODY_A] == b else ARM_B
+        n, t1, t2 = load3(manifold, m, at.NORMAL), load3(manifold, m, at.TANGENTS), load3(manifold, m, at.TANGENTS + 3)
+        arm = at.ARM_A if key[m, at.BODY_A] == b else at.ARM_B
         if sums[b, SIZE] == 0.0:
             store3(sums, b, FIRST, n)
         apart = sub(n, load3(sums, b, FIRST))
         if dot(apart, apart) > PARALLEL:
             sums[b, MIXED] = 1.0
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            impulse, at = point[i, NORMAL_IMPULSE], load3(point, i, arm)
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            impulse, spot = point[i, at.NORMAL_IMPULSE], load3(point, i, arm)
             if bears(point, i):
-                x, y = dot(t1, at), dot(t2, at)
+                x, y = dot(t1, spot), dot(t2, spot)
                 sums[b, SIZE] += 1.0
                 sums[b, SX] += x
                 sums[b, SY] += y
@@ -111,13 +97,13 @@ def share_loads(bodies: Bodies, contacts: Contacts, manifolds: int, sums: Floats
             b = bearer(kind, key, m)
             if b < 0 or sums[b, MIXED] == 1.0:
                 continue
-            t1, t2 = load3(manifold, m, TANGENTS), load3(manifold, m, TANGENTS + 3)
-            arm = ARM_A if key[m, BODY_A] == b else ARM_B
-            for i in range(4 * m, 4 * m + key[m, POINTS]):
+            t1, t2 = load3(manifold, m, at.TANGENTS), load3(manifold, m, at.TANGENTS + 3)
+            arm = at.ARM_A if key[m, at.BODY_A] == b else at.ARM_B
+            for i in range(4 * m, 4 * m + key[m, at.POINTS]):
                 if bears(point, i):
-                    at = load3(point, i, arm)
-                    impulse = sums[b, SL] + sums[b, SLX] * dot(t1, at) + sums[b, SLY] * dot(t2, at)
+                    spot = load3(point, i, arm)
+                    impulse = sums[b, SL] + sums[b, SLX] * dot(t1, spot) + sums[b, SLY] * dot(t2, spot)
                     if given == 1:
-                        point[i, NORMAL_IMPULSE] = impulse
+                        point[i, at.NORMAL_IMPULSE] = impulse
                     elif impulse <= 0.0:
                         sums[b, MIXED] = 1.0

@@ -29,53 +29,26 @@ import math
 
 from engine.compile.jit import inlined, kernel
 from engine.maths.floats import fma
-from engine.maths.vec import Floats, Mat, Sym, Vec, add, axpy, load3, load6, load9, mat_vec, store3, sub, sym_vec, tmat_vec
-from engine.memory.arena import (
-    APPROACH,
-    BODY_A,
-    BODY_B,
-    CENTRE_A,
-    CENTRE_B,
-    COUPLING,
-    HELD,
-    LAW,
-    NORMAL_BLOCK,
-    NORMAL_IMPULSE,
-    NORMAL_MASS,
-    POINT_SHARE,
-    POINTS,
-    SEPARATION,
-    SLIPS,
-    SPIKE,
-    SPIN_IMPULSE,
-    SPIN_MASS,
-    SPREAD,
-    STOP_BLOCK,
-    STOP_TURN,
-    STRIKES,
-    STRUCK,
-    TANGENT_BLOCK,
-    TANGENT_MASS,
-)
+from engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3
+from engine.maths.vec import add, axpy, mat_vec, sub, sym_vec, tmat_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.centre import Centre, frame_of, give_impulse, relative_motion
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import PRESS, REBOUND, Softness
 
-__all__ = ["resist", "resist_at", "roll", "sweep"]
-
 
 @kernel
 def resist_spin(manifold: Floats, m: int, frame: Mat, w: Vec, total: float) -> Vec:
     """Rolling and torsional friction under the normal impulse `total` [N s]: the change of their moment, in the frame."""
-    before = mat_vec(frame, load3(manifold, m, SPIN_IMPULSE))
-    rolling, torsional = manifold[m, LAW + 3] * total, manifold[m, LAW + 4] * total
-    one, two = before[0] - manifold[m, SPIN_MASS] * w[0], before[1] - manifold[m, SPIN_MASS] * w[1]
+    before = mat_vec(frame, load3(manifold, m, at.SPIN_IMPULSE))
+    rolling, torsional = manifold[m, at.LAW + 3] * total, manifold[m, at.LAW + 4] * total
+    one, two = before[0] - manifold[m, at.SPIN_MASS] * w[0], before[1] - manifold[m, at.SPIN_MASS] * w[1]
     size = math.sqrt(one * one + two * two)
     if size > rolling:
         one, two = one * (rolling / size), two * (rolling / size)
-    after = (one, two, min(max(before[2] - manifold[m, SPIN_MASS + 1] * w[2], -torsional), torsional))
-    store3(manifold, m, SPIN_IMPULSE, tmat_vec(frame, after))
+    after = (one, two, min(max(before[2] - manifold[m, at.SPIN_MASS + 1] * w[2], -torsional), torsional))
+    store3(manifold, m, at.SPIN_IMPULSE, tmat_vec(frame, after))
     return sub(after, before)
 
 
@@ -85,20 +58,20 @@ def stick(manifold: Floats, m: int, slide: Vec, friction: float, first: int, end
 
     Returns: force and moment, given to the points; or inf, and nothing given, where a point would leave its disc.
     """
-    stop = sym_vec(load6(manifold, m, STOP_BLOCK), slide)
-    share = manifold[m, POINT_SHARE]
-    f1, f2, turn = -share * stop[0], -share * stop[1], -stop[2] * manifold[m, STOP_TURN]
+    stop = sym_vec(load6(manifold, m, at.STOP_BLOCK), slide)
+    share = manifold[m, at.POINT_SHARE]
+    f1, f2, turn = -share * stop[0], -share * stop[1], -stop[2] * manifold[m, at.STOP_TURN]
     inside, square = True, 0.0
     for i in range(first, end):
-        x, y, most = point[i, SPREAD], point[i, SPREAD + 1], friction * point[i, NORMAL_IMPULSE]
-        one, two = fma(-y, turn, point[i, HELD] + f1), fma(x, turn, point[i, HELD + 1] + f2)
+        x, y, most = point[i, at.SPREAD], point[i, at.SPREAD + 1], friction * point[i, at.NORMAL_IMPULSE]
+        one, two = fma(-y, turn, point[i, at.HELD] + f1), fma(x, turn, point[i, at.HELD + 1] + f2)
         inside = inside and one * one + two * two <= most * most
         square += x * x + y * y
     if not inside:
         return math.inf, 0.0, 0.0
     for i in range(first, end):
-        point[i, HELD] += f1 - point[i, SPREAD + 1] * turn
-        point[i, HELD + 1] += f2 + point[i, SPREAD] * turn
+        point[i, at.HELD] += f1 - point[i, at.SPREAD + 1] * turn
+        point[i, at.HELD + 1] += f2 + point[i, at.SPREAD] * turn
     return -stop[0], -stop[1], turn * square
 
 
@@ -107,16 +80,15 @@ def rub(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point:
     """Friction at the points first..end - 1 one by one, each within its disc. Returns: the force and moment that they give."""
     f1, f2, m3 = 0.0, 0.0, 0.0
     for i in range(first, end):
-        x, y, mass, most = (
-            point[i, SPREAD], point[i, SPREAD + 1], point[i, TANGENT_MASS], friction * point[i, NORMAL_IMPULSE]
-        )  # fmt: skip
-        was_1, was_2 = point[i, HELD], point[i, HELD + 1]
+        x, y, mass = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.TANGENT_MASS]
+        most = friction * point[i, at.NORMAL_IMPULSE]
+        was_1, was_2 = point[i, at.HELD], point[i, at.HELD + 1]
         one, two = fma(-mass, fma(-y, slide[2], slide[0]), was_1), fma(-mass, fma(x, slide[2], slide[1]), was_2)
         square = fma(two, two, one * one)
         if square > most * most:
             share = most / math.sqrt(square)
             one, two = share * one, share * two
-        point[i, HELD], point[i, HELD + 1] = one, two
+        point[i, at.HELD], point[i, at.HELD + 1] = one, two
         one, two = one - was_1, two - was_2
         slide = axpy(one, sym_vec(tangents, (1.0, 0.0, -y)), axpy(two, sym_vec(tangents, (0.0, 1.0, x)), slide))
         f1, f2, m3 = f1 + one, f2 + two, fma(-y, one, fma(x, two, m3))
@@ -128,10 +100,10 @@ def roll(contacts: Contacts, m: int, w: Vec) -> Vec:
     """The moment of manifold m against rolling and torsion at the angular velocity W, in the frame."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     moment = (0.0, 0.0, 0.0)
-    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+    if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
         total = 0.0
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            total += point[i, NORMAL_IMPULSE]
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            total += point[i, at.NORMAL_IMPULSE]
         moment = resist_spin(manifold, m, frame_of(manifold, m), w, total)
     return moment
 
@@ -140,7 +112,7 @@ def roll(contacts: Contacts, m: int, w: Vec) -> Vec:
 def resist(contacts: Contacts, m: int, v: Vec, w: Vec, soft: Softness, aim: int) -> tuple[Vec, Vec]:
     """What manifold m gives against the relative motion (V, W) at its centre. Args: as `sweep`. Returns: force and moment."""
     moment = roll(contacts, m, w)
-    return resist_at(contacts, m, (4 * m, 4 * m + contacts.key[m, POINTS]), (v, w), moment, soft, aim)
+    return resist_at(contacts, m, (4 * m, 4 * m + contacts.key[m, at.POINTS]), (v, w), moment, soft, aim)
 
 
 @inlined
@@ -152,22 +124,21 @@ def resist_at(
     Args: points: their first and end; moment: that was given against (V, W) already. Returns: force and moment, with it.
     """
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    normals, tangents, coupling = (
-        load6(manifold, m, NORMAL_BLOCK), load6(manifold, m, TANGENT_BLOCK), load9(manifold, m, COUPLING)
-    )  # fmt: skip
+    normals, tangents = load6(manifold, m, at.NORMAL_BLOCK), load6(manifold, m, at.TANGENT_BLOCK)
+    coupling = load9(manifold, m, at.COUPLING)
     first, end = points
     v, w = motion
     pressed, rubbed = (0.0, moment[0], moment[1]), (0.0, 0.0, moment[2])
     lift, slide = (v[2], w[0], w[1]), (v[0], v[1], w[2])
-    if manifold[m, LAW + 3] > 0.0 or manifold[m, LAW + 4] > 0.0:
+    if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
         lift = add(add(lift, sym_vec(normals, pressed)), tmat_vec(coupling, rubbed))
         slide = add(add(slide, sym_vec(tangents, rubbed)), mat_vec(coupling, pressed))
-    friction = manifold[m, LAW] if key[m, SLIPS] == 0 else manifold[m, LAW + 1]
+    friction = manifold[m, at.LAW] if key[m, at.SLIPS] == 0 else manifold[m, at.LAW + 1]
     for half in range(2):
         if (half == 0) != (aim == PRESS):
             f, m1, m2 = 0.0, 0.0, 0.0
             for i in range(first, end):
-                s, before = point[i, SEPARATION], point[i, NORMAL_IMPULSE]
+                s, before = point[i, at.SEPARATION], point[i, at.NORMAL_IMPULSE]
                 bias, hard, keep = 0.0, 1.0, 0.0
                 if aim == PRESS:
                     if s > 0.0:
@@ -176,14 +147,14 @@ def resist_at(
                         bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
                 elif s > 0.0 and before == 0.0:
                     continue
-                elif aim == REBOUND and point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
-                    bias = manifold[m, LAW + 2] * point[i, APPROACH]
-                x, y, mass = point[i, SPREAD], point[i, SPREAD + 1], hard * point[i, NORMAL_MASS]
+                elif aim == REBOUND and point[i, at.STRUCK] == 1.0 and point[i, at.SPIKE] > 0.0:
+                    bias = manifold[m, at.LAW + 2] * point[i, at.APPROACH]
+                x, y, mass = point[i, at.SPREAD], point[i, at.SPREAD + 1], hard * point[i, at.NORMAL_MASS]
                 u = fma(-x, lift[2], fma(y, lift[1], lift[0]))
                 impulse = max(fma(-mass, u, (1.0 - keep) * before - mass * bias), 0.0)
-                point[i, NORMAL_IMPULSE] = impulse
-                if key[m, STRIKES] == 1:
-                    point[i, SPIKE] = max(point[i, SPIKE], impulse)
+                point[i, at.NORMAL_IMPULSE] = impulse
+                if key[m, at.STRIKES] == 1:
+                    point[i, at.SPIKE] = max(point[i, at.SPIKE], impulse)
                 change = impulse - before
                 lift = axpy(change, sym_vec(normals, (1.0, y, -x)), lift)
                 f, m1, m2 = f + change, fma(y, change, m1), fma(-x, change, m2)
@@ -191,7 +162,7 @@ def resist_at(
             slide = add(slide, mat_vec(coupling, (f, m1, m2)))
         elif friction > 0.0:
             f1, f2, m3 = math.inf, 0.0, 0.0
-            if end - first == key[m, POINTS]:
+            if end - first == key[m, at.POINTS]:
                 f1, f2, m3 = stick(manifold, m, slide, friction, first, end, point)
             if f1 == math.inf:
                 f1, f2, m3 = rub(tangents, slide, friction, first, end, point)
@@ -212,10 +183,10 @@ def sweep(bodies: Bodies, contacts: Contacts, end: int, soft: Softness, aim: int
     """
     manifold, key = contacts.manifold, contacts.key
     for m in range(first, end):
-        a, b = key[m, BODY_A], key[m, BODY_B]
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         frame = frame_of(manifold, m)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
-        centre = Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
+        centre = Centre(frame, load3(manifold, m, at.CENTRE_A), load3(manifold, m, at.CENTRE_B))
         v, w = relative_motion(centre, motion)
         force, moment = resist(contacts, m, v, w, soft, aim)
         give_impulse(bodies.state, pair, centre, motion, force, moment)

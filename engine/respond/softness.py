@@ -7,12 +7,9 @@ import math
 from typing import Final, NamedTuple
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, load3, norm
-from engine.memory.arena import BOUNCE_SPEED, DAMPING_RATIO, GRAVITY, HERTZ, MAX_PUSH
-
-__all__ = [
-    "FRESH", "FRESH_JOINTED", "PRESS", "REBOUND", "RELAX", "STUCK", "TOUCHING", "Softness", "slow_approach", "softness_of",
-]  # fmt: skip
+from engine.maths.rows import Floats, load3
+from engine.maths.vec import norm
+from engine.memory import arena as at
 
 FRESH = 8
 """Times as many sweeps for a blow and in the first sub-step of a contact, which have no impulses to start from."""
@@ -51,16 +48,16 @@ class Softness(NamedTuple):
 @kernel
 def softness_of(setting: Floats, h: float) -> Softness:
     """The spring of the settings over a sub-step of h [s]; at most a quarter turn per sub-step."""
-    omega = 2.0 * math.pi * min(setting[0, HERTZ], 0.25 / h)
-    a1 = 2.0 * setting[0, DAMPING_RATIO] + h * omega
+    omega = 2.0 * math.pi * min(setting[0, at.HERTZ], 0.25 / h)
+    a1 = 2.0 * setting[0, at.DAMPING_RATIO] + h * omega
     a2 = h * omega * a1
     a3 = 1.0 / (1.0 + a2)
-    return Softness(h, omega / a1, a2 * a3, a3, setting[0, MAX_PUSH])
+    return Softness(h, omega / a1, a2 * a3, a3, setting[0, at.MAX_PUSH])
 
 
 @kernel
 def slow_approach(setting: Floats, h: float) -> float:
     """The approach speed [m/s] below which nothing bounces: as set, or four times what gravity gives in one sub-step."""
-    if setting[0, BOUNCE_SPEED] >= 0.0:
-        return float(setting[0, BOUNCE_SPEED])
-    return 4.0 * h * norm(load3(setting, 0, GRAVITY)) + 1e-9
+    if setting[0, at.BOUNCE_SPEED] >= 0.0:
+        return float(setting[0, at.BOUNCE_SPEED])
+    return 4.0 * h * norm(load3(setting, 0, at.GRAVITY)) + 1e-9

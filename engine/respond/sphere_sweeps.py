@@ -4,26 +4,11 @@ from numba import prange
 
 from engine.compile.jit import kernel, template
 from engine.contact.colours import cut
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    BANDS,
-    COLOURS,
-    COUNT,
-    DT,
-    MANIFOLDS,
-    MOST_BANDS,
-    SETTING,
-    SLIPPING,
-    STATE,
-    SUBSTEPS,
-    TALLY,
-    THREADS,
-)
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.respond.softness import PRESS, PUSH, TURN, Softness, softness_of
 from engine.respond.spheres import Touches, press_spheres, push_again, relax_spheres, touches_of, turn_normals
-
-__all__ = ["as_found", "by_colour"]
 
 
 @kernel
@@ -32,8 +17,8 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, share: float, colour: int, 
 
     Tables are carved here, since no tuple of them can be handed to a thread.
     """
-    touches, bands, setting = touches_of(floats, ints), ints_of(ints, BANDS), floats_of(floats, ints, SETTING)
-    soft = softness_of(setting, setting[0, DT] / ints_of(ints, COUNT)[0, SUBSTEPS])
+    touches, bands, setting = touches_of(floats, ints), ints_of(ints, at.BANDS), floats_of(floats, ints, at.SETTING)
+    soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
     first, end = cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes)
     slipping = False
     if aim == PRESS:
@@ -41,7 +26,7 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, share: float, colour: int, 
     elif aim == PUSH:
         push_again(touches, end, share, first)
     elif aim == TURN:
-        turn_normals(touches, end, floats_of(floats, ints, STATE), first)
+        turn_normals(touches, end, floats_of(floats, ints, at.STATE), first)
     else:
         slipping = relax_spheres(touches, end, aim, first)
     return slipping
@@ -53,13 +38,13 @@ def as_found(floats: Floats, ints: Ints, touches: Touches, soft: Softness, aim: 
 
     Args: share: as that of `push_again`. Returns: as `relax_spheres`.
     """
-    n, slipping = ints_of(ints, COUNT)[0, MANIFOLDS], False
+    n, slipping = ints_of(ints, at.COUNT)[0, at.MANIFOLDS], False
     if aim == PRESS:
         press_spheres(touches, n, soft)
     elif aim == PUSH:
         push_again(touches, n, share)
     elif aim == TURN:
-        turn_normals(touches, n, floats_of(floats, ints, STATE))
+        turn_normals(touches, n, floats_of(floats, ints, at.STATE))
     else:
         slipping = relax_spheres(touches, n, aim)
     return slipping
@@ -71,16 +56,16 @@ def by_colour(floats: Floats, ints: Ints, _touches: Touches, _soft: Softness, ai
 
     Where there is one thread, none is sent for.
     """
-    bands, lanes, slipping = ints_of(ints, BANDS), min(ints_of(ints, TALLY)[0, THREADS], MOST_BANDS), False
+    bands, lanes, slipping = ints_of(ints, at.BANDS), min(ints_of(ints, at.TALLY)[0, at.THREADS], at.MOST_BANDS), False
     for lane in range(lanes):
-        bands[lane, SLIPPING] = 0
-    for colour in range(COLOURS):
+        bands[lane, at.SLIPPING] = 0
+    for colour in range(at.COLOURS):
         if lanes == 1:
             slipping = visit_lane(floats, ints, aim, share, colour, 0, 1) or slipping
         else:
             for lane in prange(lanes):
                 if visit_lane(floats, ints, aim, share, colour, lane, lanes):
-                    bands[lane, SLIPPING] = 1
+                    bands[lane, at.SLIPPING] = 1
     for lane in range(lanes):
-        slipping = slipping or bands[lane, SLIPPING] == 1
+        slipping = slipping or bands[lane, at.SLIPPING] == 1
     return slipping

@@ -16,47 +16,12 @@ from typing import NamedTuple
 
 from engine.compile.jit import inlined, kernel
 from engine.maths.floats import fma
-from engine.maths.vec import Floats, Ints, Vec, axpy, cross, dot, load3, norm, scale, store3, sub
-from engine.memory.arena import (
-    GRAVITY,
-    K_BODY_A,
-    K_BODY_B,
-    K_MOVES,
-    K_ROUND,
-    K_SLIPS,
-    M_INV_INERTIA,
-    M_INV_MASS,
-    MOVER,
-    R_APPROACH,
-    R_KINETIC,
-    R_RESTITUTION,
-    R_SPIKE,
-    R_STATIC,
-    R_STRUCK,
-    SURFACE,
-    T_BASE,
-    T_FRICTION,
-    T_GAP,
-    T_NORMAL,
-    T_NORMAL_MASS,
-    T_RADIUS_A,
-    T_RADIUS_B,
-    T_SUM,
-    T_TANGENT,
-    T_TANGENT_MASS,
-    TOUCH,
-    TOUCH_KEY,
-    TOUCH_REST,
-    P,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, Vec, load3, store3
+from engine.maths.vec import axpy, cross, dot, norm, scale, sub
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.respond.pair import Motion
 from engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
-
-__all__ = [
-    "Touches", "any_struck", "choose_friction", "drop_blows", "note_strikes", "press_spheres", "push_again", "relax_spheres",
-    "touches_of", "turn_normals",
-]  # fmt: skip
 
 
 class Touches(NamedTuple):
@@ -86,15 +51,15 @@ class Levers(NamedTuple):
 @kernel
 def touches_of(floats: Floats, ints: Ints) -> Touches:
     """The contacts of spheres of an arena."""
-    surface = floats_of(floats, ints, SURFACE)
+    surface = floats_of(floats, ints, at.SURFACE)
     most = 0.0
     for law in range(surface.shape[0]):
         most = max(most, surface[law, 2])
     return Touches(
-        floats_of(floats, ints, TOUCH),
-        floats_of(floats, ints, TOUCH_REST),
-        ints_of(ints, TOUCH_KEY),
-        floats_of(floats, ints, MOVER),
+        floats_of(floats, ints, at.TOUCH),
+        floats_of(floats, ints, at.TOUCH_REST),
+        ints_of(ints, at.TOUCH_KEY),
+        floats_of(floats, ints, at.MOVER),
         1 if most > 0.0 else 0,
     )
 
@@ -116,8 +81,8 @@ def moving(mover: Floats, a: int, b: int) -> Motion:
 @inlined
 def add_to_sum(touch: Floats, t: int, share: float) -> Vec:
     """Count a share of the impulse of contact t to the step's. Returns: that impulse on B [N s]."""
-    impulse = axpy(touch[t, T_NORMAL], load3(touch, t, 0), load3(touch, t, T_TANGENT))
-    store3(touch, t, T_SUM, axpy(share, impulse, load3(touch, t, T_SUM)))
+    impulse = axpy(touch[t, at.T_NORMAL], load3(touch, t, 0), load3(touch, t, at.T_TANGENT))
+    store3(touch, t, at.T_SUM, axpy(share, impulse, load3(touch, t, at.T_SUM)))
     return impulse
 
 
@@ -128,20 +93,20 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
     Args: h: the sub-step [s]; slow: the speed [m/s] up to which nothing strikes; counted: as the share of `push_again`.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    g, strikes = load3(setting, 0, GRAVITY), 0
+    g, strikes = load3(setting, 0, at.GRAVITY), 0
     for t in range(count):
-        n, gap = load3(touch, t, 0), touch[t, T_GAP]
-        way = sub(load3(mover, key[t, K_BODY_B], 0), load3(mover, key[t, K_BODY_A], 0))
+        n, gap = load3(touch, t, 0), touch[t, at.T_GAP]
+        way = sub(load3(mover, key[t, at.K_BODY_B], 0), load3(mover, key[t, at.K_BODY_A], 0))
         u = dot(n, way)
-        rest[t, R_STRUCK] = 0.0
+        rest[t, at.R_STRUCK] = 0.0
         if u < -slow and gap < -u * h * (1.0 + TOUCHING):
             strikes += 1
             share = min(max(gap / (-u * h), 0.0), 1.0)
-            rest[t, R_STRUCK] = 1.0
-            store3(rest, t, R_APPROACH, axpy((1.0 - share) * h * (0.0 if key[t, K_MOVES] == 1 else 1.0), g, way))
+            rest[t, at.R_STRUCK] = 1.0
+            store3(rest, t, at.R_APPROACH, axpy((1.0 - share) * h * (0.0 if key[t, at.K_MOVES] == 1 else 1.0), g, way))
             add_to_sum(touch, t, counted)
-            touch[t, T_NORMAL] = 0.0
-            store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
+            touch[t, at.T_NORMAL] = 0.0
+            store3(touch, t, at.T_TANGENT, (0.0, 0.0, 0.0))
     return strikes
 
 
@@ -150,14 +115,14 @@ def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None
     """Apply the impulses of the last sub-step, and count a share of them to the step's: 0 for those of the step before."""
     touch, key, mover = touches.touch, touches.key, touches.mover
     for t in range(first, end):
-        a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
-        tangent, half = load3(touch, t, T_TANGENT), 0.5 * touch[t, T_GAP]
+        a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
+        tangent, half = load3(touch, t, at.T_TANGENT), 0.5 * touch[t, at.T_GAP]
         impulse, turn = add_to_sum(touch, t, share), cross(n, tangent)
-        store3(mover, a, 0, axpy(-mover[a, M_INV_MASS], impulse, load3(mover, a, 0)))
-        store3(mover, a, 3, axpy(-mover[a, M_INV_INERTIA] * (touch[t, T_RADIUS_A] + half), turn, load3(mover, a, 3)))
-        if key[t, K_MOVES] == 1:
-            store3(mover, b, 0, axpy(mover[b, M_INV_MASS], impulse, load3(mover, b, 0)))
-            store3(mover, b, 3, axpy(-mover[b, M_INV_INERTIA] * (touch[t, T_RADIUS_B] + half), turn, load3(mover, b, 3)))
+        store3(mover, a, 0, axpy(-mover[a, at.M_INV_MASS], impulse, load3(mover, a, 0)))
+        store3(mover, a, 3, axpy(-mover[a, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_A] + half), turn, load3(mover, a, 3)))
+        if key[t, at.K_MOVES] == 1:
+            store3(mover, b, 0, axpy(mover[b, at.M_INV_MASS], impulse, load3(mover, b, 0)))
+            store3(mover, b, 3, axpy(-mover[b, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_B] + half), turn, load3(mover, b, 3)))
 
 
 @kernel
@@ -169,23 +134,23 @@ def turn_normals(touches: Touches, end: int, state: Floats, first: int = 0) -> N
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     for t in range(first, end):
-        pa = load3(state, key[t, K_BODY_A], P)
-        if key[t, K_ROUND] == 1:
-            d = sub(load3(state, key[t, K_BODY_B], P), pa)
+        pa = load3(state, key[t, at.K_BODY_A], at.P)
+        if key[t, at.K_ROUND] == 1:
+            d = sub(load3(state, key[t, at.K_BODY_B], at.P), pa)
             length = norm(d)
-            touch[t, T_GAP] = length - touch[t, T_RADIUS_A] - touch[t, T_RADIUS_B]
+            touch[t, at.T_GAP] = length - touch[t, at.T_RADIUS_A] - touch[t, at.T_RADIUS_B]
             if length > 1e-300:
-                n, tangent = scale(1.0 / length, d), load3(touch, t, T_TANGENT)
-                if touches.elastic == 1 and rest[t, R_STRUCK] == 1.0:
-                    a, b = key[t, K_BODY_A], key[t, K_BODY_B]
-                    turn = scale(touch[t, T_NORMAL], sub(n, load3(touch, t, 0)))
-                    store3(mover, a, 0, axpy(-mover[a, M_INV_MASS], turn, load3(mover, a, 0)))
-                    if key[t, K_MOVES] == 1:
-                        store3(mover, b, 0, axpy(mover[b, M_INV_MASS], turn, load3(mover, b, 0)))
+                n, tangent = scale(1.0 / length, d), load3(touch, t, at.T_TANGENT)
+                if touches.elastic == 1 and rest[t, at.R_STRUCK] == 1.0:
+                    a, b = key[t, at.K_BODY_A], key[t, at.K_BODY_B]
+                    turn = scale(touch[t, at.T_NORMAL], sub(n, load3(touch, t, 0)))
+                    store3(mover, a, 0, axpy(-mover[a, at.M_INV_MASS], turn, load3(mover, a, 0)))
+                    if key[t, at.K_MOVES] == 1:
+                        store3(mover, b, 0, axpy(mover[b, at.M_INV_MASS], turn, load3(mover, b, 0)))
                 store3(touch, t, 0, n)
-                store3(touch, t, T_TANGENT, axpy(-dot(n, tangent), n, tangent))
+                store3(touch, t, at.T_TANGENT, axpy(-dot(n, tangent), n, tangent))
         else:
-            touch[t, T_GAP] = touch[t, T_BASE] - dot(load3(touch, t, 0), pa)
+            touch[t, at.T_GAP] = touch[t, at.T_BASE] - dot(load3(touch, t, 0), pa)
 
 
 @inlined
@@ -219,8 +184,10 @@ def uses_up(needed: Vec, room: float) -> bool:
 @inlined
 def levers_of(touch: Floats, mover: Floats, t: int, a: int, b: int) -> Levers:
     """How two bodies answer to contact t."""
-    la, lb = touch[t, T_RADIUS_A] + 0.5 * touch[t, T_GAP], touch[t, T_RADIUS_B] + 0.5 * touch[t, T_GAP]
-    return Levers(mover[a, M_INV_MASS], mover[a, M_INV_INERTIA], la, mover[b, M_INV_MASS], mover[b, M_INV_INERTIA], lb)
+    la, lb = touch[t, at.T_RADIUS_A] + 0.5 * touch[t, at.T_GAP], touch[t, at.T_RADIUS_B] + 0.5 * touch[t, at.T_GAP]
+    return Levers(
+        mover[a, at.M_INV_MASS], mover[a, at.M_INV_INERTIA], la, mover[b, at.M_INV_MASS], mover[b, at.M_INV_INERTIA], lb
+    )
 
 
 @inlined
@@ -241,20 +208,20 @@ def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) ->
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     for t in range(first, end):
-        a, b, n = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0)
-        s, before, held = touch[t, T_GAP], touch[t, T_NORMAL], load3(touch, t, T_TANGENT)
+        a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
+        s, before, held = touch[t, at.T_GAP], touch[t, at.T_NORMAL], load3(touch, t, at.T_TANGENT)
         motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
         along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
         bias, hard, keep = s / soft.h, 1.0, 0.0
         if s <= 0.0:
             bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
-        impulse = max(fma(-touch[t, T_NORMAL_MASS] * hard, along + bias, fma(-keep, before, before)), 0.0)
-        after = rub(held, touch[t, T_TANGENT_MASS], slip, touch[t, T_FRICTION] * before)
-        touch[t, T_NORMAL] = impulse
-        store3(touch, t, T_TANGENT, after)
+        impulse = max(fma(-touch[t, at.T_NORMAL_MASS] * hard, along + bias, fma(-keep, before, before)), 0.0)
+        after = rub(held, touch[t, at.T_TANGENT_MASS], slip, touch[t, at.T_FRICTION] * before)
+        touch[t, at.T_NORMAL] = impulse
+        store3(touch, t, at.T_TANGENT, after)
         if touches.elastic == 1:
-            rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
-        store_moving(mover, a, b, key[t, K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
+            rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
+        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
 
 
 @kernel
@@ -267,23 +234,23 @@ def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     slipping = False
     for t in range(first, end):
-        before = touch[t, T_NORMAL]
-        if touch[t, T_GAP] > 0.0 and before == 0.0:
+        before = touch[t, at.T_NORMAL]
+        if touch[t, at.T_GAP] > 0.0 and before == 0.0:
             continue
-        a, b, n, held = key[t, K_BODY_A], key[t, K_BODY_B], load3(touch, t, 0), load3(touch, t, T_TANGENT)
+        a, b, n, held = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0), load3(touch, t, at.T_TANGENT)
         motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
         along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
-        if aim == REBOUND and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0:
-            along += rest[t, R_RESTITUTION] * min(dot(n, load3(rest, t, R_APPROACH)), 0.0)
-        impulse = max(fma(-touch[t, T_NORMAL_MASS], along, before), 0.0)
-        most = touch[t, T_FRICTION] * impulse
-        after = rub(held, touch[t, T_TANGENT_MASS], slip, most)
-        slipping = slipping or (impulse > 0.0 and (key[t, K_SLIPS] == 1 or uses_up(after, most)))
-        touch[t, T_NORMAL] = impulse
-        store3(touch, t, T_TANGENT, after)
+        if aim == REBOUND and rest[t, at.R_STRUCK] == 1.0 and rest[t, at.R_SPIKE] > 0.0:
+            along += rest[t, at.R_RESTITUTION] * min(dot(n, load3(rest, t, at.R_APPROACH)), 0.0)
+        impulse = max(fma(-touch[t, at.T_NORMAL_MASS], along, before), 0.0)
+        most = touch[t, at.T_FRICTION] * impulse
+        after = rub(held, touch[t, at.T_TANGENT_MASS], slip, most)
+        slipping = slipping or (impulse > 0.0 and (key[t, at.K_SLIPS] == 1 or uses_up(after, most)))
+        touch[t, at.T_NORMAL] = impulse
+        store3(touch, t, at.T_TANGENT, after)
         if touches.elastic == 1:
-            rest[t, R_SPIKE] = max(rest[t, R_SPIKE], impulse)
-        store_moving(mover, a, b, key[t, K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
+            rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
+        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
     return slipping
 
 
@@ -292,7 +259,7 @@ def any_struck(touches: Touches, count: int) -> bool:
     """Whether a contact with restitution was struck in this sub-step."""
     rest, struck = touches.rest, False
     for t in range(count):
-        struck = struck or (rest[t, R_RESTITUTION] > 0.0 and rest[t, R_STRUCK] == 1.0 and rest[t, R_SPIKE] > 0.0)
+        struck = struck or (rest[t, at.R_RESTITUTION] > 0.0 and rest[t, at.R_STRUCK] == 1.0 and rest[t, at.R_SPIKE] > 0.0)
     return struck
 
 
@@ -301,15 +268,15 @@ def choose_friction(touches: Touches, count: int) -> None:
     """Let contacts that use up their static disc slip, and slipping ones that it can stop stick."""
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     for t in range(count):
-        needed, room = load3(touch, t, T_TANGENT), rest[t, R_STATIC] * touch[t, T_NORMAL]
+        needed, room = load3(touch, t, at.T_TANGENT), rest[t, at.R_STATIC] * touch[t, at.T_NORMAL]
         if room > 0.0:
-            if key[t, K_SLIPS] == 1:
-                a, b, half = key[t, K_BODY_A], key[t, K_BODY_B], 0.5 * touch[t, T_GAP]
-                la, lb = touch[t, T_RADIUS_A] + half, touch[t, T_RADIUS_B] + half
+            if key[t, at.K_SLIPS] == 1:
+                a, b, half = key[t, at.K_BODY_A], key[t, at.K_BODY_B], 0.5 * touch[t, at.T_GAP]
+                la, lb = touch[t, at.T_RADIUS_A] + half, touch[t, at.T_RADIUS_B] + half
                 slip = way_of(moving(mover, a, b), la, lb, load3(touch, t, 0))[1]
-                needed = axpy(-touch[t, T_NORMAL_MASS], slip, needed)
-            key[t, K_SLIPS] = 1 if uses_up(needed, room) else 0
-            touch[t, T_FRICTION] = rest[t, R_STATIC] if key[t, K_SLIPS] == 0 else rest[t, R_KINETIC]
+                needed = axpy(-touch[t, at.T_NORMAL_MASS], slip, needed)
+            key[t, at.K_SLIPS] = 1 if uses_up(needed, room) else 0
+            touch[t, at.T_FRICTION] = rest[t, at.R_STATIC] if key[t, at.K_SLIPS] == 0 else rest[t, at.R_KINETIC]
 
 
 @kernel
@@ -317,8 +284,8 @@ def drop_blows(touches: Touches, count: int) -> None:
     """Count the impulses of blows to the step's, and drop them: they do not last."""
     touch, rest = touches.touch, touches.rest
     for t in range(count):
-        if rest[t, R_STRUCK] == 1.0:
+        if rest[t, at.R_STRUCK] == 1.0:
             add_to_sum(touch, t, 1.0)
-            touch[t, T_NORMAL] = 0.0
-            store3(touch, t, T_TANGENT, (0.0, 0.0, 0.0))
-        rest[t, R_SPIKE] = 0.0
+            touch[t, at.T_NORMAL] = 0.0
+            store3(touch, t, at.T_TANGENT, (0.0, 0.0, 0.0))
+        rest[t, at.R_SPIKE] = 0.0

@@ -3,50 +3,24 @@
 import math
 
 from engine.compile.jit import inlined, kernel
-from engine.maths.vec import Floats, Mat, Vec, add, axpy, dot, load3, mat_vec, store3, tmat_vec
-from engine.memory.arena import (
-    APPROACH,
-    BODY_A,
-    BODY_B,
-    CENTRE_A,
-    CENTRE_B,
-    DYNAMIC,
-    GRAVITY,
-    HELD,
-    INV_MASS,
-    LAW,
-    MOTION,
-    NORMAL,
-    NORMAL_IMPULSE,
-    POINTS,
-    SEPARATION,
-    SLIPS,
-    SPIKE,
-    SPIN_IMPULSE,
-    SPREAD,
-    STRIKES,
-    STRUCK,
-    SUM,
-    TANGENT_IMPULSE,
-)
+from engine.maths.rows import Floats, Mat, Vec, load3, store3
+from engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
+from engine.memory import arena as at
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.centre import Centre, centre_of, frame_of, give_impulse, relative_motion
 from engine.respond.pair import motion_of, pair_of
 from engine.respond.softness import STUCK, TOUCHING
-
-__all__ = ["approach", "bounce", "end_step", "end_substep", "friction_mode", "kept_impulse", "sum_impulses", "warm_start"]
 
 
 @inlined
 def kept_impulse(contacts: Contacts, m: int, frame: Mat) -> tuple[Vec, Vec]:
     """The impulses that manifold m has now, as force and moment at its centre, in its frame."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    moment = mat_vec(frame, load3(manifold, m, SPIN_IMPULSE))
+    moment = mat_vec(frame, load3(manifold, m, at.SPIN_IMPULSE))
     f1, f2, f3, m1, m2, m3 = 0.0, 0.0, 0.0, moment[0], moment[1], moment[2]
-    for i in range(4 * m, 4 * m + key[m, POINTS]):
-        x, y, normal, one, two = (
-            point[i, SPREAD], point[i, SPREAD + 1], point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1]
-        )  # fmt: skip
+    for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+        x, y, normal, one = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.NORMAL_IMPULSE], point[i, at.HELD]
+        two = point[i, at.HELD + 1]
         f1, f2, f3 = f1 + one, f2 + two, f3 + normal
         m1, m2, m3 = m1 + y * normal, m2 - x * normal, m3 + x * two - y * one
     return (f1, f2, f3), (m1, m2, m3)
@@ -57,11 +31,11 @@ def warm_start(bodies: Bodies, contacts: Contacts, end: int, first: int = 0) -> 
     """Apply the impulses of the last sub-step, of the manifolds first..end - 1."""
     state, manifold, key = bodies.state, contacts.manifold, contacts.key
     for m in range(first, end):
-        a, b = key[m, BODY_A], key[m, BODY_B]
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         frame = frame_of(manifold, m)
         force, moment = kept_impulse(contacts, m, frame)
         pair = pair_of(bodies.body, bodies.turned, a, b)
-        centre = Centre(frame, load3(manifold, m, CENTRE_A), load3(manifold, m, CENTRE_B))
+        centre = Centre(frame, load3(manifold, m, at.CENTRE_A), load3(manifold, m, at.CENTRE_B))
         give_impulse(state, pair, centre, motion_of(state, a, b), force, moment)
 
 
@@ -78,27 +52,27 @@ def approach(bodies: Bodies, contacts: Contacts, manifolds: int, setting: Floats
     state, kind = bodies.state, bodies.kind
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     strikes = 0
-    g = load3(setting, 0, GRAVITY)
+    g = load3(setting, 0, at.GRAVITY)
     for m in range(manifolds):
-        a, b = key[m, BODY_A], key[m, BODY_B]
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
-        kick = h * dot(load3(manifold, m, NORMAL), g)
-        kick *= (1.0 if kind[b, MOTION] == DYNAMIC else 0.0) - (1.0 if kind[a, MOTION] == DYNAMIC else 0.0)
-        if key[m, STRIKES] == 1:
-            key[m, STRIKES] = 0
-            for i in range(4 * m, 4 * m + key[m, POINTS]):
-                point[i, STRUCK] = 0.0
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            u = v[2] + w[0] * point[i, SPREAD + 1] - w[1] * point[i, SPREAD]
-            if u < -slow and point[i, SEPARATION] < -u * h * (1.0 + TOUCHING):
-                share = min(max(point[i, SEPARATION] / (-u * h), 0.0), 1.0)
+        kick = h * dot(load3(manifold, m, at.NORMAL), g)
+        kick *= (1.0 if kind[b, at.MOTION] == at.DYNAMIC else 0.0) - (1.0 if kind[a, at.MOTION] == at.DYNAMIC else 0.0)
+        if key[m, at.STRIKES] == 1:
+            key[m, at.STRIKES] = 0
+            for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+                point[i, at.STRUCK] = 0.0
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            u = v[2] + w[0] * point[i, at.SPREAD + 1] - w[1] * point[i, at.SPREAD]
+            if u < -slow and point[i, at.SEPARATION] < -u * h * (1.0 + TOUCHING):
+                share = min(max(point[i, at.SEPARATION] / (-u * h), 0.0), 1.0)
                 strikes += 1
-                key[m, STRIKES] = 1
-                point[i, STRUCK] = 1.0
-                point[i, SPIKE] = 0.0
-                point[i, APPROACH] = min(u - (1.0 - share) * kick, 0.0)
-                point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
-                store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))
+                key[m, at.STRIKES] = 1
+                point[i, at.STRUCK] = 1.0
+                point[i, at.SPIKE] = 0.0
+                point[i, at.APPROACH] = min(u - (1.0 - share) * kick, 0.0)
+                point[i, at.NORMAL_IMPULSE], point[i, at.HELD], point[i, at.HELD + 1] = 0.0, 0.0, 0.0
+                store3(point, i, at.TANGENT_IMPULSE, (0.0, 0.0, 0.0))
     return strikes
 
 
@@ -107,9 +81,9 @@ def bounce(contacts: Contacts, manifolds: int) -> bool:
     """Whether any point struck a surface with restitution in this sub-step."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
-        if key[m, STRIKES] == 1 and manifold[m, LAW + 2] > 0.0:
-            for i in range(4 * m, 4 * m + key[m, POINTS]):
-                if point[i, STRUCK] == 1.0 and point[i, SPIKE] > 0.0:
+        if key[m, at.STRIKES] == 1 and manifold[m, at.LAW + 2] > 0.0:
+            for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+                if point[i, at.STRUCK] == 1.0 and point[i, at.SPIKE] > 0.0:
                     return True
     return False
 
@@ -125,9 +99,8 @@ def unbrace(static: float, first: int, end: int, point: Floats) -> None:
     """
     n, cx, cy, f1, f2, moment, spread = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(first, end):
-        x, y, load, one, two = (
-            point[i, SPREAD], point[i, SPREAD + 1], point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1]
-        )  # fmt: skip
+        x, y, load, one = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.NORMAL_IMPULSE], point[i, at.HELD]
+        two = point[i, at.HELD + 1]
         n, cx, cy, spread = n + load, cx + load * x, cy + load * y, spread + load * (x * x + y * y)
         f1, f2, moment = f1 + one, f2 + two, moment + x * two - y * one
     if n <= 0.0:
@@ -137,12 +110,12 @@ def unbrace(static: float, first: int, end: int, point: Floats) -> None:
     turn = (moment - cx * f2 + cy * f1) / about if about > 1e-9 * spread else 0.0
     f1, f2 = f1 / n + turn * cy, f2 / n - turn * cx
     for i in range(first, end):
-        one, two = f1 - turn * point[i, SPREAD + 1], f2 + turn * point[i, SPREAD]
+        one, two = f1 - turn * point[i, at.SPREAD + 1], f2 + turn * point[i, at.SPREAD]
         if one * one + two * two > static * static:
             return
     for i in range(first, end):
-        point[i, HELD] = point[i, NORMAL_IMPULSE] * (f1 - turn * point[i, SPREAD + 1])
-        point[i, HELD + 1] = point[i, NORMAL_IMPULSE] * (f2 + turn * point[i, SPREAD])
+        point[i, at.HELD] = point[i, at.NORMAL_IMPULSE] * (f1 - turn * point[i, at.SPREAD + 1])
+        point[i, at.HELD + 1] = point[i, at.NORMAL_IMPULSE] * (f2 + turn * point[i, at.SPREAD])
 
 
 @kernel
@@ -155,20 +128,20 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
     state, body = bodies.state, bodies.body
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
-        static = manifold[m, LAW]
-        if static == manifold[m, LAW + 1]:
+        static = manifold[m, at.LAW]
+        if static == manifold[m, at.LAW + 1]:
             continue
-        a, b = key[m, BODY_A], key[m, BODY_B]
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
         needed, most = 0.0, 0.0
-        share = 1.0 / (max(body[a, INV_MASS] + body[b, INV_MASS], 1e-300) * max(key[m, POINTS], 1))
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            one, two = v[0] - point[i, SPREAD + 1] * w[2], v[1] + point[i, SPREAD] * w[2]
-            needed += one * (share * one - point[i, HELD]) + two * (share * two - point[i, HELD + 1])
-            most += static * point[i, NORMAL_IMPULSE] * math.sqrt(one * one + two * two)
-        key[m, SLIPS] = int(needed > STUCK * most)
-        if key[m, SLIPS] == 0:
-            unbrace(static, 4 * m, 4 * m + key[m, POINTS], point)
+        share = 1.0 / (max(body[a, at.INV_MASS] + body[b, at.INV_MASS], 1e-300) * max(key[m, at.POINTS], 1))
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            one, two = v[0] - point[i, at.SPREAD + 1] * w[2], v[1] + point[i, at.SPREAD] * w[2]
+            needed += one * (share * one - point[i, at.HELD]) + two * (share * two - point[i, at.HELD + 1])
+            most += static * point[i, at.NORMAL_IMPULSE] * math.sqrt(one * one + two * two)
+        key[m, at.SLIPS] = int(needed > STUCK * most)
+        if key[m, at.SLIPS] == 0:
+            unbrace(static, 4 * m, 4 * m + key[m, at.POINTS], point)
 
 
 @kernel
@@ -176,12 +149,12 @@ def end_substep(contacts: Contacts, manifolds: int) -> None:
     """Add the sub-step's impulses to the step's, in the frames, and drop those of a blow, which do not last."""
     point, key = contacts.point, contacts.key
     for m in range(manifolds):
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            point[i, SUM] += point[i, HELD]
-            point[i, SUM + 1] += point[i, HELD + 1]
-            point[i, SUM + 2] += point[i, NORMAL_IMPULSE]
-            if point[i, STRUCK] == 1.0:
-                point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            point[i, at.SUM] += point[i, at.HELD]
+            point[i, at.SUM + 1] += point[i, at.HELD + 1]
+            point[i, at.SUM + 2] += point[i, at.NORMAL_IMPULSE]
+            if point[i, at.STRUCK] == 1.0:
+                point[i, at.NORMAL_IMPULSE], point[i, at.HELD], point[i, at.HELD + 1] = 0.0, 0.0, 0.0
 
 
 @kernel
@@ -190,9 +163,9 @@ def end_step(contacts: Contacts, manifolds: int) -> None:
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
         frame = frame_of(manifold, m)
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            store3(point, i, SUM, tmat_vec(frame, load3(point, i, SUM)))
-            store3(point, i, TANGENT_IMPULSE, tmat_vec(frame, (point[i, HELD], point[i, HELD + 1], 0.0)))
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            store3(point, i, at.SUM, tmat_vec(frame, load3(point, i, at.SUM)))
+            store3(point, i, at.TANGENT_IMPULSE, tmat_vec(frame, (point[i, at.HELD], point[i, at.HELD + 1], 0.0)))
 
 
 @kernel
@@ -200,10 +173,10 @@ def sum_impulses(contacts: Contacts, manifolds: int) -> None:
     """As `end_substep`, where friction impulses are kept in W all along."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for m in range(manifolds):
-        n = load3(manifold, m, NORMAL)
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            tangent = load3(point, i, TANGENT_IMPULSE)
-            store3(point, i, SUM, add(load3(point, i, SUM), axpy(point[i, NORMAL_IMPULSE], n, tangent)))
-            if point[i, STRUCK] == 1.0:
-                point[i, NORMAL_IMPULSE] = 0.0
-                store3(point, i, TANGENT_IMPULSE, (0.0, 0.0, 0.0))
+        n = load3(manifold, m, at.NORMAL)
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            tangent = load3(point, i, at.TANGENT_IMPULSE)
+            store3(point, i, at.SUM, add(load3(point, i, at.SUM), axpy(point[i, at.NORMAL_IMPULSE], n, tangent)))
+            if point[i, at.STRUCK] == 1.0:
+                point[i, at.NORMAL_IMPULSE] = 0.0
+                store3(point, i, at.TANGENT_IMPULSE, (0.0, 0.0, 0.0))

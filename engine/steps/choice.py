@@ -6,17 +6,13 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import cast
 
-import numpy as np
-from numpy.typing import NDArray
-
 from engine.broad.choice import DropApart, FindPairs
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
+from engine.maths.types import Floats, Ints
 from engine.options import ADAPTIVE, FREE_INTEGRATORS, GAUSS_SEIDEL, Options
 
-__all__ = ["Kernels", "Step", "choose_step", "joint_coordinates_step", "unsmooth_of"]
-
-Step = Callable[[NDArray[np.float64], NDArray[np.int64], int], tuple[int, int]]
+Step = Callable[[Floats, Ints, int], tuple[int, int]]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,15 +1,15 @@
 """Steps of worlds with contact, without joints, swept by colours: as `contact`, in another order, on one thread or several."""
 
 from engine.compile.jit import parallel_entry
+from engine.constrain.stages import hold_nothing
 from engine.contact.colours import mark_manifolds
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.respond.manifold_sweeps import by_colour
 from engine.steps.contact import advance_contacts
-
-__all__ = ["step_contact_coloured"]
+from engine.steps.stages import meet
 
 
 @parallel_entry
 def step_contact_coloured(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact, swept by colours. Returns: as `step_contact`."""
-    return advance_contacts(floats, ints, steps, mark_manifolds, by_colour)
+    return advance_contacts(floats, ints, steps, meet, mark_manifolds, by_colour, hold_nothing)

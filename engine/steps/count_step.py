@@ -2,15 +2,13 @@
 
 from engine.compile.jit import kernel
 from engine.integrate.finite_state import is_finite
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BODIES, STEPS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.status import DIVERGED, DONE
-
-__all__ = ["count_step"]
 
 
 @kernel
 def count_step(state: Floats, count: Ints) -> int:
     """End a step. Returns: DONE, or DIVERGED."""
-    count[0, STEPS] += 1
-    return DONE if is_finite(state, count[0, BODIES]) else DIVERGED
+    count[0, at.STEPS] += 1
+    return DONE if is_finite(state, count[0, at.BODIES]) else DIVERGED

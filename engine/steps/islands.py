@@ -4,9 +4,7 @@ from engine.compile.jit import entry, kernel, parallel_entry
 from engine.islands.contacts import advance_island
 from engine.islands.stages import begin_islands
 from engine.islands.steps import in_turn, on_threads, step_by_islands
-from engine.maths.vec import Floats, Ints
-
-__all__ = ["step_islands", "step_islands_parallel"]
+from engine.maths.rows import Floats, Ints
 
 
 @kernel

@@ -5,10 +5,8 @@ from engine.constrain.open_joints import open_joint
 from engine.islands.joints import advance_jointed_island, make_room_for_rows
 from engine.islands.stages import begin_islands
 from engine.islands.steps import in_turn, on_threads, step_by_islands
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.status import DONE
-
-__all__ = ["step_islands_jointed", "step_islands_jointed_parallel"]
 
 
 @kernel

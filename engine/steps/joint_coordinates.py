@@ -18,19 +18,12 @@ from engine.integrate.dormand_prince import LENGTH, STAGES, Trial, dormand_princ
 from engine.integrate.implicit_midpoint import implicit_midpoint
 from engine.integrate.runge_kutta import runge_kutta_free
 from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, DT, DYNAMIC, GYROSCOPIC, MOTION, PRINCIPAL, SETTING, STEPS, SUBSTEPS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import bodies_of, joints_of
 from engine.steps.count_step import count_step
-
-__all__ = [
-    "step_joint_coordinates_adaptive",
-    "step_joint_coordinates_euler",
-    "step_joint_coordinates_midpoint",
-    "step_joint_coordinates_runge_kutta",
-]
 
 
 @entry
@@ -41,11 +34,11 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
     Bodies get their poses, and joints what they carry, where it can be seen: after the last step.
     """
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    dt, substeps, gyroscopic = setting[0, at.DT], count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     h, done, status = dt / substeps, 0, DONE
     damp_over(tables, h)
-    if count[0, STEPS] == 0:
+    if count[0, at.STEPS] == 0:
         take_jumps(tables, bodies, joints)
         begin_momenta(tables, bodies, gyroscopic)
     clear_reactions(joints)
@@ -57,7 +50,7 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
             carry_bases(tables, bodies, h)
         for n in range(tables.other.shape[0]):
             b = tables.other[n, 0]
-            if bodies.kind[b, MOTION] == DYNAMIC:
+            if bodies.kind[b, at.MOTION] == at.DYNAMIC:
                 drift_free(bodies, setting, b, dt, substeps, gyroscopic)
         finite = is_finite_forest(tables)
         if count_step(bodies.state, count) == DIVERGED or not finite:
@@ -72,10 +65,11 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
 def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by implicit midpoint in sub-steps. Returns: as `step_joint_coordinates_euler`."""
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    setting, count, principal = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, PRINCIPAL)
-    substeps, gyroscopic = count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    h, done, status = setting[0, DT] / substeps, 0, DONE
-    if take_jumps(tables, bodies, joints) or count[0, STEPS] == 0:
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    principal = floats_of(floats, ints, at.PRINCIPAL)
+    substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
+    h, done, status = setting[0, at.DT] / substeps, 0, DONE
+    if take_jumps(tables, bodies, joints) or count[0, at.STEPS] == 0:
         begin_column_momenta(tables, bodies, joints, setting, gyroscopic)
     ends = ends_with_laws(tables, joints)
     clear_reactions(joints)
@@ -88,7 +82,9 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
                 status = UNSOLVED
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
-                if bodies.kind[b, MOTION] == DYNAMIC and not implicit_midpoint(bodies, principal, setting, b, h, gyroscopic):
+                if bodies.kind[b, at.MOTION] == at.DYNAMIC and not implicit_midpoint(
+                    bodies, principal, setting, b, h, gyroscopic
+                ):
                     status = UNSOLVED
         finite = is_finite_forest(tables)
         if count_step(bodies.state, count) == DIVERGED or not finite:
@@ -103,13 +99,12 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
 def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by Dormand and Prince's method, sub-step by sub-step. Returns: as `step_joint_coordinates_euler`."""
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    setting, count, principal = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), floats_of(floats, ints, PRINCIPAL)
-    substeps, gyroscopic = count[0, SUBSTEPS], count[0, GYROSCOPIC]
-    h, done, status = setting[0, DT] / substeps, 0, DONE
-    trial, free = (
-        room_for_trials(tables, joints),
-        Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH))),
-    )
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    principal = floats_of(floats, ints, at.PRINCIPAL)
+    substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
+    h, done, status = setting[0, at.DT] / substeps, 0, DONE
+    trial = room_for_trials(tables, joints)
+    free = Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH)))
     take_jumps(tables, bodies, joints)
     ends = ends_with_laws(tables, joints)
     while done < steps and status == DONE:
@@ -120,7 +115,9 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
                 status = UNSOLVED
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
-                if bodies.kind[b, MOTION] == DYNAMIC and not dormand_prince(bodies, principal, setting, b, h, gyroscopic, free):
+                if bodies.kind[b, at.MOTION] == at.DYNAMIC and not dormand_prince(
+                    bodies, principal, setting, b, h, gyroscopic, free
+                ):
                     status = UNSOLVED
         finite = is_finite_forest(tables)
         if count_step(bodies.state, count) == DIVERGED or not finite:
@@ -134,10 +131,10 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
 def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance trees by Runge-Kutta. Returns: as `step_joint_coordinates_euler`."""
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    dt, gyroscopic = setting[0, DT], count[0, GYROSCOPIC]
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    dt, gyroscopic = setting[0, at.DT], count[0, at.GYROSCOPIC]
     done, status = 0, DONE
-    if count[0, STEPS] == 0 and steps > 0:
+    if count[0, at.STEPS] == 0 and steps > 0:
         mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)
     ends = ends_with_laws(tables, joints)
@@ -148,7 +145,7 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
             status = UNSOLVED
         for n in range(tables.other.shape[0]):
             b = tables.other[n, 0]
-            if bodies.kind[b, MOTION] == DYNAMIC:
+            if bodies.kind[b, at.MOTION] == at.DYNAMIC:
                 runge_kutta_free(bodies, setting, b, dt, gyroscopic)
         finite = is_finite_forest(tables)
         if count_step(bodies.state, count) == DIVERGED or not finite:

@@ -14,20 +14,8 @@ from engine.compile.jit import entry, kernel, template
 from engine.constrain.open_joints import open_joint
 from engine.constrain.reactions import clear_reactions
 from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import (
-    COUNT,
-    DT,
-    DYNAMIC,
-    GYROSCOPIC,
-    MANIFOLDS,
-    MOTION,
-    SETTING,
-    START,
-    STEPS,
-    SUBSTEPS,
-    TOUCHED,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE, UNSOLVED
 from engine.memory.tables import Bodies, Contacts, Rows, bodies_of, contacts_of, joints_of, rows_of, shapes_of
@@ -36,18 +24,12 @@ from engine.respond.substep import end_step
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet
 
-__all__ = [
-    "step_joint_coordinates_closing",
-    "step_joint_coordinates_touching",
-    "step_joint_coordinates_touching_and_closing",
-]
-
 
 @kernel
 def touch_nothing(_floats: Floats, _ints: Ints, bodies: Bodies, _contacts: Contacts) -> int:
     """In place of `meet`, where nothing can touch."""
     for b in range(bodies.kind.shape[0]):
-        bodies.kind[b, TOUCHED] = 0
+        bodies.kind[b, at.TOUCHED] = 0
     return DONE
 
 
@@ -78,13 +60,13 @@ def advance_held(
     Args: meeting: finds the contacts of a step, or says why not; room: the rows of joints that close loops, or None.
     """
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, START)
-    setting, count, rows = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), room(floats, ints)
-    dt, substeps, gyroscopic = setting[0, DT], count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, at.START)
+    setting, count, rows = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), room(floats, ints)
+    dt, substeps, gyroscopic = setting[0, at.DT], count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     soft = softness_of(setting, dt / substeps)
     firm = under_machines(setting, soft)
     damp_over(tables, soft.h)
-    if count[0, STEPS] == 0:
+    if count[0, at.STEPS] == 0:
         take_jumps(tables, bodies, joints)
         begin_momenta(tables, bodies, gyroscopic)
     done, status = 0, DONE
@@ -103,10 +85,10 @@ def advance_held(
                     mechanisms, setting, count, sums, soft, substep, moved, done == steps
                 ):
                     status = UNSOLVED
-            end_step(contacts, count[0, MANIFOLDS])
+            end_step(contacts, count[0, at.MANIFOLDS])
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
-                if bodies.kind[b, MOTION] == DYNAMIC and bodies.kind[b, TOUCHED] == 0:
+                if bodies.kind[b, at.MOTION] == at.DYNAMIC and bodies.kind[b, at.TOUCHED] == 0:
                     drift_free(bodies, setting, b, dt, substeps, gyroscopic)
             write_state(tables, bodies, joints)
             write_kept_velocities(tables, bodies, gyroscopic)

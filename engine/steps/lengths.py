@@ -4,25 +4,20 @@ A force that holds gives an impulse in proportion to the step. Source: Catto, It
 2005.
 """
 
-import numpy as np
-from numpy.typing import NDArray
-
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
-
-__all__ = ["fit_impulses"]
 
 MOST_GROWTH = 8.0
 """Largest factor [1] on impulses from a short part of a step to a longer one: beyond, their rounding would grow as well."""
 
 
-def fit_impulses(floats: NDArray[np.float64], ints: NDArray[np.int64], span: float) -> None:
+def fit_impulses(floats: Floats, ints: Ints, span: float) -> None:
     """Scale the impulses of the contacts from the time that they belong to to `span` [s]."""
-    setting = float_table(floats, ints, at.SETTING)[0]
+    setting = at.float_table(floats, ints, at.SETTING)[0]
     if span == setting[at.LAST_SPAN]:
         return
     share = min(span / setting[at.LAST_SPAN], MOST_GROWTH)
-    manifolds = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
-    float_table(floats, ints, at.POINT)[: 4 * manifolds, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] *= share
-    float_table(floats, ints, at.MANIFOLD)[:manifolds, at.SPIN_IMPULSE : at.SPIN_IMPULSE + 3] *= share
+    manifolds = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    at.float_table(floats, ints, at.POINT)[: 4 * manifolds, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] *= share
+    at.float_table(floats, ints, at.MANIFOLD)[:manifolds, at.SPIN_IMPULSE : at.SPIN_IMPULSE + 3] *= share
     setting[at.LAST_SPAN] = span

@@ -13,10 +13,8 @@ import numba
 from numba import prange
 
 from engine.compile.jit import entry, jit_is_off, kernel, linker, parallel_entry
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.status import CONVEX_PENDING, DONE, SEARCH_PENDING
-
-__all__ = ["address_of_collide", "address_of_search", "address_of_step", "advance_worlds", "advance_worlds_parallel"]
 
 types: Any = numba.types
 FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C")

@@ -2,8 +2,8 @@
 
 from engine.compile.jit import entry
 from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, MARGIN, SETTING, START, SUBSTEPS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, contacts_of, shapes_of
@@ -15,8 +15,6 @@ from engine.respond.substep import approach, bounce, end_step, end_substep, fric
 from engine.steps.count_step import count_step
 from engine.steps.stages import meet
 
-__all__ = ["step_sequential_impulses"]
-
 SLOP = 0.1
 """Share of the margin [1] that bodies may overlap, so that contacts last from step to step."""
 
@@ -24,18 +22,18 @@ SLOP = 0.1
 @entry
 def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact. Returns: as `step_contact`."""
-    bodies, contacts, pseudo = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, START)
-    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    h, iterations = setting[0, DT] / count[0, SUBSTEPS], count[0, ITERATIONS]
-    slow, slop = slow_approach(setting, h), SLOP * setting[0, MARGIN]
+    bodies, contacts, pseudo = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.START)
+    shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    h, iterations = setting[0, at.DT] / count[0, at.SUBSTEPS], count[0, at.ITERATIONS]
+    slow, slop = slow_approach(setting, h), SLOP * setting[0, at.MARGIN]
     for step in range(steps):
         status = meet(floats, ints, bodies, contacts)
         if status != DONE:
             return step, status
         advance_untouched(bodies, setting, count)
-        n = count[0, MANIFOLDS]
+        n = count[0, at.MANIFOLDS]
         if n > 0:
-            for _ in range(count[0, SUBSTEPS]):
+            for _ in range(count[0, at.SUBSTEPS]):
                 kick_touched(bodies, setting, count, h)
                 approach(bodies, contacts, n, setting, h, slow)
                 share_loads(bodies, contacts, n, pseudo)

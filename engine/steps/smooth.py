@@ -8,23 +8,21 @@ from engine.constrain.shake import shake
 from engine.constrain.stiffness import mark_stiff
 from engine.integrate.runge_kutta import runge_kutta_free
 from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BODIES, COUNT, DT, GYROSCOPIC, RUNGE_KUTTA, SETTING, START, STEPS, SUBSTEPS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, joints_of, rows_of
 from engine.steps.count_step import count_step
 
-__all__ = ["step_free", "step_jointed_euler", "step_jointed_runge_kutta"]
-
 
 @entry
 def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies that nothing touches. Returns: steps done, and DONE or DIVERGED."""
-    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    last, dt, gyroscopic, substeps = count[0, BODIES], setting[0, DT], count[0, GYROSCOPIC], count[0, SUBSTEPS]
+    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    last, dt, gyroscopic, substeps = count[0, at.BODIES], setting[0, at.DT], count[0, at.GYROSCOPIC], count[0, at.SUBSTEPS]
     for step in range(steps):
-        if count[0, RUNGE_KUTTA] == 1:
+        if count[0, at.RUNGE_KUTTA] == 1:
             for b in range(last):
                 runge_kutta_free(bodies, setting, b, dt, gyroscopic)
         else:
@@ -39,11 +37,11 @@ def step_free(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
 def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies held by joints with SHAKE. Returns: as `step_free`, and `open_joint`."""
     bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
-    setting, start, count = floats_of(floats, ints, SETTING), floats_of(floats, ints, START), ints_of(ints, COUNT)
-    h, gyroscopic = setting[0, DT] / count[0, SUBSTEPS], count[0, GYROSCOPIC]
+    setting, start, count = floats_of(floats, ints, at.SETTING), floats_of(floats, ints, at.START), ints_of(ints, at.COUNT)
+    h, gyroscopic = setting[0, at.DT] / count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     for step in range(steps):
         clear_reactions(joints)
-        for _ in range(count[0, SUBSTEPS]):
+        for _ in range(count[0, at.SUBSTEPS]):
             shake(bodies, joints, rows, start, setting, h, gyroscopic)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED
@@ -54,10 +52,10 @@ def step_jointed_euler(floats: Floats, ints: Ints, steps: int) -> tuple[int, int
 def step_jointed_runge_kutta(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies held by joints with Runge-Kutta and projection. Returns: as `step_free`, and `open_joint`."""
     bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
-    setting, stages, count = floats_of(floats, ints, SETTING), stages_of(floats, ints), ints_of(ints, COUNT)
-    dt, gyroscopic = setting[0, DT], count[0, GYROSCOPIC]
+    setting, stages, count = floats_of(floats, ints, at.SETTING), stages_of(floats, ints), ints_of(ints, at.COUNT)
+    dt, gyroscopic = setting[0, at.DT], count[0, at.GYROSCOPIC]
     for step in range(steps):
-        if count[0, STEPS] == 0:
+        if count[0, at.STEPS] == 0:
             mark_stiff(bodies, joints, rows, dt)
         clear_reactions(joints)
         jointed_runge_kutta(bodies, joints, rows, stages, setting, dt, gyroscopic)

@@ -10,8 +10,8 @@ from engine.compile.jit import entry, template
 from engine.contact.colours import leave_as_found
 from engine.contact.sphere_contacts import find_touches
 from engine.integrate.all_bodies import advance_untouched
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, DT, ITERATIONS, MANIFOLDS, NEW, RELAXATIONS, SETTING, SUBSTEPS
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of
@@ -20,8 +20,6 @@ from engine.respond.sphere_motion import drift_spheres, end_spheres, kick_sphere
 from engine.respond.sphere_sweeps import as_found
 from engine.respond.spheres import any_struck, choose_friction, drop_blows, note_strikes, touches_of
 from engine.steps.count_step import count_step
-
-__all__ = ["advance_spheres", "step_spheres"]
 
 MANY = 16
 """New or struck contacts get more sweeps where they are one in so many: elsewhere the others' impulses carry the load."""
@@ -37,35 +35,35 @@ def advance_spheres(
         `as_found`. Returns: as `step_contact`.
     """
     bodies, touches = bodies_of(floats, ints), touches_of(floats, ints)
-    setting, count, mover = floats_of(floats, ints, SETTING), ints_of(ints, COUNT), touches.mover
-    soft = softness_of(setting, setting[0, DT] / count[0, SUBSTEPS])
+    setting, count, mover = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), touches.mover
+    soft = softness_of(setting, setting[0, at.DT] / count[0, at.SUBSTEPS])
     slow = slow_approach(setting, soft.h)
     for step in range(steps):
         status = find_touches(floats, ints)
         if status != DONE:
             return step, status
         advance_untouched(bodies, setting, count)
-        n = count[0, MANIFOLDS]
+        n = count[0, at.MANIFOLDS]
         if n > 0:
             mark(floats, ints)
-        for substep in range(count[0, SUBSTEPS]):
+        for substep in range(count[0, at.SUBSTEPS]):
             if n == 0:
                 break
-            fresh, share = (count[0, NEW], 0.0) if substep == 0 else (0, 1.0)
+            fresh, share = (count[0, at.NEW], 0.0) if substep == 0 else (0, 1.0)
             kick_spheres(bodies, mover, setting, count, soft.h)
             if touches.elastic == 1:
                 fresh = max(fresh, note_strikes(touches, n, setting, soft.h, slow, share))
             times = FRESH if fresh * MANY >= n else 1
             visit(floats, ints, touches, soft, PUSH, share)
-            for _ in range(count[0, ITERATIONS] * times):
+            for _ in range(count[0, at.ITERATIONS] * times):
                 visit(floats, ints, touches, soft, PRESS, share)
             drift_spheres(bodies, mover, count, soft.h)
             visit(floats, ints, touches, soft, TURN, share)
-            slipping = count[0, RELAXATIONS] == 0  # nothing looks at it then
-            for _ in range(count[0, RELAXATIONS] * times):
+            slipping = count[0, at.RELAXATIONS] == 0  # nothing looks at it then
+            for _ in range(count[0, at.RELAXATIONS] * times):
                 slipping = visit(floats, ints, touches, soft, RELAX, share)
             if touches.elastic == 1 and any_struck(touches, n):
-                for _ in range(FRESH * (count[0, ITERATIONS] + count[0, RELAXATIONS])):
+                for _ in range(FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS])):
                     slipping = visit(floats, ints, touches, soft, REBOUND, share)
             if slipping:
                 choose_friction(touches, n)

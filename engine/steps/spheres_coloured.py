@@ -2,11 +2,9 @@
 
 from engine.compile.jit import parallel_entry
 from engine.contact.colours import mark_touches
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.respond.sphere_sweeps import by_colour
 from engine.steps.spheres import advance_spheres
-
-__all__ = ["step_spheres_coloured"]
 
 
 @parallel_entry

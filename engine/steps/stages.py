@@ -2,20 +2,18 @@
 
 from engine.compile.jit import kernel
 from engine.contact.find_contacts import find_contacts, keep_contacts
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import COUNT, JOINTS, NEW, REST, SETTING
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
 from engine.memory.tables import Bodies, Contacts
 from engine.respond.softness import FRESH, FRESH_JOINTED
 
-__all__ = ["meet", "patience"]
-
 
 @kernel
 def meet(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts) -> int:
     """Keep the contacts of the last step where all bodies are still, else find those of this one. Returns: a status."""
-    rest, setting, count = floats_of(floats, ints, REST), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    rest, setting, count = floats_of(floats, ints, at.REST), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     if keep_contacts(bodies.state, bodies.body, bodies.kind, rest, setting, count, contacts.key, contacts.point):
         return DONE
     return find_contacts(floats, ints)
@@ -24,6 +22,6 @@ def meet(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts) -> int:
 @kernel
 def patience(count: Ints, substep: int, strikes: int) -> int:
     """Times as many sweeps: after a blow, and in the first sub-step with a new contact."""
-    if strikes == 0 and (substep > 0 or count[0, NEW] == 0):
+    if strikes == 0 and (substep > 0 or count[0, at.NEW] == 0):
         return 1
-    return FRESH_JOINTED if count[0, JOINTS] > 0 else FRESH
+    return FRESH_JOINTED if count[0, at.JOINTS] > 0 else FRESH

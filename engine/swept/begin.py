@@ -3,10 +3,9 @@
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Vec, add, cross, dot, load3, sub
-from engine.memory.arena import FIRST_GAP, MARGIN, PLACE, WHOLE_STEP, P, V, W
-
-__all__ = ["FAST", "begins", "touch_gap"]
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import add, cross, dot, sub
+from engine.memory import arena as at
 
 FAST = 2.0
 """A pair that looks farther ahead than so many margins is fast: a swept step finds its time of impact."""
@@ -17,20 +16,20 @@ IN_TOUCH = 1e-3
 @kernel
 def touch_gap(setting: Floats) -> float:
     """The gap [m] below which two shapes touch."""
-    return float(max(IN_TOUCH * setting[0, MARGIN], 1e-9))
+    return float(max(IN_TOUCH * setting[0, at.MARGIN], 1e-9))
 
 
 @kernel
-def begins(state: Floats, setting: Floats, i: int, j: int, n: Vec, point: Floats, at: int, points: int) -> bool:
-    """Whether bodies i and j, a fast pair, have a contact from the start of a swept step, with the points from row `at` on.
+def begins(state: Floats, setting: Floats, i: int, j: int, n: Vec, point: Floats, first: int, points: int) -> bool:
+    """Whether bodies i and j, a fast pair, have a contact from the start of a swept step, with the points from row `first` on.
 
     A contact would hold the bodies to the time stepping of the contact solver; a bounce flies on under its own.
     """
     slowest = math.inf
-    for k in range(at, at + points):
-        x = load3(point, k, PLACE)
-        vi = add(load3(state, i, V), cross(load3(state, i, W), sub(x, load3(state, i, P))))
-        vj = add(load3(state, j, V), cross(load3(state, j, W), sub(x, load3(state, j, P))))
-        if point[k, FIRST_GAP] <= touch_gap(setting):
+    for k in range(first, first + points):
+        x = load3(point, k, at.PLACE)
+        vi = add(load3(state, i, at.V), cross(load3(state, i, at.W), sub(x, load3(state, i, at.P))))
+        vj = add(load3(state, j, at.V), cross(load3(state, j, at.W), sub(x, load3(state, j, at.P))))
+        if point[k, at.FIRST_GAP] <= touch_gap(setting):
             slowest = min(slowest, dot(n, sub(vj, vi)))
-    return slowest * float(setting[0, WHOLE_STEP]) <= touch_gap(setting) / IN_TOUCH
+    return slowest * float(setting[0, at.WHOLE_STEP]) <= touch_gap(setting) / IN_TOUCH

@@ -11,30 +11,9 @@ from engine.broad.bounds import boxes_overlap
 from engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
 from engine.compile.jit import entry, kernel
 from engine.contact.look_ahead import look_ahead
-from engine.maths.vec import Floats, Ints, axpy, load3, norm
-from engine.memory.arena import (
-    BALL_RADIUS,
-    BODIES,
-    BODY,
-    BODY_KIND,
-    COUNT,
-    DYNAMIC,
-    GRAVITY,
-    INV_MASS,
-    LOAD,
-    MARGIN,
-    MOTION,
-    OFFSET,
-    OWNER,
-    PLANE,
-    SETTING,
-    SHAPES,
-    STATE,
-    SWEPT,
-    TOUCHED,
-    TYPE,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3
+from engine.maths.vec import axpy, norm
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.narrow.collide import ordered
 from engine.narrow.gjk import simplex_of
@@ -43,21 +22,19 @@ from engine.swept.begin import FAST, touch_gap
 from engine.swept.impact_time import impact_time
 from engine.swept.path import ACCELERATION, body_at, shape_at, write_path
 
-__all__ = ["earliest_impact"]
-
 
 @kernel
 def bound_path(t: Solids, path: Floats, s: int, span: float, bounds: Floats) -> None:
     """Write axis-aligned bounds [m] of shape s on its whole path."""
     for k in range(3):
         bounds[s, k], bounds[s, k + 3] = math.inf, -math.inf
-    if t.shape_kind[s, TYPE] == PLANE:
+    if t.shape_kind[s, at.TYPE] == at.PLANE:
         for k in range(3):
             bounds[s, k], bounds[s, k + 3] = -math.inf, math.inf
         return
-    b = t.shape_kind[s, OWNER]
-    turns = load3(path, b, W) != (0.0, 0.0, 0.0)
-    ball = norm(load3(t.shape, s, OFFSET)) + t.shape[s, BALL_RADIUS]
+    b = t.shape_kind[s, at.OWNER]
+    turns = load3(path, b, at.W) != (0.0, 0.0, 0.0)
+    ball = norm(load3(t.shape, s, at.OFFSET)) + t.shape[s, at.BALL_RADIUS]
     bulge = 0.125 * span * span * norm(load3(path, b, ACCELERATION))
     for end in range(2):
         p, _ = body_at(path, b, end * span)
@@ -75,7 +52,7 @@ def bound_path(t: Solids, path: Floats, s: int, span: float, bounds: Floats) -> 
 @kernel
 def may_strike(rules: CollisionFilter, bounds: Floats, i: int, j: int) -> bool:
     """Whether shapes i and j come near each other and are not kept apart."""
-    planes = rules.shape_kind[i, TYPE] == PLANE and rules.shape_kind[j, TYPE] == PLANE
+    planes = rules.shape_kind[i, at.TYPE] == at.PLANE and rules.shape_kind[j, at.TYPE] == at.PLANE
     return boxes_overlap(bounds, i, j) and not planes and not kept_apart(rules, i, j)
 
 
@@ -89,35 +66,35 @@ def earliest_impact(
     the paths are of use afterwards.
     """
     t, simplex, rules = solids_of(floats, ints), simplex_of(floats, ints), collision_filter_of(floats, ints)
-    state, setting = floats_of(floats, ints, STATE), floats_of(floats, ints, SETTING)
-    body, load = floats_of(floats, ints, BODY), floats_of(floats, ints, LOAD)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    shapes = count[0, SHAPES]
-    for b in range(count[0, BODIES] + 1):
+    state, setting = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SETTING)
+    body, load = floats_of(floats, ints, at.BODY), floats_of(floats, ints, at.LOAD)
+    kind, count = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)
+    shapes = count[0, at.SHAPES]
+    for b in range(count[0, at.BODIES] + 1):
         pull = (0.0, 0.0, 0.0)
-        if kind[b, MOTION] == DYNAMIC and kind[b, TOUCHED] == 0:
-            pull = axpy(body[b, INV_MASS], load3(load, b, 0), load3(setting, 0, GRAVITY))
+        if kind[b, at.MOTION] == at.DYNAMIC and kind[b, at.TOUCHED] == 0:
+            pull = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY))
         write_path(start, state, path, b, span, pull)
     for s in range(shapes):
         bound_path(t, path, s, span, bounds)
-    for at in range(1, shapes):
-        s, to = order[at], at
+    for rank in range(1, shapes):
+        s, to = order[rank], rank
         while to > 0 and (bounds[order[to - 1], 0], order[to - 1]) > (bounds[s, 0], s):
             order[to] = order[to - 1]
             to -= 1
         order[to] = s
-    fast, touch, best = FAST * setting[0, MARGIN], touch_gap(setting), math.inf
-    for at in range(shapes):
-        for to in range(at + 1, shapes):
-            i, j = order[at], order[to]
+    fast, touch, best = FAST * setting[0, at.MARGIN], touch_gap(setting), math.inf
+    for rank in range(shapes):
+        for to in range(rank + 1, shapes):
+            i, j = order[rank], order[to]
             if bounds[j, 0] > bounds[i, 3]:
                 break
             if not may_strike(rules, bounds, i, j):
                 continue
             a, b = ordered(t.shape_kind, min(i, j), max(i, j))
             if (
-                look_ahead(start, t.shape, t.shape_kind, a, b, setting, SWEPT) > fast
-                or look_ahead(path, t.shape, t.shape_kind, a, b, setting, SWEPT) > fast
+                look_ahead(start, t.shape, t.shape_kind, a, b, setting, at.SWEPT) > fast
+                or look_ahead(path, t.shape, t.shape_kind, a, b, setting, at.SWEPT) > fast
             ):
                 best = min(best, impact_time(t, path, a, b, span, min(best, span), touch, simplex))
     return best

@@ -17,15 +17,14 @@ import math
 
 from engine.compile.jit import kernel
 from engine.contact.look_ahead import thinnest
-from engine.maths.vec import Floats, Vec, add, cross, dot, load3, neg, norm, sub
-from engine.memory.arena import BALL_RADIUS, INNER, OFFSET, OWNER, PLANE, TRIANGLE, TYPE, P, W
+from engine.maths.rows import Floats, Vec, load3
+from engine.maths.vec import add, cross, dot, neg, norm, sub
+from engine.memory import arena as at
 from engine.narrow.gjk import Simplex
 from engine.narrow.support import Solids, core_radius
 from engine.narrow.triangle import leans_over
 from engine.swept.path import body_at, shape_at, velocity_of
 from engine.swept.separation import separation
-
-__all__ = ["impact_time"]
 
 SINKS = 0.25
 """Share of half the thickness of the thinner shape [1] that a pair in touch may sink in within a step."""
@@ -40,22 +39,22 @@ SHARP = 1e-14
 @kernel
 def reach(t: Solids, s: int) -> float:
     """The largest distance [m] of a core's points from the centre of mass of its body; the radius around it does not turn."""
-    return float(norm(load3(t.shape, s, OFFSET)) + t.shape[s, BALL_RADIUS] - core_radius(t, s))
+    return float(norm(load3(t.shape, s, at.OFFSET)) + t.shape[s, at.BALL_RADIUS] - core_radius(t, s))
 
 
 @kernel
 def approach_bound(t: Solids, path: Floats, a: int, b: int, n: Vec, time: float, span: float) -> float:
     """A bound mu [m/s] of the rate at which the gap along n can shrink from `time` to the end of the span."""
-    i, j = t.shape_kind[a, OWNER], t.shape_kind[b, OWNER]
-    now, last = (
-        sub(velocity_of(path, j, time), velocity_of(path, i, time)),
-        sub(velocity_of(path, j, span), velocity_of(path, i, span)),
-    )
-    wa, wb = load3(path, i, W), load3(path, j, W)
+    i, j = t.shape_kind[a, at.OWNER], t.shape_kind[b, at.OWNER]
+    now = sub(velocity_of(path, j, time), velocity_of(path, i, time))
+    last = sub(velocity_of(path, j, span), velocity_of(path, i, span))
+    wa, wb = load3(path, i, at.W), load3(path, j, at.W)
     ra, rb = reach(t, a), reach(t, b)
     # A plane that turns sweeps its own normal along: at the other body, as far as that may get.
-    if (t.shape_kind[a, TYPE] == PLANE and wa != (0.0, 0.0, 0.0)) or (t.shape_kind[b, TYPE] == PLANE and wb != (0.0, 0.0, 0.0)):
-        speed, apart = max(norm(now), norm(last)), norm(sub(load3(path, j, P), load3(path, i, P)))
+    if (t.shape_kind[a, at.TYPE] == at.PLANE and wa != (0.0, 0.0, 0.0)) or (
+        t.shape_kind[b, at.TYPE] == at.PLANE and wb != (0.0, 0.0, 0.0)
+    ):
+        speed, apart = max(norm(now), norm(last)), norm(sub(load3(path, j, at.P), load3(path, i, at.P)))
         far = apart + span * speed + min(ra, rb)
         return speed + norm(wa) * min(ra, far) + norm(wb) * min(rb, far)
     mu = max(-dot(n, now), -dot(n, last))
@@ -70,15 +69,17 @@ def approach_bound(t: Solids, path: Floats, a: int, b: int, n: Vec, time: float,
 def velocity_at(path: Floats, b: int, time: float, x: Vec) -> Vec:
     """The velocity [m/s] of the point of body b that is at x in W."""
     p, _ = body_at(path, b, time)
-    return add(velocity_of(path, b, time), cross(load3(path, b, W), sub(x, p)))
+    return add(velocity_of(path, b, time), cross(load3(path, b, at.W), sub(x, p)))
 
 
 @kernel
 def closing_speed(t: Solids, path: Floats, a: int, b: int, time: float, n: Vec, xa: Vec, xb: Vec) -> float:
     """How fast [m/s] the closest points approach, along the normal that their contact would have."""
-    if t.shape_kind[b, TYPE] == TRIANGLE and leans_over(t, b, sub(xb, load3(t.pose, b, 0)), neg(n), t.polyhedron[b, INNER]):
+    if t.shape_kind[b, at.TYPE] == at.TRIANGLE and leans_over(
+        t, b, sub(xb, load3(t.pose, b, 0)), neg(n), t.polyhedron[b, at.INNER]
+    ):
         n = (-t.pose[b, 5], -t.pose[b, 8], -t.pose[b, 11])
-    va, vb = velocity_at(path, t.shape_kind[a, OWNER], time, xa), velocity_at(path, t.shape_kind[b, OWNER], time, xb)
+    va, vb = velocity_at(path, t.shape_kind[a, at.OWNER], time, xa), velocity_at(path, t.shape_kind[b, at.OWNER], time, xb)
     return dot(n, sub(va, vb))
 
 
@@ -110,11 +111,11 @@ def impact_time(
     """
     time, earlier, sinking = 0.0, 0.0, -math.inf
     thin = min(thinnest(t.shape, t.shape_kind, a), thinnest(t.shape, t.shape_kind, b))
-    size = min(t.shape[a, BALL_RADIUS], t.shape[b, BALL_RADIUS])
+    size = min(t.shape[a, at.BALL_RADIUS], t.shape[b, at.BALL_RADIUS])
     for k in range(MAX_ROUNDS):
         shape_at(path, t.shape, t.shape_kind, a, time, t.pose)
         shape_at(path, t.shape, t.shape_kind, b, time, t.pose)
-        if k == 0 and t.shape_kind[b, TYPE] == TRIANGLE:
+        if k == 0 and t.shape_kind[b, at.TYPE] == at.TRIANGLE:
             out = (t.pose[b, 5], t.pose[b, 8], t.pose[b, 11])
             if dot(sub(load3(t.pose, a, 0), load3(t.pose, b, 0)), out) < 0.0:
                 return math.inf

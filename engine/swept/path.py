@@ -12,32 +12,9 @@ import math
 
 from engine.compile.jit import kernel
 from engine.maths.elementary import atan2
-from engine.maths.vec import (
-    Floats,
-    Ints,
-    Quat,
-    Vec,
-    add,
-    along,
-    axpy,
-    dot,
-    load3,
-    load4,
-    mat_vec,
-    norm,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    quat_turn,
-    scale,
-    store3,
-    store4,
-    store9,
-    sub,
-)  # fmt: skip
-from engine.memory.arena import OFFSET, OWNER, TURN, P, Q, V, W
-
-__all__ = ["ACCELERATION", "PATH_COLUMNS", "body_at", "shape_at", "velocity_of", "write_path"]
+from engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4, store9
+from engine.maths.vec import add, along, axpy, dot, mat_vec, norm, quat_conj, quat_mat, quat_mul, quat_turn, scale, sub
+from engine.memory import arena as at
 
 ACCELERATION = 13
 """First column of the acceleration in a row of a path."""
@@ -47,41 +24,41 @@ PATH_COLUMNS = 16
 @kernel
 def write_path(start: Floats, end: Floats, path: Floats, b: int, span: float, a: Vec) -> None:
     """Write the path of body b between two states, `span` seconds apart, under the acceleration a [m/s2]."""
-    q = load4(start, b, Q)
-    store3(path, b, P, load3(start, b, P))
-    store4(path, b, Q, q)
-    mean_v = scale(1.0 / span, sub(load3(end, b, P), load3(start, b, P)))
-    store3(path, b, V, axpy(-0.5 * span, a, mean_v))
+    q = load4(start, b, at.Q)
+    store3(path, b, at.P, load3(start, b, at.P))
+    store4(path, b, at.Q, q)
+    mean_v = scale(1.0 / span, sub(load3(end, b, at.P), load3(start, b, at.P)))
+    store3(path, b, at.V, axpy(-0.5 * span, a, mean_v))
     store3(path, b, ACCELERATION, a)
-    turn = quat_mul(load4(end, b, Q), quat_conj(q))
-    mean = scale(0.5, add(load3(start, b, W), load3(end, b, W)))
+    turn = quat_mul(load4(end, b, at.Q), quat_conj(q))
+    mean = scale(0.5, add(load3(start, b, at.W), load3(end, b, at.W)))
     axis = (turn[1], turn[2], turn[3])
     sine = norm(axis)
     axis = along(axis, along(mean, (0.0, 0.0, 1.0)))
     angle = 2.0 * atan2(sine, turn[0])
     angle += 2.0 * math.pi * round((span * dot(axis, mean) - angle) / (2.0 * math.pi))
-    store3(path, b, W, scale(angle / span, axis))
+    store3(path, b, at.W, scale(angle / span, axis))
 
 
 @kernel
 def body_at(path: Floats, b: int, time: float) -> tuple[Vec, Quat]:
     """The pose of body b at a time [s] of its path."""
-    w = load3(path, b, W)
-    q = load4(path, b, Q)
+    w = load3(path, b, at.W)
+    q = load4(path, b, at.Q)
     if w != (0.0, 0.0, 0.0):
         q = quat_turn(q, w, time)
-    return axpy(time, axpy(0.5 * time, load3(path, b, ACCELERATION), load3(path, b, V)), load3(path, b, P)), q
+    return axpy(time, axpy(0.5 * time, load3(path, b, ACCELERATION), load3(path, b, at.V)), load3(path, b, at.P)), q
 
 
 @kernel
 def velocity_of(path: Floats, b: int, time: float) -> Vec:
     """The velocity [m/s] of the centre of mass of body b at a time [s] of its path."""
-    return axpy(time, load3(path, b, ACCELERATION), load3(path, b, V))
+    return axpy(time, load3(path, b, ACCELERATION), load3(path, b, at.V))
 
 
 @kernel
 def shape_at(path: Floats, shape: Floats, shape_kind: Ints, s: int, time: float, pose: Floats) -> None:
     """Write the pose of shape s in W at a time [s] of its body's path."""
-    p, q = body_at(path, shape_kind[s, OWNER], time)
-    store3(pose, s, 0, add(p, mat_vec(quat_mat(q), load3(shape, s, OFFSET))))
-    store9(pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, TURN))))
+    p, q = body_at(path, shape_kind[s, at.OWNER], time)
+    store3(pose, s, 0, add(p, mat_vec(quat_mat(q), load3(shape, s, at.OFFSET))))
+    store9(pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))

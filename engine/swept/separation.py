@@ -6,13 +6,12 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 import math
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Vec, add, axpy, dot, load3, neg, sub
-from engine.memory.arena import BALL_RADIUS, PLANE, TYPE
+from engine.maths.rows import Vec, load3
+from engine.maths.vec import add, axpy, dot, neg, sub
+from engine.memory import arena as at
 from engine.narrow.convex import part_cores
 from engine.narrow.gjk import Simplex
 from engine.narrow.support import Solids, core_radius, core_support
-
-__all__ = ["separation"]
 
 
 @kernel
@@ -26,13 +25,13 @@ def above_plane(t: Solids, plane: int, s: int) -> tuple[float, Vec, Vec]:
 @kernel
 def separation(t: Solids, a: int, b: int, simplex: Simplex) -> tuple[float, Vec, Vec, Vec]:
     """The gap [m] of shapes a and b, negative in penetration, the normal from A to B, and their closest points in W."""
-    if t.shape_kind[a, TYPE] == PLANE:
+    if t.shape_kind[a, at.TYPE] == at.PLANE:
         gap, up, spot = above_plane(t, a, b)
         return gap, up, axpy(-gap, up, spot), spot
-    if t.shape_kind[b, TYPE] == PLANE:
+    if t.shape_kind[b, at.TYPE] == at.PLANE:
         gap, up, spot = above_plane(t, b, a)
         return gap, neg(up), spot, axpy(-gap, up, spot)
     pa, ra, rb = load3(t.pose, a, 0), core_radius(t, a), core_radius(t, b)
-    size = t.shape[a, BALL_RADIUS] + t.shape[b, BALL_RADIUS]
+    size = t.shape[a, at.BALL_RADIUS] + t.shape[b, at.BALL_RADIUS]
     gap, n, qa, qb = part_cores(t, a, b, sub(load3(t.pose, b, 0), pa), size, math.inf, simplex)
     return gap - ra - rb, n, add(pa, axpy(ra, n, qa)), add(pa, axpy(-rb, n, qb))

@@ -17,11 +17,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.errors import ManyImpacts
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
 from engine.options import Options
 from engine.steps.lengths import fit_impulses
@@ -29,12 +28,8 @@ from engine.swept.earliest import earliest_impact
 from engine.swept.path import PATH_COLUMNS
 from engine.swept.strike import place_bodies, strike
 
-__all__ = ["MAX_IMPACTS", "Impacts", "SweptSteps"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Step = Callable[[FloatArray, IntArray, int], tuple[int, int]]
-Search = Callable[[FloatArray, IntArray], int]
+Step = Callable[[Floats, Ints, int], tuple[int, int]]
+Search = Callable[[Floats, Ints], int]
 
 MAX_IMPACTS = 256
 """Impacts of one step [1] that are followed one by one."""
@@ -54,11 +49,11 @@ class Impacts:
 class Earlier:
     """Impulses in the parts of the last step before its last: bodies (k, 2), impulse, point, normal (k, 3), gap (k,)."""
 
-    bodies: IntArray
-    impulse: FloatArray
-    point: FloatArray
-    normal: FloatArray
-    gap: FloatArray
+    bodies: Ints
+    impulse: Floats
+    point: Floats
+    normal: Floats
+    gap: Floats
 
 
 class SweptSteps:
@@ -76,7 +71,7 @@ class SweptSteps:
         self._parts: list[Earlier] = []
         self.impacts = Impacts()
 
-    def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
+    def __call__(self, floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
         for step in range(steps):
             status = self._step(floats, ints)
@@ -95,22 +90,22 @@ class SweptSteps:
             return Earlier(np.empty((0, 2), np.int64), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
         return Earlier(*(np.concatenate([getattr(part, f) for part in self._parts]) for f in Earlier.__slots__))
 
-    def _step(self, floats: FloatArray, ints: IntArray) -> int:
+    def _step(self, floats: Floats, ints: Ints) -> int:
         """One whole step, or what is left of one that waited for a larger arena. Returns: a status."""
-        count = int_table(ints, at.COUNT)[0]
+        count = at.int_table(ints, at.COUNT)[0]
         if self._left == 0.0:
             self._left, self._done, self._parts = self._dt, 0, []
         number = int(count[at.STEPS])
         status = self._finish(floats, ints, number)
-        float_table(floats, ints, at.SETTING)[0, at.DT] = self._dt
+        at.float_table(floats, ints, at.SETTING)[0, at.DT] = self._dt
         count[at.CONTINUOUS], count[at.STEPS] = at.SWEPT, number + int(status != FULL)
         if status != FULL:
             self._left = 0.0
         return status
 
-    def _finish(self, floats: FloatArray, ints: IntArray, number: int) -> int:
+    def _finish(self, floats: Floats, ints: Ints, number: int) -> int:
         """Strike and advance until nothing is left of the step that follows step `number`. Returns: a status."""
-        state, count = float_table(floats, ints, at.STATE), int_table(ints, at.COUNT)[0]
+        state, count = at.float_table(floats, ints, at.STATE), at.int_table(ints, at.COUNT)[0]
         while True:
             if self._strikes:
                 status = self._strike(floats, ints)
@@ -143,7 +138,7 @@ class SweptSteps:
         self.impacts = Impacts(past.count + self._done, past.crowded + int(self._done == MAX_IMPACTS))
         return DONE if np.isfinite(state).all() else DIVERGED
 
-    def _strike(self, floats: FloatArray, ints: IntArray) -> int:
+    def _strike(self, floats: Floats, ints: Ints) -> int:
         """The blow of this instant. Returns: a status."""
         status = self._find_anew(floats, ints) or int(strike(floats, ints, SWEEPS))
         if status == CONVEX_PENDING:
@@ -154,9 +149,9 @@ class SweptSteps:
             self._note(floats, ints)
         return status
 
-    def _advance(self, floats: FloatArray, ints: IntArray, span: float) -> int:
+    def _advance(self, floats: Floats, ints: Ints, span: float) -> int:
         """A contact step of `span` seconds, started from impulses that fit its length. Returns: a status."""
-        setting = float_table(floats, ints, at.SETTING)[0]
+        setting = at.float_table(floats, ints, at.SETTING)[0]
         setting[at.DT] = span
         fit_impulses(floats, ints, span)
         status = self._find_anew(floats, ints)
@@ -168,26 +163,26 @@ class SweptSteps:
             _, status = self._trial(floats, ints, 1)
         return status
 
-    def _find_anew(self, floats: FloatArray, ints: IntArray) -> int:
+    def _find_anew(self, floats: Floats, ints: Ints) -> int:
         """Make the next contacts be those of the present poses: find their pairs, and count no body as still.
 
         Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
         """
-        float_table(floats, ints, at.REST)[:] = np.inf
+        at.float_table(floats, ints, at.REST)[:] = np.inf
         return DONE if self._search is None else self._search(floats, ints)
 
-    def compile(self, floats: FloatArray, ints: IntArray) -> None:
+    def compile(self, floats: Floats, ints: Ints) -> None:
         """Compile what only an impact calls for, in a world to be thrown away."""
         place_bodies(floats, ints, self._path, 0.0)
         self._strike(floats, ints)
 
-    def _note(self, floats: FloatArray, ints: IntArray) -> None:
+    def _note(self, floats: Floats, ints: Ints) -> None:
         """Keep the impulses of this part of the step, which the next part will not know."""
-        count, key = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS]), int_table(ints, at.MANIFOLD_KEY)
+        count, key = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS]), at.int_table(ints, at.MANIFOLD_KEY)
         if count == 0:
             return
         manifold, used = np.repeat(np.arange(count), 4), np.arange(4 * count) % 4
-        point = float_table(floats, ints, at.POINT)[: 4 * count]
+        point = at.float_table(floats, ints, at.POINT)[: 4 * count]
         acts = (used < key[manifold, at.POINTS]) & point[:, at.SUM : at.SUM + 3].any(axis=1)
         point, manifold = point[acts], manifold[acts]
         self._parts.append(
@@ -195,29 +190,29 @@ class SweptSteps:
                 bodies=key[manifold][:, [at.BODY_A, at.BODY_B]],
                 impulse=point[:, at.SUM : at.SUM + 3].copy(),
                 point=point[:, at.PLACE : at.PLACE + 3].copy(),
-                normal=float_table(floats, ints, at.MANIFOLD)[manifold, at.NORMAL : at.NORMAL + 3],
+                normal=at.float_table(floats, ints, at.MANIFOLD)[manifold, at.NORMAL : at.NORMAL + 3],
                 gap=point[:, at.FIRST_GAP].copy(),
             )
         )
 
 
-def _answer(floats: FloatArray, ints: IntArray) -> None:
+def _answer(floats: Floats, ints: Ints) -> None:
     """Let the convex narrow phase answer the pairs that wait for it."""
     from engine.contact.collide_convex import collide_convex
 
     collide_convex(floats, ints)
 
 
-def _moving(floats: FloatArray, ints: IntArray) -> list[NDArray[np.float64] | NDArray[np.int64]]:
+def _moving(floats: Floats, ints: Ints) -> list[Floats | Ints]:
     """Views of all that a step changes and the next one reads."""
-    n = int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    n = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     return [
-        float_table(floats, ints, at.STATE),
-        float_table(floats, ints, at.TURNED),
-        float_table(floats, ints, at.SETTING),
-        float_table(floats, ints, at.MANIFOLD)[:n],
-        float_table(floats, ints, at.POINT)[: 4 * n],
-        int_table(ints, at.MANIFOLD_KEY)[:n],
-        int_table(ints, at.POINT_KEY)[: 4 * n],
-        int_table(ints, at.COUNT),
+        at.float_table(floats, ints, at.STATE),
+        at.float_table(floats, ints, at.TURNED),
+        at.float_table(floats, ints, at.SETTING),
+        at.float_table(floats, ints, at.MANIFOLD)[:n],
+        at.float_table(floats, ints, at.POINT)[: 4 * n],
+        at.int_table(ints, at.MANIFOLD_KEY)[:n],
+        at.int_table(ints, at.POINT_KEY)[: 4 * n],
+        at.int_table(ints, at.COUNT),
     ]

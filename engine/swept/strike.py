@@ -10,43 +10,9 @@ Source: Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 
 from engine.compile.jit import entry
 from engine.contact.find_contacts import find_contacts
 from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.vec import Floats, Ints, add, cross, dot, load3, load6, store3, store4, sub, sym_vec
-from engine.memory.arena import (
-    APPROACH,
-    ARM_A,
-    ARM_B,
-    BODIES,
-    BODY,
-    BODY_A,
-    BODY_B,
-    BODY_KIND,
-    COUNT,
-    DYNAMIC,
-    GYROSCOPIC,
-    HELD,
-    MANIFOLDS,
-    MOTION,
-    NORMAL,
-    NORMAL_IMPULSE,
-    OLD_MANIFOLD,
-    OLD_POINT,
-    POINTS,
-    SEPARATION,
-    SETTING,
-    SPIN_IMPULSE,
-    STATE,
-    STATIC,
-    STRIKES,
-    STRUCK,
-    SUBSTEPS,
-    TANGENT_IMPULSE,
-    TURNED,
-    WHOLE_STEP,
-    P,
-    Q,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, load6, store3, store4
+from engine.maths.vec import add, cross, dot, sub, sym_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DONE
 from engine.memory.tables import bodies_of, contacts_of
@@ -56,8 +22,6 @@ from engine.respond.substep import bounce, end_step, end_substep
 from engine.swept.begin import touch_gap
 from engine.swept.path import body_at
 
-__all__ = ["place_bodies", "strike"]
-
 AT_ONCE = 1e-12
 """A time [s] within which no gap can close."""
 
@@ -65,19 +29,20 @@ AT_ONCE = 1e-12
 @entry
 def place_bodies(floats: Floats, ints: Ints, path: Floats, time: float) -> None:
     """Put every body that moves where its path is at this time; each keeps its angular momentum."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    kind, count = ints_of(ints, BODY_KIND), ints_of(ints, COUNT)
-    for b in range(count[0, BODIES]):
-        if kind[b, MOTION] == STATIC:
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    turned = floats_of(floats, ints, at.TURNED)
+    kind, count = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.MOTION] == at.STATIC:
             continue
         momentum = angular_momentum(state, body, b)
         p, q = body_at(path, b, time)
-        store3(state, b, P, p)
-        store4(state, b, Q, q)
-        if kind[b, MOTION] == DYNAMIC:
+        store3(state, b, at.P, p)
+        store4(state, b, at.Q, q)
+        if kind[b, at.MOTION] == at.DYNAMIC:
             turn_inertia(state, body, turned, b)
-            if count[0, GYROSCOPIC] == 1:
-                store3(state, b, W, sym_vec(load6(turned, b, 0), momentum))
+            if count[0, at.GYROSCOPIC] == 1:
+                store3(state, b, at.W, sym_vec(load6(turned, b, 0), momentum))
 
 
 @entry
@@ -88,27 +53,27 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
         return status
     bodies, contacts = bodies_of(floats, ints), contacts_of(floats, ints)
     state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
-    kept, kept_point = floats_of(floats, ints, OLD_MANIFOLD), floats_of(floats, ints, OLD_POINT)
-    setting, count = floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
-    n = count[0, MANIFOLDS]
-    slow, touch = slow_approach(setting, setting[0, WHOLE_STEP] / count[0, SUBSTEPS]), touch_gap(setting)
+    kept, kept_point = floats_of(floats, ints, at.OLD_MANIFOLD), floats_of(floats, ints, at.OLD_POINT)
+    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+    n = count[0, at.MANIFOLDS]
+    slow, touch = slow_approach(setting, setting[0, at.WHOLE_STEP] / count[0, at.SUBSTEPS]), touch_gap(setting)
     none = (0.0, 0.0, 0.0)
     for m in range(n):
-        a, b = key[m, BODY_A], key[m, BODY_B]
-        va, wa, vb, wb = load3(state, a, V), load3(state, a, W), load3(state, b, V), load3(state, b, W)
-        store3(kept, m, SPIN_IMPULSE, load3(manifold, m, SPIN_IMPULSE))
-        store3(manifold, m, SPIN_IMPULSE, none)
-        key[m, STRIKES] = 0
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            kept_point[i, NORMAL_IMPULSE] = point[i, NORMAL_IMPULSE]
-            store3(kept_point, i, TANGENT_IMPULSE, load3(point, i, TANGENT_IMPULSE))
-            point[i, NORMAL_IMPULSE], point[i, HELD], point[i, HELD + 1] = 0.0, 0.0, 0.0
-            ra, rb = load3(point, i, ARM_A), load3(point, i, ARM_B)
-            u = dot(load3(manifold, m, NORMAL), sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
-            if point[i, SEPARATION] <= touch:
-                point[i, SEPARATION], point[i, APPROACH] = 0.0, u
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
+        va, wa, vb, wb = load3(state, a, at.V), load3(state, a, at.W), load3(state, b, at.V), load3(state, b, at.W)
+        store3(kept, m, at.SPIN_IMPULSE, load3(manifold, m, at.SPIN_IMPULSE))
+        store3(manifold, m, at.SPIN_IMPULSE, none)
+        key[m, at.STRIKES] = 0
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            kept_point[i, at.NORMAL_IMPULSE] = point[i, at.NORMAL_IMPULSE]
+            store3(kept_point, i, at.TANGENT_IMPULSE, load3(point, i, at.TANGENT_IMPULSE))
+            point[i, at.NORMAL_IMPULSE], point[i, at.HELD], point[i, at.HELD + 1] = 0.0, 0.0, 0.0
+            ra, rb = load3(point, i, at.ARM_A), load3(point, i, at.ARM_B)
+            u = dot(load3(manifold, m, at.NORMAL), sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
+            if point[i, at.SEPARATION] <= touch:
+                point[i, at.SEPARATION], point[i, at.APPROACH] = 0.0, u
                 if u < -slow:
-                    key[m, STRIKES], point[i, STRUCK] = 1, 1.0
+                    key[m, at.STRIKES], point[i, at.STRUCK] = 1, 1.0
     for k in range(sweeps):
         sweep_velocities(bodies, contacts, n, AT_ONCE, RELAX, k % 2)
     if bounce(contacts, n):
@@ -117,8 +82,8 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
     end_substep(contacts, n)
     end_step(contacts, n)
     for m in range(n):
-        store3(manifold, m, SPIN_IMPULSE, load3(kept, m, SPIN_IMPULSE))
-        for i in range(4 * m, 4 * m + key[m, POINTS]):
-            point[i, NORMAL_IMPULSE] = kept_point[i, NORMAL_IMPULSE]
-            store3(point, i, TANGENT_IMPULSE, load3(kept_point, i, TANGENT_IMPULSE))
+        store3(manifold, m, at.SPIN_IMPULSE, load3(kept, m, at.SPIN_IMPULSE))
+        for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+            point[i, at.NORMAL_IMPULSE] = kept_point[i, at.NORMAL_IMPULSE]
+            store3(point, i, at.TANGENT_IMPULSE, load3(kept_point, i, at.TANGENT_IMPULSE))
     return DONE

@@ -19,7 +19,6 @@ LIBRARY = {
 EXCEPTIONS = {
     "engine/respond/exact": "the exact solver keeps LAPACK: it certifies its answer to a tolerance, and promises no bits",
     "engine/respond/events.py": "a solver of its own for balls, whose roots are those of polynomials",
-    "engine/build/level_of_detail.py": "convex pieces come from CoACD, and how far they are off is an estimate: SciPy's hulls",
     "engine/build/polyhedra.py": "Quickhull says which corners make a facet, a choice and not a number: SciPy's hulls",
     "engine/images/eye.py": "up to where a lens is one to one: a root of a cubic, of pictures and of no state",
 }

@@ -283,7 +283,7 @@ def test_a_world_of_one_thread_loads_no_parallel_search(fork: Fork) -> None:
         "bodies = [engine.Body(name=str(k), shapes=[ball], p_WB=(k, 0, 0)) for k in range(40)]\n"
         "for threads in (1, 2):\n"
         "    engine.World(bodies, options=engine.Options(threads=threads))\n"
-        "    print('engine.broad.parallel' in sys.modules)\n"
+        "    print('engine.broad.parallel_pairs' in sys.modules)\n"
     )
     assert fork(program).split() == ["False", "True"]
     with pytest.raises(ValueError, match="threads 0, expected a whole number of at least 1"):

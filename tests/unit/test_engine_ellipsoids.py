@@ -15,6 +15,8 @@ from scipy.spatial.transform import Rotation
 import engine
 from engine.memory import arena as at
 from engine.memory.arena import float_table
+from tests.engine_entries import measure_convex
+from tests.rays_one_by_one import cast_one_by_one
 
 Array = NDArray[np.float64]
 AXES = np.array([0.1, 0.2, 0.35])
@@ -50,8 +52,6 @@ def _reach(shape: engine.Shape, n: Array) -> Array:
 
 def _measure(one: engine.Shape, two: engine.Shape, p: Array, r_a: Array, r_b: Array) -> Array:
     """Gap, normal and closest points (k, 10) of shape one at the origin and shape two at p (k, 3), each turned."""
-    from engine.contact.measure_convex import measure_convex
-
     bodies = [engine.Body(name=str(k), shapes=[engine.Placed(shape)]) for k, shape in enumerate((one, two))]
     floats, ints = engine.World(bodies).save()
     table = float_table(floats, ints, at.SHAPE)
@@ -262,12 +262,9 @@ def test_a_rolling_ellipsoid_goes_as_an_independent_integration_says() -> None:
     assert errors[2] < 0.7 * errors[0]
 
 
-@pytest.mark.parametrize("tiled", [True, False], ids=["tiles", "one by one"])
-def test_rays_meet_an_ellipsoid_where_the_quadratic_says(tiled: bool) -> None:
+@pytest.mark.parametrize("cast", [engine.World.cast, cast_one_by_one], ids=["tiles", "one by one"])
+def test_rays_meet_an_ellipsoid_where_the_quadratic_says(cast: Callable[..., engine.Hits]) -> None:
     """From outside and inside: the roots of |D^-1 (o + t d)| = 1 in extended precision."""
-    from engine.rays.hits import Hits
-    from engine.rays.one_by_one import cast_rays
-
     rng = np.random.default_rng(5)
     turn = Rotation.random(random_state=6)
     place = np.array([0.4, -0.3, 0.2])
@@ -278,13 +275,7 @@ def test_rays_meet_an_ellipsoid_where_the_quadratic_says(tiled: bool) -> None:
     o = np.concatenate([rng.normal(size=(300, 3)), 0.05 * rng.normal(size=(30, 3))])
     d = 0.3 * rng.normal(size=o.shape) - o
     d /= np.linalg.norm(d, axis=1)[:, None]
-    if tiled:
-        hits: Any = world.cast(place + o, d, 50.0)
-    else:
-        floats, ints = world.save()
-        k = len(o)
-        hits = Hits(distance=np.empty(k), body=np.empty(k, np.int64), shape=np.empty(k, np.int64), normal=np.empty((k, 3)))
-        cast_rays(floats, ints, place + o, d, 50.0, hits)
+    hits = cast(world, place + o, d, 50.0)
     local_o, local_d = turn.inv().apply(o).astype(np.longdouble) / AXES, turn.inv().apply(d).astype(np.longdouble) / AXES
     a, b, c = (local_d**2).sum(1), (local_o * local_d).sum(1), (local_o**2).sum(1) - 1
     root = np.sqrt(np.where(b * b >= a * c, b * b - a * c, np.nan))

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 import engine
 from engine.memory import arena as at
 from engine.memory.arena import float_table
+from tests.engine_entries import measure_convex
 
 Array = NDArray[np.float64]
 RNG = np.random.default_rng(11)
@@ -70,8 +71,6 @@ def _poses(seed: int, count: int, spread: float) -> tuple[Array, Array]:
 
 def _measure(one: engine.Shape, two: engine.Shape, a: tuple[Array, Array], b: tuple[Array, Array]) -> Array:
     """Gap, normal and closest points (k, 10) of two shapes at the poses a and b of their given frames."""
-    from engine.contact.measure_convex import measure_convex
-
     bodies = [engine.Body(name=str(k), shapes=[engine.Placed(shape)]) for k, shape in enumerate((one, two))]
     bodies.append(engine.Body(name="third", shapes=[engine.Placed(engine.Cylinder(1, 1))]))
     floats, ints = engine.World(bodies).save()

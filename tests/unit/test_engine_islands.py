@@ -9,9 +9,9 @@ from scipy.sparse.csgraph import connected_components as scipy_components
 
 import engine
 from engine.build.assembly import wants_islands
-from engine.islands.islands import connected_components
 from engine.memory import arena as at
 from engine.steps.contact_jointed import step_contact_jointed
+from tests.engine_entries import connected_components
 from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import engine
-from engine.build.level_of_detail import LEVELS, bounding_box, bounding_sphere, collision_shapes
+from engine.build.level_of_detail import bounding_box, bounding_sphere
+from engine.options import LEVELS
+from tests.mesh_levels import Detail, collision_shapes
 
 Array = NDArray[np.float64]
 NON_CONVEX = ("decomposition", "mesh")
@@ -47,14 +49,14 @@ CONCAVITY = {"L": 0.05, "torus": 0.1, "fine torus": 0.05}
 """CoACD's threshold: the hole of the coarse torus opens with half as many pieces, in less than half the time."""
 
 
-def _built(mesh: str, level: str) -> engine.build.level_of_detail.Detail:  # type: ignore[name-defined]
+def _built(mesh: str, level: str) -> Detail:
     if level == "decomposition":
         pytest.importorskip("coacd")
     return _built_once(mesh, level)
 
 
 @cache
-def _built_once(mesh: str, level: str) -> engine.build.level_of_detail.Detail:  # type: ignore[name-defined]
+def _built_once(mesh: str, level: str) -> Detail:
     return collision_shapes(MESHES[mesh], level, concavity=CONCAVITY[mesh])
 
 

@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 import engine
-from engine.contact.measure_triangles import measure_triangles
 from engine.narrow.triangle_triangle import APART
+from tests.engine_entries import measure_triangles
 from tests.solid_meshes import box, mesh_body, nut, ring, sag, together
 
 pytestmark = pytest.mark.usefixtures("solids_found_once")

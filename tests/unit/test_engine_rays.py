@@ -1,6 +1,7 @@
 """Rays: tiles against brute force and against closed forms in fifty digits, patterns, threads, meshes, and visual geometry."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import engine
+from tests.rays_one_by_one import cast_one_by_one
 
 Array = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 6.0])
@@ -22,6 +24,9 @@ SOLIDS: dict[str, engine.Shape] = {
     "capsule": engine.Capsule(0.3, 0.4),
     "cylinder": engine.Cylinder(0.4, 0.3),
 }
+
+Cast = Callable[..., engine.Hits]
+CASTS: tuple[Cast, ...] = (engine.World.cast, cast_one_by_one)
 
 
 def _unit(v: Array) -> Array:
@@ -79,7 +84,7 @@ def _agree(world: engine.World, origins: Array, directions: Array, max_range: fl
     ties to that is either's choice.
     """
     got = world.cast(origins, directions, max_range)
-    want = world.cast(origins, directions, max_range, method="brute_force")
+    want = cast_one_by_one(world, origins, directions, max_range)
     hit = np.isfinite(want.distance)
     assert (np.isfinite(got.distance) == hit).all()
     near = np.abs(got.distance[hit] - want.distance[hit]) - 4 * np.finfo(float).eps * want.distance[hit]
@@ -114,7 +119,7 @@ def test_tiles_find_what_brute_force_finds_for_4e5_rays_of_each_shape(name: str)
         start = distance * _unit(rng.normal(size=(100_000, 3)))
         aim = rng.uniform(-0.7, 0.7, (100_000, 3))
         got = world.cast(start + place, aim - start)
-        want = world.cast(start + place, aim - start, method="brute_force")
+        want = cast_one_by_one(world, start + place, aim - start)
         hit = np.isfinite(want.distance) & np.isfinite(got.distance)
         # A ray that grazes by less than rounding may hit or miss: with 1e-14 m of 1 m that is one of 1e7 or so.
         assert (np.isfinite(want.distance) != np.isfinite(got.distance)).sum() <= 1
@@ -188,16 +193,17 @@ def test_rays_along_edges_rims_and_faces_are_decided_as_by_brute_force() -> None
     reach = np.array([0.0, 0.3, 0.4, 0.5, 0.7, 0.7000000001])
     grid = np.stack(np.meshgrid(*[np.concatenate([-reach, reach])] * 3), axis=-1).reshape(-1, 3)
 
-    def cast(shape: engine.Shape, way: Array, method: str) -> Array:
-        world = engine.World([engine.Body(shapes=[engine.Placed(shape)])])
-        return world.cast(grid, np.broadcast_to(way, grid.shape), method=method).distance
+    def distances(cast: Cast, shape: engine.Shape, way: Array) -> Array:
+        return cast(engine.World([engine.Body(shapes=[engine.Placed(shape)])]), grid, np.broadcast_to(way, grid.shape)).distance
 
     for shape in SOLIDS.values():
         for way in np.vstack([np.eye(3), -np.eye(3)]):
-            got, want = cast(shape, way, "tiles"), cast(shape, way, "brute_force")
+            got, want = distances(engine.World.cast, shape, way), distances(cast_one_by_one, shape, way)
             sure = np.full(len(grid), True)
             if not isinstance(shape, engine.Box):
-                less, more = (cast(replace(shape, radius=shape.radius * r), way, "brute_force") for r in (1 - 1e-12, 1 + 1e-12))
+                less, more = (
+                    distances(cast_one_by_one, replace(shape, radius=shape.radius * r), way) for r in (1 - 1e-12, 1 + 1e-12)
+                )
                 sure = np.isfinite(less) == np.isfinite(more)
             assert sure.mean() > 0.8
             assert (np.isfinite(got) == np.isfinite(want))[sure].all()
@@ -226,8 +232,8 @@ def test_coincident_shapes_go_to_the_first_in_any_order() -> None:
 def test_a_hit_at_the_range_counts_and_one_beyond_does_not() -> None:
     world = engine.World([engine.Body(shapes=[engine.Placed(engine.Sphere(1.0))])])
     for reach, distance in ((2.0, 2.0), (math.nextafter(2.0, 0.0), math.inf)):
-        for method in ("tiles", "brute_force"):
-            assert world.cast([[0, 0, 3.0]], [[0, 0, -1.0]], reach, method=method).distance.tolist() == [distance]
+        for cast in CASTS:
+            assert cast(world, [[0, 0, 3.0]], [[0, 0, -1.0]], reach).distance.tolist() == [distance]
 
 
 @pytest.mark.parametrize(
@@ -242,14 +248,13 @@ def test_a_hit_at_the_range_counts_and_one_beyond_does_not() -> None:
 )
 def test_bad_rays_are_refused(origins: Any, directions: Any, words: str) -> None:
     world = engine.World([engine.Body(shapes=[engine.Placed(engine.Sphere(1.0))])])
-    for method in ("tiles", "brute_force"):
-        with pytest.raises(ValueError, match=words):
-            world.cast(origins, directions, method=method)
+    with pytest.raises(ValueError, match=words):
+        world.cast(origins, directions)
 
 
 def test_unknown_choices_are_refused() -> None:
     world = engine.World([engine.Body()])
-    for choice in ({"geometry": "drawn"}, {"method": "octree"}, {"threads": 0}):
+    for choice in ({"geometry": "drawn"}, {"threads": 0}):
         with pytest.raises(ValueError, match="rays: geometry"):
             world.cast([[0, 0, 0.0]], [[0, 0, 1.0]], **choice)  # type: ignore[arg-type]
 

@@ -69,7 +69,7 @@ def test_an_edit_is_seen_by_what_imports_it_and_by_nothing_else(
     assert {name for name in names if digest(name) != before[name]} == reached
 
 
-MODULES = ("engine.steps.contact", "engine.rays.tiles", "engine.broad.parallel.octree", "engine.swept.strike")
+MODULES = ("engine.steps.contact", "engine.rays.tiles", "engine.broad.octree", "engine.swept.strike")
 IMPORTS = """
 import sys
 for module in sys.argv[1:]:

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 import engine
 from engine.memory import arena as at
 from engine.memory.arena import float_table
+from tests.engine_entries import measure_convex
 from tests.swept_worlds import DT, SHAPES, bullet_of, world_of
 
 
@@ -93,8 +94,6 @@ def test_every_pair_that_turns_touches_at_its_time_of_impact_and_not_before(one:
 
     The gap is measured apart from the search, and known to 2e-6 m for round shapes (the polytope of EPA), 1e-8 m otherwise.
     """
-    from engine.contact.measure_convex import measure_convex
-
     slack = 2e-6
     hits = 0
     for seed in range(draws):

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.contact.measure_triangles import measure_triangles
 from engine.narrow.triangle_triangle import APART, CROSSING, EDGES_OF_B, FLAT
+from tests.engine_entries import measure_triangles
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]

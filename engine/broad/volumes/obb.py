@@ -7,25 +7,10 @@ Ericson, Real-Time Collision Detection, section 4.4.1.
 
 from engine.broad.volumes.sphere import reaches_through
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, Mat, Vec, cross, dot, load3, load9, norm, sub
-from engine.memory.arena import (
-    BOUNDS,
-    CAPSULE,
-    COUNT,
-    CYLINDER,
-    PAIR,
-    PAIRS,
-    PLANE,
-    POSE,
-    SHAPE,
-    SHAPE_KIND,
-    SIZE,
-    SPHERE,
-    TYPE,
-)
+from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load9
+from engine.maths.vec import cross, dot, norm, sub
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["boxes_apart", "drop_apart", "half_extents"]
 
 PARALLEL = 1e-6
 """Length of the cross product of two edges [1] below which it is left out: the face normals stand for parallel edges."""
@@ -34,12 +19,12 @@ PARALLEL = 1e-6
 @kernel
 def half_extents(shape: Floats, shape_kind: Ints, s: int) -> Vec:
     """Half extents [m] of the box about a bounded shape along the shape's own axes."""
-    h, kind = load3(shape, s, SIZE), shape_kind[s, TYPE]
-    if kind == SPHERE:
+    h, kind = load3(shape, s, at.SIZE), shape_kind[s, at.TYPE]
+    if kind == at.SPHERE:
         return h[0], h[0], h[0]
-    if kind == CAPSULE:
+    if kind == at.CAPSULE:
         return h[0], h[0], h[0] + h[1]
-    if kind == CYLINDER:
+    if kind == at.CYLINDER:
         return h[0], h[0], h[1]
     return h
 
@@ -85,15 +70,16 @@ def boxes_apart(d: Vec, ma: Mat, ha: Vec, mb: Mat, hb: Vec, grow: float) -> bool
 @entry
 def drop_apart(floats: Floats, ints: Ints) -> None:
     """Keep the pairs of this step whose oriented boxes, widened as the bounds, overlap."""
-    shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
-    shape_kind, pair, count, kept = ints_of(ints, SHAPE_KIND), ints_of(ints, PAIR), ints_of(ints, COUNT), 0
-    for p in range(count[0, PAIRS]):
+    shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
+    bounds = floats_of(floats, ints, at.BOUNDS)
+    shape_kind, pair, count, kept = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.PAIR), ints_of(ints, at.COUNT), 0
+    for p in range(count[0, at.PAIRS]):
         i, j = pair[p, 0], pair[p, 1]
         grow, mi, mj = bounds[i, 6] + bounds[j, 6], load9(pose, i, 3), load9(pose, j, 3)
-        if shape_kind[i, TYPE] == PLANE:
+        if shape_kind[i, at.TYPE] == at.PLANE:
             reach = reach_along(mj, half_extents(shape, shape_kind, j), axis_of(mi, 2))
             near = reaches_through(pose, i, j, reach + grow)
-        elif shape_kind[j, TYPE] == PLANE:
+        elif shape_kind[j, at.TYPE] == at.PLANE:
             reach = reach_along(mi, half_extents(shape, shape_kind, i), axis_of(mj, 2))
             near = reaches_through(pose, j, i, reach + grow)
         else:
@@ -102,4 +88,4 @@ def drop_apart(floats: Floats, ints: Ints) -> None:
         if near:
             pair[kept, 0], pair[kept, 1] = i, j
             kept += 1
-    count[0, PAIRS] = kept
+    count[0, at.PAIRS] = kept

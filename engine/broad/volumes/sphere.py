@@ -4,11 +4,10 @@ Source: Ericson, Real-Time Collision Detection, section 4.3.1.
 """
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, Vec, dot, load3, sub
-from engine.memory.arena import BALL_RADIUS, BOUNDS, COUNT, PAIR, PAIRS, PLANE, POSE, SHAPE, SHAPE_KIND, TYPE
+from engine.maths.rows import Floats, Ints, Vec, load3
+from engine.maths.vec import dot, sub
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = ["drop_apart", "reaches_through", "spheres_apart"]
 
 
 @kernel
@@ -28,19 +27,20 @@ def reaches_through(pose: Floats, plane: int, other: int, reach: float) -> bool:
 @entry
 def drop_apart(floats: Floats, ints: Ints) -> None:
     """Keep the pairs of this step whose bounding spheres, widened as the bounds, overlap."""
-    shape, pose, bounds = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE), floats_of(floats, ints, BOUNDS)
-    shape_kind, pair, count, kept = ints_of(ints, SHAPE_KIND), ints_of(ints, PAIR), ints_of(ints, COUNT), 0
-    for p in range(count[0, PAIRS]):
+    shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
+    bounds = floats_of(floats, ints, at.BOUNDS)
+    shape_kind, pair, count, kept = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.PAIR), ints_of(ints, at.COUNT), 0
+    for p in range(count[0, at.PAIRS]):
         i, j = pair[p, 0], pair[p, 1]
         grow = bounds[i, 6] + bounds[j, 6]
-        if shape_kind[i, TYPE] == PLANE:
-            near = reaches_through(pose, i, j, shape[j, BALL_RADIUS] + grow)
-        elif shape_kind[j, TYPE] == PLANE:
-            near = reaches_through(pose, j, i, shape[i, BALL_RADIUS] + grow)
+        if shape_kind[i, at.TYPE] == at.PLANE:
+            near = reaches_through(pose, i, j, shape[j, at.BALL_RADIUS] + grow)
+        elif shape_kind[j, at.TYPE] == at.PLANE:
+            near = reaches_through(pose, j, i, shape[i, at.BALL_RADIUS] + grow)
         else:
-            reach = shape[i, BALL_RADIUS] + shape[j, BALL_RADIUS] + grow
+            reach = shape[i, at.BALL_RADIUS] + shape[j, at.BALL_RADIUS] + grow
             near = not spheres_apart(load3(pose, i, 0), load3(pose, j, 0), reach)
         if near:
             pair[kept, 0], pair[kept, 1] = i, j
             kept += 1
-    count[0, PAIRS] = kept
+    count[0, at.PAIRS] = kept

@@ -9,43 +9,10 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, axpy, cross, dot, load3, load6, scale, store3, sub, sym_vec
-from engine.memory.arena import (
-    ARM_A,
-    ARM_B,
-    BODY,
-    BODY_A,
-    BODY_B,
-    COUNT,
-    INV_MASS,
-    LAW,
-    MANIFOLD,
-    MANIFOLD_KEY,
-    MANIFOLDS,
-    NORMAL,
-    NORMAL_IMPULSE,
-    POINT,
-    POINTS,
-    SEPARATION,
-    STATE,
-    TANGENT_IMPULSE,
-    TURNED,
-    V,
-    W,
-)  # fmt: skip
+from engine.maths.rows import Floats, Ints, load3, load6, store3
+from engine.maths.vec import axpy, cross, dot, scale, sub, sym_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-
-__all__ = [
-    "BROUGHT",
-    "COLUMNS",
-    "FRICTION",
-    "LIFT",
-    "VELOCITY",
-    "give_impulses",
-    "write_closing",
-    "write_frames",
-    "write_problem",
-]
 
 VELOCITY, BROUGHT, FRICTION, LIFT, COLUMNS = 0, 3, 6, 7, 8
 """Columns of what is said of a contact: what the law sees at no impulse (3) m/s, the impulse (3) N s that it brings, Coulomb's
@@ -58,20 +25,20 @@ def write_frames(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Fl
 
     Source of the frames: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6, 2017.
     """
-    point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
-    key, k = ints_of(ints, MANIFOLD_KEY), 0
-    for m in range(ints_of(ints, COUNT)[0, MANIFOLDS]):
-        x, y, z = load3(manifold, m, NORMAL)
+    point, manifold = floats_of(floats, ints, at.POINT), floats_of(floats, ints, at.MANIFOLD)
+    key, k = ints_of(ints, at.MANIFOLD_KEY), 0
+    for m in range(ints_of(ints, at.COUNT)[0, at.MANIFOLDS]):
+        x, y, z = load3(manifold, m, at.NORMAL)
         sign = 1.0 if z >= 0.0 else -1.0
         a = -1.0 / (sign + z)
         b = x * y * a
-        for p in range(4 * m, 4 * m + key[m, POINTS]):
-            rows[k], bodies[k, 0], bodies[k, 1] = p, key[m, BODY_A], key[m, BODY_B]
+        for p in range(4 * m, 4 * m + key[m, at.POINTS]):
+            rows[k], bodies[k, 0], bodies[k, 1] = p, key[m, at.BODY_A], key[m, at.BODY_B]
             frame[k, 0, 0], frame[k, 1, 0], frame[k, 2, 0] = x, y, z
             frame[k, 0, 1], frame[k, 1, 1], frame[k, 2, 1] = 1.0 + sign * x * x * a, sign * b, -sign * x
             frame[k, 0, 2], frame[k, 1, 2], frame[k, 2, 2] = b, sign + y * y * a, -y
             for c in range(3):
-                arm[k, 0, c], arm[k, 1, c] = point[p, ARM_A + c], point[p, ARM_B + c]
+                arm[k, 0, c], arm[k, 1, c] = point[p, at.ARM_A + c], point[p, at.ARM_B + c]
             k += 1
     return k
 
@@ -79,9 +46,9 @@ def write_frames(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Fl
 @entry
 def write_closing(floats: Floats, ints: Ints, rows: Ints, touching: float, h: float, lift: Floats) -> None:
     """Write the velocities (k,) m/s at which gaps beyond `touching` [m] close in h seconds; 0 for the others."""
-    point = floats_of(floats, ints, POINT)
+    point = floats_of(floats, ints, at.POINT)
     for i in range(len(rows)):
-        lift[i] = max(point[rows[i], SEPARATION] - touching, 0.0) / h
+        lift[i] = max(point[rows[i], at.SEPARATION] - touching, 0.0) / h
 
 
 @kernel
@@ -98,8 +65,9 @@ def write_problem(
 
     Returns: the largest of the velocities J v and of the rebounds [m/s]; no number where one is none.
     """
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    point, manifold = floats_of(floats, ints, POINT), floats_of(floats, ints, MANIFOLD)
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    turned = floats_of(floats, ints, at.TURNED)
+    point, manifold = floats_of(floats, ints, at.POINT), floats_of(floats, ints, at.MANIFOLD)
     k, square, total = len(rows), 0.0, 0.0
     angular, reach = np.empty((k, 2, 3, 3)), np.empty((k, 2, 3, 3))
     for i in range(k):
@@ -112,25 +80,25 @@ def write_problem(
                     angular[i, end, c, x], reach[i, end, c, x] = turn[x], moved[x]
         a, b, p = bodies[i, 0], bodies[i, 1], rows[i]
         arm_a, arm_b = (arm[i, 0, 0], arm[i, 0, 1], arm[i, 0, 2]), (arm[i, 1, 0], arm[i, 1, 1], arm[i, 1, 2])
-        at_a = axpy(1.0, load3(state, a, V), cross(load3(state, a, W), arm_a))
-        at_b = axpy(1.0, load3(state, b, V), cross(load3(state, b, W), arm_b))
+        at_a = axpy(1.0, load3(state, a, at.V), cross(load3(state, a, at.W), arm_a))
+        at_b = axpy(1.0, load3(state, b, at.V), cross(load3(state, b, at.W), arm_b))
         u = sub(at_b, at_a)
         square, total = max(square, dot(u, u)), total + dot(u, u)
         normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
-        impulse = axpy(point[p, NORMAL_IMPULSE], normal, load3(point, p, TANGENT_IMPULSE))
+        impulse = axpy(point[p, at.NORMAL_IMPULSE], normal, load3(point, p, at.TANGENT_IMPULSE))
         for c in range(3):
             axis = (frame[i, 0, c], frame[i, 1, c], frame[i, 2, c])
             out[i, VELOCITY + c], out[i, BROUGHT + c] = dot(axis, u), dot(axis, impulse)
         out[i, VELOCITY] += out[i, LIFT]
         square = max(square, min(out[i, LIFT], 0.0) ** 2)
-        out[i, FRICTION] = manifold[p // 4, LAW + 1]
+        out[i, FRICTION] = manifold[p // 4, at.LAW + 1]
     w[:] = 0.0
     for i in range(k):
         for j in range(i + 1):
             apart = True
             for end in range(2):
                 b = bodies[i, end]
-                inverse_mass = body[b, INV_MASS]
+                inverse_mass = body[b, at.INV_MASS]
                 if inverse_mass == 0.0:
                     continue
                 for other in range(2):
@@ -156,22 +124,23 @@ def write_problem(
 @entry
 def give_impulses(floats: Floats, ints: Ints, rows: Ints, bodies: Ints, frame: Floats, arm: Floats, impulse: Floats) -> None:
     """Change the velocities by impulses (k, 3) N s, and keep them with the contact points. Args: as of `write_problem`."""
-    state, body, turned = floats_of(floats, ints, STATE), floats_of(floats, ints, BODY), floats_of(floats, ints, TURNED)
-    point = floats_of(floats, ints, POINT)
+    state, body = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY)
+    turned = floats_of(floats, ints, at.TURNED)
+    point = floats_of(floats, ints, at.POINT)
     for i in range(len(point)):
-        for c in range(NORMAL_IMPULSE, TANGENT_IMPULSE + 3):
+        for c in range(at.NORMAL_IMPULSE, at.TANGENT_IMPULSE + 3):
             point[i, c] = 0.0  # contacts left out of the problem give none
     for i in range(len(rows)):
         normal = (frame[i, 0, 0], frame[i, 1, 0], frame[i, 2, 0])
         one, two = (frame[i, 0, 1], frame[i, 1, 1], frame[i, 2, 1]), (frame[i, 0, 2], frame[i, 1, 2], frame[i, 2, 2])
         along = axpy(impulse[i, 1], one, scale(impulse[i, 2], two))
         whole = axpy(impulse[i, 0], normal, along)
-        point[rows[i], NORMAL_IMPULSE] = impulse[i, 0]
-        store3(point, rows[i], TANGENT_IMPULSE, along)
+        point[rows[i], at.NORMAL_IMPULSE] = impulse[i, 0]
+        store3(point, rows[i], at.TANGENT_IMPULSE, along)
         for end in range(2):
             b, sign = bodies[i, end], 2.0 * end - 1.0
-            if body[b, INV_MASS] == 0.0:
+            if body[b, at.INV_MASS] == 0.0:
                 continue
             moment = cross((arm[i, end, 0], arm[i, end, 1], arm[i, end, 2]), whole)
-            store3(state, b, V, axpy(sign * body[b, INV_MASS], whole, load3(state, b, V)))
-            store3(state, b, W, axpy(sign, sym_vec(load6(turned, b, 0), moment), load3(state, b, W)))
+            store3(state, b, at.V, axpy(sign * body[b, at.INV_MASS], whole, load3(state, b, at.V)))
+            store3(state, b, at.W, axpy(sign, sym_vec(load6(turned, b, 0), moment), load3(state, b, at.W)))

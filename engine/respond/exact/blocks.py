@@ -14,9 +14,8 @@ Source: Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapt
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FINE", "Blocks", "FineArray", "positive_part"]
+from engine.maths.types import Floats
 
-FloatArray = NDArray[np.float64]
 FineArray = NDArray[np.longdouble]
 
 FINE = np.longdouble
@@ -27,7 +26,7 @@ PROXIMAL = 100.0 * float(np.finfo(FINE).eps)
 """Added to the diagonal, in units of a contact's own inverse mass, where forces are not unique."""
 
 
-def positive_part(w: FloatArray) -> FineArray:
+def positive_part(w: Floats) -> FineArray:
     """W (n, n) from its positive eigenvalues alone, with more digits."""
     value, vector = np.linalg.eigh(w)
     real = value > VANISHING * value[-1]

@@ -7,9 +7,7 @@ import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.maths.elementary import hypot
-from engine.maths.vec import Floats
-
-__all__ = ["after", "breach", "largest_breach"]
+from engine.maths.rows import Floats
 
 
 @kernel

@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["compose", "frame_of", "inverse_slope", "project", "root", "smooth_project", "spectral"]
-
 Reals = NDArray[Any]
 """Real numbers of any precision; what is returned has the precision of the arguments."""
 
@@ -28,12 +26,6 @@ def compose(low: Reals, high: Reals, tangent: Reals) -> Reals:
     """The vectors (k, 3) with these spectral values on this frame."""
     half = 0.5 * (high - low)
     return np.stack([0.5 * (low + high), half * tangent[:, 0], half * tangent[:, 1]], axis=1)
-
-
-def project(x: Reals) -> Reals:
-    """The points of the cone nearest to the vectors (k, 3)."""
-    low, high, tangent = spectral(x)
-    return compose(np.maximum(low, 0.0), np.maximum(high, 0.0), tangent)
 
 
 def root(value: Reals, width: float) -> tuple[Reals, Reals]:

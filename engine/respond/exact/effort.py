@@ -6,8 +6,6 @@ function of the number of unknowns n, in milliseconds of one core of that machin
 
 import math
 
-__all__ = ["EXTENDED", "FINE_MATRIX", "FOLLOWED", "PLAIN", "TRACED", "UNBOUNDED", "Effort"]
-
 UNBOUNDED = math.inf
 
 PLAIN, FOLLOWED, TRACED, EXTENDED, FINE_MATRIX = (0.3, 0.15), (0.45, 0.15), (0.12, 0.5), (0.45, 0.6), (0.6, 3.0)

@@ -8,9 +8,7 @@ import math
 import numpy as np
 
 from engine.compile.jit import kernel
-from engine.maths.vec import Floats, Ints
-
-__all__ = ["eliminate"]
+from engine.maths.rows import Floats, Ints
 
 
 @kernel

@@ -16,12 +16,10 @@ import numpy as np
 
 from engine.compile.jit import entry, kernel
 from engine.maths.elementary import hypot
-from engine.maths.vec import Floats
+from engine.maths.rows import Floats
 from engine.respond.exact.certificate import after, breach
 from engine.respond.exact.elimination import eliminate
 from engine.respond.exact.scaling import scale_problem
-
-__all__ = ["finish_from"]
 
 SHORTER = (1.0, 0.5, 0.2, 0.05, 0.01)
 """How much shorter a step may be made."""

@@ -17,15 +17,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.maths.types import Floats
 from engine.respond.exact.blocks import FINE, Blocks
 from engine.respond.exact.effort import Effort
 from engine.respond.exact.interior import central_point
 from engine.respond.exact.newton import minimise
 from engine.respond.exact.scaled import Scaled
-
-__all__ = ["Round", "rounds", "sliding"]
-
-FloatArray = NDArray[np.float64]
 
 DEPTH = 10
 """Earlier iterates that the acceleration looks at."""
@@ -42,18 +39,18 @@ class Round:
         x, y (k, 3): scaled impulses, and velocities with s on the normal.
     """
 
-    x: FloatArray
-    y: FloatArray
+    x: Floats
+    y: Floats
 
 
-def rounds(scaled: Scaled, s: FloatArray, effort: Effort) -> Iterator[Round]:
+def rounds(scaled: Scaled, s: Floats, effort: Effort) -> Iterator[Round]:
     """The convex problems one after the other; ends when they are not finite or the effort is over.
 
     Args: s (k,): what |u_T| is at first.
     """
     blocks = Blocks(scaled.fine)
-    tried: list[FloatArray] = []
-    missed: list[FloatArray] = []
+    tried: list[Floats] = []
+    missed: list[Floats] = []
     while True:
         q = scaled.q.astype(FINE)
         q[:, 0] += s
@@ -69,12 +66,12 @@ def rounds(scaled: Scaled, s: FloatArray, effort: Effort) -> Iterator[Round]:
         s = np.maximum(accelerate(tried, missed), 0.0)
 
 
-def sliding(rubs: NDArray[np.bool_], y: NDArray[np.floating]) -> FloatArray:
+def sliding(rubs: NDArray[np.bool_], y: NDArray[np.floating]) -> Floats:
     """|u_T| (k,) of scaled velocities (k, 3), where friction is one."""
     return np.where(rubs, np.hypot(y[:, 1], y[:, 2]), 0.0).astype(np.float64)
 
 
-def accelerate(tried: list[FloatArray], missed: list[FloatArray]) -> FloatArray:
+def accelerate(tried: list[Floats], missed: list[Floats]) -> Floats:
     """The next iterate of a fixed point from earlier ones and their residuals (Anderson's type II)."""
     if len(tried) == 1:
         return tried[0] + missed[0]

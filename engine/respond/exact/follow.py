@@ -14,12 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
+from engine.maths.types import Floats
 from engine.respond.exact.cone import inverse_slope, smooth_project
 from engine.respond.exact.effort import FOLLOWED, Effort
-
-__all__ = ["follow_path"]
-
-FloatArray = NDArray[np.float64]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 
@@ -32,8 +29,8 @@ STEPS, SHRINK = 20, 0.4
 
 
 def follow_path(
-    w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], x: FloatArray, width: float, narrowest: float, effort: Effort
-) -> FloatArray:
+    w: Floats, q: Floats, rubs: NDArray[np.bool_], x: Floats, width: float, narrowest: float, effort: Effort
+) -> Floats:
     """Impulses at the end of the path.
 
     Args: w (3k, 3k) and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; x (k, 3):
@@ -44,7 +41,7 @@ def follow_path(
     one = np.eye(3 * k)
     regular = w + PROXIMAL * one
 
-    def lifted(x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def lifted(x: Floats) -> tuple[Floats, Floats, Floats]:
         y = q + (w @ x.ravel()).reshape(-1, 3)
         y[~rubs, 1:] = 0.0
         size = np.sqrt(y[:, 1] ** 2 + y[:, 2] ** 2 + width * width)

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.respond.exact.joint_kernels import write_joint_rows
 from engine.respond.exact.law import Problem
 from engine.respond.exact.problem import (
@@ -37,11 +37,6 @@ from engine.respond.exact.problem import (
     relative_velocity,
     weighted_rows,
 )
-
-__all__ = ["Beside", "Held", "assemble_held", "give", "held_bodies", "hold"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 DEPENDENT = 1e-10
 """Singular values below this share of the largest belong to rows that depend on others; rows are of length one."""
@@ -61,20 +56,20 @@ class Held:
     """
 
     movers: Movers
-    row: FloatArray
-    body: IntArray
+    row: Floats
+    body: Ints
     free: int
-    gap: FloatArray
-    reach: FloatArray
-    basis: FloatArray
-    back: FloatArray
+    gap: Floats
+    reach: Floats
+    basis: Floats
+    back: Floats
     rotors: NDArray[np.bool_]
 
 
-def held_bodies(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> Held:
+def held_bodies(floats: Floats, ints: Ints, made: ContactFrames, h: float) -> Held:
     """The joints in the present pose, with what they aim at in h seconds."""
     equalities, count = write_joint_rows(floats, ints, h)
-    row, body = float_table(floats, ints, at.ROW)[:count].copy(), int_table(ints, at.ROW_BODY)[:count].copy()
+    row, body = at.float_table(floats, ints, at.ROW)[:count].copy(), at.int_table(ints, at.ROW_BODY)[:count].copy()
     hard = (np.arange(count) < equalities) & (row[:, at.SOFTNESS] == 0.0)
     row[hard, at.BIAS] = row[hard, at.GAP] / h
     stops = (np.arange(count) >= equalities) & (row[:, at.SOFTNESS] == 0.0)
@@ -100,16 +95,16 @@ def held_bodies(floats: FloatArray, ints: IntArray, made: ContactFrames, h: floa
     return Held(movers, row, body, free, row[free:, at.BIAS] * h, reach, v[real].T, back, rotors)
 
 
-def hold(floats: FloatArray, ints: IntArray, held: Held) -> None:
+def hold(floats: Floats, ints: Ints, held: Held) -> None:
     """Let the joints alone act on the present velocities."""
-    state, body = float_table(floats, ints, at.STATE), held.body[: held.free]
+    state, body = at.float_table(floats, ints, at.STATE), held.body[: held.free]
     asked = -rates(state, held.row[: held.free], body) - held.row[: held.free, at.BIAS]
     along = held.back.T @ asked
     apply_impulse(state, held.movers, (held.basis @ along)[: held.reach.shape[1]])
     count_reactions(floats, ints, held, np.concatenate([held.back @ along, np.zeros(len(held.gap))]))
 
 
-def rates(state: FloatArray, row: FloatArray, body: IntArray) -> FloatArray:
+def rates(state: Floats, row: Floats, body: Ints) -> Floats:
     """J v (m,) of rows."""
     velocity = state[body[:, :2], at.V : at.V + 6]
     return np.asarray((row[:, at.JACOBIAN : at.JACOBIAN + 12].reshape(-1, 2, 6) * velocity).sum(axis=(1, 2)))
@@ -124,20 +119,20 @@ class Beside:
     """
 
     problem: Problem
-    brought: FloatArray
-    lift: FloatArray
+    brought: Floats
+    lift: Floats
     made: ContactFrames
-    stops: IntArray
-    across: FloatArray
-    taken: FloatArray
+    stops: Ints
+    across: Floats
+    taken: Floats
 
 
-def assemble_held(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray, held: Held, left: float) -> Beside:
+def assemble_held(floats: Floats, ints: Ints, made: ContactFrames, lift: Floats, held: Held, left: float) -> Beside:
     """The problem of contacts and stops, the latter last, in what the joints leave.
 
     Args: lift: as `assemble_problem`; left [s]: in which stops may be reached; 0: those alone that are.
     """
-    state, width = float_table(floats, ints, at.STATE), held.reach.shape[1]
+    state, width = at.float_table(floats, ints, at.STATE), held.reach.shape[1]
     stops = np.flatnonzero((held.gap <= TOUCHING) | (left > 0.0))
     k, rows = len(made.rows), held.free + stops
     across = np.zeros((k + len(stops), 3, len(held.basis)))
@@ -160,10 +155,10 @@ def assemble_held(floats: FloatArray, ints: IntArray, made: ContactFrames, lift:
     return Beside(problem, brought[moves], lifts[moves], made.of(moves[:k]), rows[moves[k:]], across, taken)
 
 
-def give(floats: FloatArray, ints: IntArray, held: Held, beside: Beside, impulse: FloatArray) -> None:
+def give(floats: Floats, ints: Ints, held: Held, beside: Beside, impulse: Floats) -> None:
     """Change velocities by impulses (k, 3) N s of contacts and stops, and by those of the joints that they call for."""
     flat, k = impulse.ravel(), len(beside.made.rows)
-    apply_impulse(float_table(floats, ints, at.STATE), held.movers, (beside.across.T @ flat)[: held.reach.shape[1]])
+    apply_impulse(at.float_table(floats, ints, at.STATE), held.movers, (beside.across.T @ flat)[: held.reach.shape[1]])
     total = np.zeros(len(held.row))
     total[: held.free] = -held.back @ (beside.taken.T @ flat)
     total[beside.stops] = impulse[k:, 0]
@@ -171,11 +166,11 @@ def give(floats: FloatArray, ints: IntArray, held: Held, beside: Beside, impulse
     keep_impulse(floats, ints, beside.made, impulse[:k])
 
 
-def count_reactions(floats: FloatArray, ints: IntArray, held: Held, impulse: FloatArray) -> None:
+def count_reactions(floats: Floats, ints: Ints, held: Held, impulse: Floats) -> None:
     """Count impulses (m,) of all rows towards what their joints carry, as `constrain.reactions` does, and let rotors have the
     rates that they leave them with.
     """
-    joint, of = float_table(floats, ints, at.JOINT), held.body[:, at.JOINT_OF]
+    joint, of = at.float_table(floats, ints, at.JOINT), held.body[:, at.JOINT_OF]
     linear, angular = held.row[:, LINEAR_B : LINEAR_B + 3], held.row[:, ANGULAR_B : ANGULAR_B + 3]
     turns = (linear == 0.0).all(axis=1)[:, None]
     np.add.at(joint[:, at.REACTION : at.REACTION + 3], of, impulse[:, None] * linear)

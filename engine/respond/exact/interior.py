@@ -17,8 +17,6 @@ from engine.respond.exact.blocks import FINE, Blocks, FineArray
 from engine.respond.exact.cone import frame_of
 from engine.respond.exact.effort import FINE_MATRIX, Effort
 
-__all__ = ["central_point"]
-
 CLOSE = 0.99
 """Share of the way to the boundary of the cones that a step may take."""
 

@@ -4,10 +4,8 @@ from engine.compile.jit import entry
 from engine.constrain.coordinate import bounded_rows
 from engine.constrain.joint_rows import equality_rows
 from engine.constrain.open_joints import open_joint
-from engine.maths.vec import Floats, Ints
+from engine.maths.rows import Floats, Ints
 from engine.memory.tables import bodies_of, joints_of, rows_of
-
-__all__ = ["look_at_joints", "write_joint_rows"]
 
 
 @entry

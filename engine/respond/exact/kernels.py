@@ -4,8 +4,8 @@ from engine.compile.jit import entry
 from engine.contact.find_contacts import find_contacts
 from engine.integrate import all_bodies
 from engine.integrate.finite_state import is_finite
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import BODIES, CHILD, COUNT, JOINTS, MANIFOLDS, PARENT, SETTING, STEPS, TOUCHED
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
 from engine.memory.status import DIVERGED, DONE
 from engine.memory.tables import bodies_of, contacts_of, joints_of, shapes_of
@@ -13,19 +13,17 @@ from engine.respond.arms import refresh
 from engine.respond.softness import slow_approach
 from engine.respond.substep import approach, sum_impulses
 
-__all__ = ["begin_step", "drift_touched", "kick_touched"]
-
 
 @entry
 def begin_step(floats: Floats, ints: Ints) -> int:
     """Find the contacts of a step and advance the bodies that neither they nor joints touch. Returns: as `find_contacts`."""
     status = find_contacts(floats, ints)
     if status == DONE:
-        bodies, joints, count = bodies_of(floats, ints), joints_of(floats, ints), ints_of(ints, COUNT)
-        for j in range(count[0, JOINTS]):
-            bodies.kind[joints.kind[j, PARENT], TOUCHED] = 1
-            bodies.kind[joints.kind[j, CHILD], TOUCHED] = 1
-        all_bodies.advance_untouched(bodies, floats_of(floats, ints, SETTING), count)
+        bodies, joints, count = bodies_of(floats, ints), joints_of(floats, ints), ints_of(ints, at.COUNT)
+        for j in range(count[0, at.JOINTS]):
+            bodies.kind[joints.kind[j, at.PARENT], at.TOUCHED] = 1
+            bodies.kind[joints.kind[j, at.CHILD], at.TOUCHED] = 1
+        all_bodies.advance_untouched(bodies, floats_of(floats, ints, at.SETTING), count)
     return status
 
 
@@ -35,21 +33,21 @@ def kick_touched(floats: Floats, ints: Ints, h: float) -> float:
 
     Returns: the approach speed [m/s] below which nothing bounces.
     """
-    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, SETTING), ints_of(ints, COUNT)
+    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     all_bodies.kick_touched(bodies, setting, count, h)
     slow = slow_approach(setting, h)
-    approach(bodies, contacts_of(floats, ints), count[0, MANIFOLDS], setting, h, slow)
+    approach(bodies, contacts_of(floats, ints), count[0, at.MANIFOLDS], setting, h, slow)
     return slow
 
 
 @entry
 def drift_touched(floats: Floats, ints: Ints, h: float, last: int) -> int:
     """Move the bodies in contact for h seconds. Args: last: 1 to end the step. Returns: DONE, or DIVERGED."""
-    bodies, contacts, count = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, COUNT)
+    bodies, contacts, count = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, at.COUNT)
     all_bodies.drift_touched(bodies, count, h)
-    refresh(bodies.state, shapes_of(floats, ints), contacts, count[0, MANIFOLDS])
-    sum_impulses(contacts, count[0, MANIFOLDS])
+    refresh(bodies.state, shapes_of(floats, ints), contacts, count[0, at.MANIFOLDS])
+    sum_impulses(contacts, count[0, at.MANIFOLDS])
     if last == 1:
-        count[0, STEPS] += 1
-        return DONE if is_finite(bodies.state, count[0, BODIES]) else DIVERGED
+        count[0, at.STEPS] += 1
+        return DONE if is_finite(bodies.state, count[0, at.BODIES]) else DIVERGED
     return DONE

@@ -11,12 +11,7 @@ result for the Coulomb friction problem, 2013.
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-__all__ = ["Problem"]
-
-FloatArray = NDArray[np.float64]
+from engine.maths.types import Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,13 +23,13 @@ class Problem:
         at no impulse; friction (k,); speed [m/s]: the largest relative velocity the step starts from, the unit of residuals.
     """
 
-    inverse_mass: FloatArray
-    velocity: FloatArray
-    friction: FloatArray
+    inverse_mass: Floats
+    velocity: Floats
+    friction: Floats
     speed: float
 
     @property
-    def tables(self) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    def tables(self) -> tuple[Floats, Floats, Floats, float]:
         """All of it, as compiled code takes it."""
         return self.inverse_mass, self.velocity, self.friction, self.speed
 
@@ -43,6 +38,6 @@ class Problem:
         """How many contacts there are."""
         return len(self.friction)
 
-    def after(self, impulse: FloatArray) -> FloatArray:
+    def after(self, impulse: Floats) -> Floats:
         """Relative velocities u (k, 3) m/s after impulses (k, 3) N s."""
         return self.velocity + (self.inverse_mass @ impulse.ravel()).reshape(-1, 3)

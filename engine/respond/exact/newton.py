@@ -17,8 +17,6 @@ from engine.respond.exact.blocks import FINE, Blocks, FineArray
 from engine.respond.exact.cone import inverse_slope, smooth_project
 from engine.respond.exact.effort import FINE_MATRIX, Effort
 
-__all__ = ["minimise"]
-
 NARROWER = 0.3
 """From one width to the next."""
 MOST_STEPS = 80

@@ -20,12 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from engine.maths.types import Floats
 from engine.respond.exact.law import Problem
 from engine.respond.exact.solver import Solution
-
-__all__ = ["Blow", "energy_given", "without_gain"]
-
-FloatArray = NDArray[np.float64]
 
 ROUND_OFF = 1e-10
 """What a group may gain, as a share of the energies that its impulses exchange: ten times the tolerance of a solve."""
@@ -41,14 +38,14 @@ class Blow:
     lessened: int
 
 
-def energy_given(problem: Problem, lift: FloatArray, impulse: FloatArray) -> FloatArray:
+def energy_given(problem: Problem, lift: Floats, impulse: Floats) -> Floats:
     """r . (u + u') / 2 [J] of each contact (k,). Args: lift (k,) m/s: what the problem adds to normal velocities."""
     twice = problem.velocity + problem.after(impulse)
     twice[:, 0] -= 2.0 * lift
     return np.asarray(0.5 * (impulse * twice).sum(axis=1))
 
 
-def without_gain(problem: Problem, lift: FloatArray, solution: Solution, solve: Callable[[Problem], Solution]) -> Blow:
+def without_gain(problem: Problem, lift: Floats, solution: Solution, solve: Callable[[Problem], Solution]) -> Blow:
     """A blow in which no group of points gains energy.
 
     Args: problem: with `lift` (k,) m/s on its normal velocities, negative where a point rebounds; solution: of it; solve: for
@@ -77,7 +74,7 @@ def restricted(problem: Problem, own: NDArray[np.intp]) -> Problem:
     return Problem(problem.inverse_mass[np.ix_(flat, flat)], problem.velocity[own], problem.friction[own], problem.speed)
 
 
-def gain(problem: Problem, lift: FloatArray, impulse: FloatArray) -> float:
+def gain(problem: Problem, lift: Floats, impulse: Floats) -> float:
     """What all contacts gain beyond round-off [J]."""
     before = problem.velocity.copy()
     before[:, 0] -= lift
@@ -85,7 +82,7 @@ def gain(problem: Problem, lift: FloatArray, impulse: FloatArray) -> float:
     return float(energy_given(problem, lift, impulse).sum()) - ROUND_OFF * exchanged
 
 
-def shared(problem: Problem, lift: FloatArray, share: float) -> tuple[Problem, FloatArray]:
+def shared(problem: Problem, lift: Floats, share: float) -> tuple[Problem, Floats]:
     """The problem with a share of the rebounds, and its lift."""
     less = np.where(lift < 0.0, share * lift, lift)
     velocity = problem.velocity.copy()
@@ -93,7 +90,7 @@ def shared(problem: Problem, lift: FloatArray, share: float) -> tuple[Problem, F
     return Problem(problem.inverse_mass, velocity, problem.friction, problem.speed), less
 
 
-def lessen(problem: Problem, lift: FloatArray, rise: float, solve: Callable[[Problem], Solution]) -> Solution:
+def lessen(problem: Problem, lift: Floats, rise: float, solve: Callable[[Problem], Solution]) -> Solution:
     """The solution at the largest share of the rebounds that is found to gain nothing, by regula falsi and bisection in turns.
 
     Args: rise [J]: the gain at all of the rebounds.

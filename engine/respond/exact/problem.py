@@ -19,28 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
-from engine.respond.exact.assembly import (
-    BROUGHT,
-    COLUMNS,
-    FRICTION,
-    LIFT,
-    VELOCITY,
-    write_closing,
-    write_frames,
-    write_problem,
-)
+from engine.respond.exact.assembly import BROUGHT, COLUMNS, FRICTION, LIFT, VELOCITY, write_closing, write_frames, write_problem
 from engine.respond.exact.law import Problem
-
-__all__ = [
-    "ContactFrames", "TOUCHING", "Movers", "apply_impulse", "assemble_problem", "brought_impulse", "closing", "contact_frames",
-    "cross_product", "friction_of", "keep_impulse", "movers_of", "pace_of", "rebound", "relative_velocity", "time_to_blow",
-    "weighted_rows",
-]  # fmt: skip
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TOUCHING = 1e-9
 """Gap [m] below which a point touches. Gaps of 1e-12 m, which round-off leaves between jammed bodies, would otherwise
@@ -51,10 +33,10 @@ close by motions of 1e-10 m/s beside others of 1 m/s, and who slips in them woul
 class ContactFrames:
     """Where a problem comes from: rows of the arena's points (k,), bodies (k, 2), frames (k, 3, 3), arms (k, 2, 3)."""
 
-    rows: IntArray
-    bodies: IntArray
-    frame: FloatArray
-    arm: FloatArray
+    rows: Ints
+    bodies: Ints
+    frame: Floats
+    arm: Floats
 
     def of(self, which: NDArray[np.bool_]) -> "ContactFrames":
         """These (k,) contacts alone."""
@@ -69,18 +51,18 @@ class Movers:
         mass [kg^-1/2]; half (n, 3, 3): Cholesky factor of the inverse inertia in W.
     """
 
-    rows: IntArray
-    place: IntArray
-    root: FloatArray
-    half: FloatArray
+    rows: Ints
+    place: Ints
+    root: Floats
+    half: Floats
 
 
-def symmetric(six: FloatArray) -> FloatArray:
+def symmetric(six: Floats) -> Floats:
     """Matrices (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
     return six[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
 
 
-def cross_product(a: FloatArray, b: FloatArray) -> FloatArray:
+def cross_product(a: Floats, b: Floats) -> Floats:
     """a x b of vectors (..., 3), as NumPy rounds it, in a third of the time that `np.cross` takes for a few of them."""
     product = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for k in range(3):
@@ -89,43 +71,43 @@ def cross_product(a: FloatArray, b: FloatArray) -> FloatArray:
     return product
 
 
-def contact_frames(floats: FloatArray, ints: IntArray) -> ContactFrames:
+def contact_frames(floats: Floats, ints: Ints) -> ContactFrames:
     """Frames and arms of all present contacts."""
-    most = 4 * int(int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+    most = 4 * int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     rows, bodies = np.empty(most, np.int64), np.empty((most, 2), np.int64)
     frame, arm = np.empty((most, 3, 3)), np.empty((most, 2, 3))
     k = write_frames(floats, ints, rows, bodies, frame, arm)
     return ContactFrames(rows[:k], bodies[:k], frame[:k], arm[:k])
 
 
-def closing(floats: FloatArray, ints: IntArray, made: ContactFrames, h: float) -> FloatArray:
+def closing(floats: Floats, ints: Ints, made: ContactFrames, h: float) -> Floats:
     """The velocities (k,) m/s at which gaps close in h seconds; 0 for what touches."""
     lift = np.empty(len(made.rows))
     write_closing(floats, ints, made.rows, TOUCHING, h, lift)
     return lift
 
 
-def rebound(floats: FloatArray, ints: IntArray, made: ContactFrames, struck: NDArray[np.bool_]) -> FloatArray:
+def rebound(floats: Floats, ints: Ints, made: ContactFrames, struck: NDArray[np.bool_]) -> Floats:
     """e u_before (k,) m/s at the present velocities of the contacts that are struck (k,); 0 for the others."""
-    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    u = relative_velocity(at.float_table(floats, ints, at.STATE), made)[:, 0]
     return np.where(struck, restitution_of(floats, ints, made) * np.minimum(u, 0.0), 0.0)
 
 
-def restitution_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+def restitution_of(floats: Floats, ints: Ints, made: ContactFrames) -> Floats:
     """Newton's e (k,) of the contacts."""
-    return np.asarray(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 2])
+    return np.asarray(at.float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 2])
 
 
-def time_to_blow(floats: FloatArray, ints: IntArray, made: ContactFrames, left: float, slow: float) -> FloatArray:
+def time_to_blow(floats: Floats, ints: Ints, made: ContactFrames, left: float, slow: float) -> Floats:
     """When (k,) s the present velocities close the gaps of contacts with restitution; inf beyond `left`, or below `slow`."""
     # A gap of TOUCHING is left by what is not told from touching; it would end the approach before the blow.
-    gap = np.maximum(float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION] - 2.0 * TOUCHING, 0.0)
-    u = relative_velocity(float_table(floats, ints, at.STATE), made)[:, 0]
+    gap = np.maximum(at.float_table(floats, ints, at.POINT)[made.rows, at.SEPARATION] - 2.0 * TOUCHING, 0.0)
+    u = relative_velocity(at.float_table(floats, ints, at.STATE), made)[:, 0]
     strikes = (restitution_of(floats, ints, made) > 0.0) & (u < -slow) & (gap < -u * left)
     return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
 
 
-def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray) -> tuple[Problem, FloatArray]:
+def assemble_problem(floats: Floats, ints: Ints, made: ContactFrames, lift: Floats) -> tuple[Problem, Floats]:
     """The problem of these contacts, with velocities already kicked, and what is added to them along the normals, (k,) m/s.
 
     Returns: the problem, and the impulses (k, 3) N s that the contacts bring from the last solve.
@@ -138,32 +120,32 @@ def assemble_problem(floats: FloatArray, ints: IntArray, made: ContactFrames, li
     return problem, out[:, BROUGHT : BROUGHT + 3]
 
 
-def pace_of(u: FloatArray) -> float:
+def pace_of(u: Floats) -> float:
     """The largest of velocities (k, 3) [m/s]."""
     return float(np.sqrt((u * u).sum(axis=1)).max(initial=0.0))
 
 
-def friction_of(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+def friction_of(floats: Floats, ints: Ints, made: ContactFrames) -> Floats:
     """Coulomb's coefficients (k,) of the contacts."""
-    return np.array(float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1])
+    return np.array(at.float_table(floats, ints, at.MANIFOLD)[made.rows // 4, at.LAW + 1])
 
 
-def brought_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames) -> FloatArray:
+def brought_impulse(floats: Floats, ints: Ints, made: ContactFrames) -> Floats:
     """The impulses (k, 3) N s that the contacts bring from the last solve, in their frames."""
-    point = float_table(floats, ints, at.POINT)[made.rows]
+    point = at.float_table(floats, ints, at.POINT)[made.rows]
     impulse = point[:, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] + point[:, at.NORMAL_IMPULSE, None] * made.frame[:, :, 0]
     return np.asarray(np.einsum("kji,kj->ki", made.frame, impulse))
 
 
-def relative_velocity(state: FloatArray, made: ContactFrames) -> FloatArray:
+def relative_velocity(state: Floats, made: ContactFrames) -> Floats:
     """J v (k, 3) m/s: of B against A at each contact, in its frame."""
     end = state[made.bodies, at.V : at.V + 3] + cross_product(state[made.bodies, at.W : at.W + 3], made.arm)
     return np.asarray(np.einsum("kji,kj->ki", made.frame, end[:, 1] - end[:, 0]), np.float64)
 
 
-def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
+def movers_of(floats: Floats, ints: Ints, bodies: Ints) -> Movers:
     """The dynamic ones of some bodies."""
-    mass, turned = float_table(floats, ints, at.BODY)[:, at.INV_MASS], float_table(floats, ints, at.TURNED)
+    mass, turned = at.float_table(floats, ints, at.BODY)[:, at.INV_MASS], at.float_table(floats, ints, at.TURNED)
     rows = np.unique(bodies[mass[bodies] > 0.0])
     place = np.full(len(mass), -1)
     place[rows] = np.arange(len(rows))
@@ -171,7 +153,7 @@ def movers_of(floats: FloatArray, ints: IntArray, bodies: IntArray) -> Movers:
     return Movers(rows, place, np.sqrt(mass[rows]), half)
 
 
-def weighted_rows(made: ContactFrames, movers: Movers) -> FloatArray:
+def weighted_rows(made: ContactFrames, movers: Movers) -> Floats:
     """J S (3k, 6n) of the contacts."""
     k = len(made.rows)
     reach = np.zeros((k, 3, len(movers.rows), 6))
@@ -185,17 +167,17 @@ def weighted_rows(made: ContactFrames, movers: Movers) -> FloatArray:
     return reach.reshape(3 * k, 6 * len(movers.rows))
 
 
-def apply_impulse(state: FloatArray, movers: Movers, motion: FloatArray) -> None:
+def apply_impulse(state: Floats, movers: Movers, motion: Floats) -> None:
     """v += S s for the motion s (6n,) of the movers, as impulses r give it: s = (J S)^T r."""
     change = motion.reshape(-1, 6)
     state[movers.rows, at.V : at.V + 3] += movers.root[:, None] * change[:, :3]
     state[movers.rows, at.W : at.W + 3] += (movers.half @ change[:, 3:, None])[:, :, 0]
 
 
-def keep_impulse(floats: FloatArray, ints: IntArray, made: ContactFrames, impulse: FloatArray) -> None:
+def keep_impulse(floats: Floats, ints: Ints, made: ContactFrames, impulse: Floats) -> None:
     """Keep impulses (k, 3) N s with the contact points."""
     in_world = np.einsum("kij,kj->ki", made.frame, impulse)
-    point = float_table(floats, ints, at.POINT)
+    point = at.float_table(floats, ints, at.POINT)
     point[:, at.NORMAL_IMPULSE : at.TANGENT_IMPULSE + 3] = 0.0  # contacts left out of the problem give none
     point[made.rows, at.NORMAL_IMPULSE] = impulse[:, 0]
     point[made.rows, at.TANGENT_IMPULSE : at.TANGENT_IMPULSE + 3] = in_world - impulse[:, :1] * made.frame[:, :, 0]

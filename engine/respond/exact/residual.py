@@ -15,17 +15,13 @@ Coulomb friction, 2018 (section 3.2).
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.maths.types import Floats
 from engine.respond.exact.certificate import largest_breach
 from engine.respond.exact.law import Problem
 
-__all__ = ["relative_residual"]
 
-FloatArray = NDArray[np.float64]
-
-
-def relative_residual(problem: Problem, impulse: FloatArray) -> float:
+def relative_residual(problem: Problem, impulse: Floats) -> float:
     """The largest |F| / m of a contact over the speed that the step starts from [1]; NaN impulses give inf.
 
     Args: impulse: (k, 3) N s in the frames of the contacts.

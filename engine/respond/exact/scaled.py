@@ -10,14 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.maths.types import Floats
 from engine.respond.exact.blocks import FineArray, positive_part
 from engine.respond.exact.law import Problem
 from engine.respond.exact.residual import relative_residual
 from engine.respond.exact.scaling import write_scaled
-
-__all__ = ["Scaled", "scale_problem"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,11 +27,11 @@ class Scaled:
     """
 
     problem: Problem
-    w: FloatArray
-    q: FloatArray
+    w: Floats
+    q: Floats
     rubs: NDArray[np.bool_]
     kept: NDArray[np.bool_]
-    scale: FloatArray
+    scale: Floats
     unit: float
 
     @cached_property
@@ -42,11 +39,11 @@ class Scaled:
         """W with more digits and without the negative eigenvalues of its round-off."""
         return positive_part(self.w)
 
-    def impulse(self, x: FloatArray) -> FloatArray:
+    def impulse(self, x: Floats) -> Floats:
         """Impulses r (k, 3) N s of scaled ones."""
         return np.asarray(np.where(self.kept, x * self.unit / self.scale, 0.0))
 
-    def residual(self, x: FloatArray) -> float:
+    def residual(self, x: Floats) -> float:
         """The certificate of scaled impulses."""
         return relative_residual(self.problem, self.impulse(x))
 

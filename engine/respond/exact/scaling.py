@@ -5,9 +5,7 @@ import math
 import numpy as np
 
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats
-
-__all__ = ["scale_problem", "write_scaled"]
+from engine.maths.rows import Floats
 
 
 @kernel

@@ -17,19 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
+from engine.maths.types import Floats, Ints
 from engine.respond.exact.cone import spectral
-
-__all__ = ["OPEN", "SLIPPING", "STICKING", "modes_between", "modes_of", "settling_step"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 
 OPEN, STICKING, SLIPPING = 0, 1, 2
 
 
-def modes_of(rubs: NDArray[np.bool_], x: FloatArray, drift: FloatArray) -> IntArray:
+def modes_of(rubs: NDArray[np.bool_], x: Floats, drift: Floats) -> Ints:
     """The modes (k,) of contacts at a point of a path. Args: rubs (k,): with friction; x, drift (k, 3): see `PathPoint`."""
     low, high, tangent = spectral(x)
     along = (drift[:, 1:] * tangent).sum(axis=1)
@@ -37,7 +33,7 @@ def modes_of(rubs: NDArray[np.bool_], x: FloatArray, drift: FloatArray) -> IntAr
     return np.where(vanishes, OPEN, np.where(slips, SLIPPING, STICKING))
 
 
-def modes_between(rubs: NDArray[np.bool_], x: FloatArray, y: FloatArray) -> IntArray:
+def modes_between(rubs: NDArray[np.bool_], x: Floats, y: Floats) -> Ints:
     """The modes (k,) of contacts where x (k, 3) and y (k, 3) are complementary: of each pair the smaller one vanishes.
 
     Ends of one spectral frame are the lower value of one and the higher value of the other.
@@ -46,7 +42,7 @@ def modes_between(rubs: NDArray[np.bool_], x: FloatArray, y: FloatArray) -> IntA
     return np.where(high < below, OPEN, np.where((low < above) & rubs, SLIPPING, STICKING))
 
 
-def settling_step(w: FloatArray, q: FloatArray, rubs: NDArray[np.bool_], mode: IntArray, x: FloatArray) -> FloatArray | None:
+def settling_step(w: Floats, q: Floats, rubs: NDArray[np.bool_], mode: Ints, x: Floats) -> Floats | None:
     """The impulses (k, 3) after one step, or None where the system is singular.
 
     Args: as `finishing_step`; mode (k,).

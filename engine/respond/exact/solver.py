@@ -24,8 +24,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.maths.types import Floats, Ints
 from engine.respond.exact.effort import UNBOUNDED, Effort
 from engine.respond.exact.finish import finish_from
 from engine.respond.exact.fixed_point import rounds, sliding
@@ -36,11 +36,7 @@ from engine.respond.exact.scaled import Scaled, scale_problem
 from engine.respond.exact.settle import OPEN, modes_between, modes_of, settling_step
 from engine.respond.exact.trace import trace_path
 
-__all__ = ["Solution", "solve"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-Answer: TypeAlias = tuple[FloatArray, float]
+Answer: TypeAlias = tuple[Floats, float]
 """The best scaled impulses (k, 3) that a method found, and their residual."""
 
 NEAR = 0.1
@@ -81,17 +77,13 @@ class Solution:
         by all methods together.
     """
 
-    impulse: FloatArray
+    impulse: Floats
     residual: float
     matrices: int
 
 
 def solve(
-    problem: Problem,
-    tolerance: float = 1e-11,
-    most: int = 40,
-    guess: FloatArray | None = None,
-    effort: float = UNBOUNDED,
+    problem: Problem, tolerance: float = 1e-11, most: int = 40, guess: Floats | None = None, effort: float = UNBOUNDED
 ) -> Solution:
     """Impulses under Signorini's and Coulomb's law.
 
@@ -110,7 +102,7 @@ def solve(
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # a method that fails is seen by its residual
-def by_all_methods(problem: Problem, tolerance: float, most: int, near: tuple[FloatArray, float], spent: Effort) -> Solution:
+def by_all_methods(problem: Problem, tolerance: float, most: int, near: tuple[Floats, float], spent: Effort) -> Solution:
     """By one method after the other. Args: near: impulses (k, 3) N s, and their residual; the others as of `solve`."""
     best = np.zeros((problem.size, 3))
     lowest = relative_residual(problem, best)
@@ -181,7 +173,7 @@ def follow(search: Search, width: float) -> Answer:
     return finish(search, follow_path(scaled.w, scaled.q, scaled.rubs, x, width, SHARPEST, search.effort))
 
 
-def sliding_of(scaled: Scaled, x: FloatArray) -> FloatArray:
+def sliding_of(scaled: Scaled, x: Floats) -> Floats:
     """|u_T| (k,) of scaled impulses."""
     return sliding(scaled.rubs, scaled.q + (scaled.w @ x.ravel()).reshape(-1, 3))
 
@@ -205,7 +197,7 @@ def trace(search: Search, power: float, fine: bool = False) -> Answer:
     return min((best, lowest), finish(search, last), key=residual_of)
 
 
-def relax(search: Search, s: FloatArray, most: int) -> Answer:
+def relax(search: Search, s: Floats, most: int) -> Answer:
     """By rounds of the fixed point from sliding s (k,)."""
     scaled, tolerance = search.scaled, search.tolerance
     best, lowest, idle = np.zeros_like(scaled.q), np.inf, 0
@@ -222,7 +214,7 @@ def relax(search: Search, s: FloatArray, most: int) -> Answer:
     return best, lowest
 
 
-def sharpen(search: Search, x: FloatArray) -> Answer:
+def sharpen(search: Search, x: Floats) -> Answer:
     """By Newton from x with velocities weighed higher."""
     best, lowest = x, search.scaled.residual(x)
     for weights in SHARPER:
@@ -234,7 +226,7 @@ def sharpen(search: Search, x: FloatArray) -> Answer:
     return best, lowest
 
 
-def settle(search: Search, near: FloatArray, mode: IntArray) -> Iterator[Answer]:
+def settle(search: Search, near: Floats, mode: Ints) -> Iterator[Answer]:
     """By Newton from impulses near by with the modes (k,) of the contacts."""
     scaled = search.scaled
     for held in HELD:
@@ -253,7 +245,7 @@ def settle(search: Search, near: FloatArray, mode: IntArray) -> Iterator[Answer]
         yield best, lowest
 
 
-def finish(search: Search, x: FloatArray, weights: tuple[float, float] = PLAIN) -> Answer:
+def finish(search: Search, x: Floats, weights: tuple[float, float] = PLAIN) -> Answer:
     """By a few Newton steps on Coulomb's law from x."""
     scaled, r = search.scaled, search.scaled.impulse(x)
     aims = (search.tolerance, search.tolerance, NEAR)

@@ -15,13 +15,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.describe.bodies import Surface
 from engine.describe.errors import NotSupported
 from engine.describe.joints import Joint
+from engine.maths.types import Floats, Ints
 from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
 from engine.memory.status import DIVERGED, DONE
 from engine.options import Options
 from engine.respond.exact.assembly import give_impulses
@@ -41,11 +40,6 @@ from engine.respond.exact.problem import (
     time_to_blow,
 )
 from engine.respond.exact.solver import Solution, solve
-
-__all__ = ["Certificate", "ExactSteps"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 INSTANT = 1e-6
 """Share of a sub-step [1] within which gaps that close do so at once."""
@@ -102,7 +96,7 @@ class ExactSteps:
         """The length [s] of the steps to come."""
         self._h = dt / self._substeps
 
-    def compile(self, floats: FloatArray, ints: IntArray) -> None:
+    def compile(self, floats: Floats, ints: Ints) -> None:
         """Compile what a step with contacts runs beyond one without, on none and on one: for a world to be thrown away."""
         made = contact_frames(floats, ints)
         made = made.of(np.zeros(len(made.rows), np.bool_))
@@ -110,13 +104,13 @@ class ExactSteps:
         give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, np.zeros((0, 3)))
         solve(Problem(np.eye(3), np.array([[-1.0, 0.0, 0.0]]), np.ones(1), 1.0), guess=np.zeros((1, 3)))
 
-    def __call__(self, floats: FloatArray, ints: IntArray, steps: int) -> tuple[int, int]:
+    def __call__(self, floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
         """Advance bodies in contact. Returns: steps done and a status, as `step_contact`."""
         for step in range(steps):
             status = int(begin_step(floats, ints))
             if status != DONE:
                 return step, status
-            float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
+            at.float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
             for substep in range(self._substeps):
                 if self._advance(floats, ints, int(substep == self._substeps - 1)):
                     return step + 1, DIVERGED
@@ -124,17 +118,17 @@ class ExactSteps:
             return steps, int(look_at_joints(floats, ints))
         return steps, DONE
 
-    def _advance(self, floats: FloatArray, ints: IntArray, last: int) -> bool:
+    def _advance(self, floats: Floats, ints: Ints, last: int) -> bool:
         """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""
-        h, motion = self._h, float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
+        h, motion = self._h, at.float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
         before = motion.copy()
         slow, held, pace = kick_touched(floats, ints, h), None, 0.0
         if self._jointed:
             made = contact_frames(floats, ints)
-            pace = pace_of(relative_velocity(float_table(floats, ints, at.STATE), made))
+            pace = pace_of(relative_velocity(at.float_table(floats, ints, at.STATE), made))
             held = held_bodies(floats, ints, made, h)
             hold(floats, ints, held)
-        if int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
+        if at.int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
             return bool(drift_touched(floats, ints, h, last))
         kick, passed = motion - before, 0.0
         for _ in range(MOST_BLOWS if self._bounces else 0):
@@ -162,9 +156,7 @@ class ExactSteps:
         self._respond(floats, ints, made, lift, left, pace)
         return bool(drift_touched(floats, ints, h - passed, last))
 
-    def _respond(
-        self, floats: FloatArray, ints: IntArray, made: ContactFrames, lift: FloatArray, left: float, pace: float
-    ) -> None:
+    def _respond(self, floats: Floats, ints: Ints, made: ContactFrames, lift: Floats, left: float, pace: float) -> None:
         """Solve these contacts, apply the impulses, and record how exact they are.
 
         Args: lift: as `assemble_problem`; left [s]: as `assemble_held`; pace [m/s]: of the contacts before joints held them.
@@ -193,7 +185,7 @@ class ExactSteps:
         self._missed += int(solution.residual > self._tolerance)
         self._lessened += lessened
 
-    def _solve(self, problem: Problem, guess: FloatArray | None = None) -> Solution:
+    def _solve(self, problem: Problem, guess: Floats | None = None) -> Solution:
         """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""
         return solve(problem, self._tolerance, guess=guess, effort=self._effort)
 

@@ -25,13 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
+from engine.maths.types import Floats
 from engine.respond.exact.cone import compose, frame_of, root, spectral
 from engine.respond.exact.effort import EXTENDED, TRACED, Effort
 from engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
 
-__all__ = ["PathPoint", "trace_path"]
-
-FloatArray = NDArray[np.float64]
 FineArray = NDArray[np.floating]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
@@ -57,8 +55,8 @@ class PathPoint:
         x, drift (k, 3): scaled impulses and their derivative along the path, dx / d log w; width: w.
     """
 
-    x: FloatArray
-    drift: FloatArray
+    x: Floats
+    drift: Floats
     width: float
 
 
@@ -66,16 +64,14 @@ class PathPoint:
 class Local:
     """F (k, 3), -dF/dx (3k, 3k) and dF / d log w (k, 3) at a point; off: how far from the path; size (k,): of the impulses."""
 
-    miss: FloatArray
-    slope: FloatArray
-    rate: FloatArray
+    miss: Floats
+    slope: Floats
+    rate: Floats
     off: float
-    size: FloatArray
+    size: Floats
 
 
-def look(
-    w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
-) -> Local:
+def look(w: Floats, fine: FineArray, q: Floats, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float) -> Local:
     """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with as many digits."""
     if fine.dtype == np.float64:
         slope, out = np.empty(w.shape), np.empty((len(x), COLUMNS))
@@ -85,7 +81,7 @@ def look(
 
 
 def look_widely(
-    w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
+    w: Floats, fine: FineArray, q: Floats, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
 ) -> Local:
     """As `look`, in any precision."""
     k, soft, dim = len(x), width * width, width**power
@@ -125,7 +121,7 @@ def look_widely(
     return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
 
 
-def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Iterator[PathPoint]:
+def trace_path(fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
     Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;
@@ -140,7 +136,7 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
     log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
     matrix, right = np.empty((n + 1, n + 1)), np.empty(n + 1)
 
-    def newton(at: Local, miss: FloatArray | float, along: float) -> FloatArray | None:
+    def newton(at: Local, miss: Floats | float, along: float) -> Floats | None:
         """The change of (x / unit, log w) that makes up for a miss with this way along the path."""
         matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
         matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
@@ -191,7 +187,7 @@ def trace_path(fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: f
             return
 
 
-def start(w: FloatArray, fine: FineArray, q: FloatArray, rubs: NDArray[np.bool_], power: float, effort: Effort) -> FineArray:
+def start(w: Floats, fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float, effort: Effort) -> FineArray:
     """The point of the path (k, 3) at the widest width by Newton with a line search."""
     x = np.zeros(q.shape, fine.dtype)
     x[:, 0] = WIDEST

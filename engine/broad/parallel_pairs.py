@@ -1,20 +1,19 @@
 """The candidates compared by their bounds of this step, shared out among threads."""
 
 from engine.broad.candidates import compare_candidates
-from engine.broad.parallel.shares import search_in_shares
+from engine.broad.shares import search_in_shares
 from engine.compile.jit import parallel_entry
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import CANDIDATE, CANDIDATES, COUNT, PAIR, PAIRS, PROGRESS, SEARCHED, TALLY
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import ints_of
 from engine.memory.status import DONE, FULL
-
-__all__ = ["write_pairs"]
 
 
 @parallel_entry
 def write_pairs(floats: Floats, ints: Ints, threads: int) -> int:
     """As `candidates.write_pairs`."""
-    pair, candidate, candidates = ints_of(ints, PAIR), ints_of(ints, CANDIDATE), ints_of(ints, PROGRESS)[0, CANDIDATES]
+    pair, candidate = ints_of(ints, at.PAIR), ints_of(ints, at.CANDIDATE)
+    candidates = ints_of(ints, at.PROGRESS)[0, at.CANDIDATES]
     found = search_in_shares(floats, ints, threads, candidates, pair, compare_candidates, candidate)
-    ints_of(ints, COUNT)[0, PAIRS], ints_of(ints, TALLY)[0, SEARCHED] = found, 1
+    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, 1
     return FULL if found > len(pair) else DONE

@@ -7,32 +7,25 @@ scaling), 5.3.3 (box), 5.3.7 (cylinder).
 """
 
 import math
+from typing import Any
 
-from engine.broad.bounds import pose_shapes
+import numpy as np
+
+import engine
+from engine.broad.bounds import pose_shape
 from engine.compile.jit import entry, kernel
-from engine.maths.vec import Floats, Ints, Vec, axpy, dot, load3, load9, mat_vec, norm, scale, store3, sub, tmat_vec
-from engine.memory.arena import (
-    BALL_RADIUS,
-    BOX,
-    CAPSULE,
-    COUNT,
-    CYLINDER,
-    ELLIPSOID,
-    OWNER,
-    PART,
-    PLANE,
-    POSE,
-    SHAPE,
-    SHAPE_KIND,
-    SHAPES,
-    SIZE,
-    SPHERE,
-    TYPE,
-)  # fmt: skip
+from engine.maths.arrays import unit
+from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3
+from engine.maths.vec import axpy, dot, mat_vec, norm, scale, sub, tmat_vec
+from engine.memory import arena as at
 from engine.memory.carve import floats_of, ints_of
-from engine.rays.hits import Hits
+from engine.memory.tables import shapes_of
+from engine.rays.cast import as_rays, check_rays
+from engine.rays.hits import Hits, room_for
+from engine.rays.polyhedra import cast_on_polyhedra
+from engine.rays.tree import ray_tree
 
-__all__ = ["cast_rays", "ray_box", "ray_capsule", "ray_cylinder", "ray_ellipsoid", "ray_plane", "ray_sphere"]
+__all__ = ["cast_one_by_one"]
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)
@@ -187,42 +180,54 @@ def closest_distance2(o: Vec, half: float) -> float:
 
 @entry
 def cast_rays(floats: Floats, ints: Ints, origins: Floats, directions: Floats, max_range: float, hits: Hits) -> None:
-    """As `engine.rays.tiles.cast_tiles`, for finite origins (r, 3) and unit directions (r, 3)."""
-    shape, pose = floats_of(floats, ints, SHAPE), floats_of(floats, ints, POSE)
-    shape_kind, count = ints_of(ints, SHAPE_KIND), ints_of(ints, COUNT)
-    shapes = count[0, SHAPES]
-    pose_shapes(floats, ints)
+    """Write the first hits, for finite origins (r, 3) and unit directions (r, 3)."""
+    shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
+    shape_kind, count = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.COUNT)
+    shapes = count[0, at.SHAPES]
+    for s in range(shapes):
+        pose_shape(floats_of(floats, ints, at.STATE), shape_kind[s, at.OWNER], shapes_of(floats, ints), s)
     for r in range(origins.shape[0]):
         o, d = load3(origins, r, 0), load3(directions, r, 0)
         best, facing, hit_shape = max_range, UP, -1
         for s in range(shapes):
             away = sub(o, load3(pose, s, 0))
-            bound = shape[s, BALL_RADIUS]
+            bound = shape[s, at.BALL_RADIUS]
             if bound < math.inf:
                 along = dot(away, d)
                 miss2 = dot(away, away) - along * along
                 if miss2 > bound * bound * (1.0 + 1e-9) + 1e-12 * dot(away, away) or -along - bound > best or along > bound:
                     continue
-            kind = shape_kind[s, TYPE]
+            kind = shape_kind[s, at.TYPE]
             m = load9(pose, s, 3)
             lo, ld = tmat_vec(m, away), tmat_vec(m, d)
             t, n = MISS, UP
-            if kind == SPHERE:
-                t, n = ray_sphere(lo, ld, shape[s, SIZE])
-            elif kind == BOX:
-                t, n = ray_box(lo, ld, load3(shape, s, SIZE))
-            elif kind == CAPSULE:
-                t, n = ray_capsule(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
-            elif kind == CYLINDER:
-                t, n = ray_cylinder(lo, ld, shape[s, SIZE], shape[s, SIZE + 1])
-            elif kind == ELLIPSOID:
-                t, n = ray_ellipsoid(lo, ld, load3(shape, s, SIZE))
-            elif kind == PLANE:
+            if kind == at.SPHERE:
+                t, n = ray_sphere(lo, ld, shape[s, at.SIZE])
+            elif kind == at.BOX:
+                t, n = ray_box(lo, ld, load3(shape, s, at.SIZE))
+            elif kind == at.CAPSULE:
+                t, n = ray_capsule(lo, ld, shape[s, at.SIZE], shape[s, at.SIZE + 1])
+            elif kind == at.CYLINDER:
+                t, n = ray_cylinder(lo, ld, shape[s, at.SIZE], shape[s, at.SIZE + 1])
+            elif kind == at.ELLIPSOID:
+                t, n = ray_ellipsoid(lo, ld, load3(shape, s, at.SIZE))
+            elif kind == at.PLANE:
                 t, n = ray_plane(lo, ld)
             if t < MISS and (t < best or (t == best and hit_shape < 0)):
                 best, facing, hit_shape = t, mat_vec(m, n), s
         hit = hit_shape >= 0
         hits.distance[r] = best if hit else math.inf
         store3(hits.normal, r, 0, facing if hit else (0.0, 0.0, 0.0))
-        hits.body[r] = shape_kind[hit_shape, OWNER] if hit else -1
-        hits.shape[r] = shape_kind[hit_shape, PART] if hit else -1
+        hits.body[r] = shape_kind[hit_shape, at.OWNER] if hit else -1
+        hits.shape[r] = shape_kind[hit_shape, at.PART] if hit else -1
+
+
+def cast_one_by_one(world: engine.World, origins: Any, directions: Any, max_range: float = math.inf) -> Hits:
+    """As `World.cast`."""
+    floats, ints = world.save()
+    o, d = as_rays(origins, directions)
+    check_rays(o, d)
+    hits, d = room_for(len(d)), unit(d)
+    cast_rays(floats, ints, np.broadcast_to(o, d.shape).copy(), d, max_range, hits)
+    cast_on_polyhedra(floats, ints, ray_tree(floats, ints), o, d, max_range, hits)
+    return hits

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from numba import prange
 
-from engine.broad.candidates import add_unbounded, keep_candidates
+from engine.broad.candidates import add_unbounded, bounds_are_stale, count_shapes, keep_candidates
 from engine.compile.jit import kernel, template
-from engine.maths.vec import Floats, Ints
-from engine.memory.arena import CANDIDATE, COUNT, SHAPES
+from engine.maths.rows import Floats, Ints
+from engine.memory import arena as at
 from engine.memory.carve import ints_of
-
-__all__ = ["search_in_shares", "search_shapes"]
+from engine.memory.status import DONE
 
 
 @kernel
@@ -59,8 +58,12 @@ def search_in_shares(
 
 
 @template
-def search_shapes(floats: Floats, ints: Ints, threads: int, search: Callable[..., int], among: Any) -> int:
-    """Search all shapes for candidates, as `search_in_shares`. Returns: DONE, or FULL where the arena has no room for them."""
-    shapes = ints_of(ints, COUNT)[0, SHAPES]
-    found = search_in_shares(floats, ints, threads, shapes, ints_of(ints, CANDIDATE), search, among)
+def search_in_shares_anew(
+    floats: Floats, ints: Ints, threads: int, build: Callable[..., Any], search: Callable[..., int]
+) -> int:
+    """Find the candidates anew where bounds have left their skins. Args, Returns: as `candidates.search_anew`."""
+    if not bounds_are_stale(floats, ints):
+        return DONE
+    among = build(floats, ints)
+    found = search_in_shares(floats, ints, threads, count_shapes(floats, ints), ints_of(ints, at.CANDIDATE), search, among)
     return keep_candidates(floats, ints, add_unbounded(floats, ints, found))

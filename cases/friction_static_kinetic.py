@@ -15,19 +15,7 @@ from harness.case.shared_checks.rest import GIVE
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.position import POSITION_FINAL, POSITION_MAX
 from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import (
-    EARTH_GRAVITY,
-    Body,
-    Box,
-    Distance,
-    Effect,
-    PlacedShape,
-    Plane,
-    Scene,
-    Spring,
-    Surface,
-    box_inertia,
-)
+from harness.scene import EARTH_GRAVITY, Body, Box, Distance, Effect, PlacedShape, Plane, Scene, Spring, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]

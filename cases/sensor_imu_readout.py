@@ -9,18 +9,7 @@ from harness.case.forces import Control
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.imu_readout import READOUT_ERROR
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
-from harness.scene import (
-    EARTH_GRAVITY,
-    AxisNoise,
-    Body,
-    Imu,
-    ImuNoise,
-    PlacedShape,
-    Scene,
-    Sphere,
-    axis_angle,
-    sphere_inertia,
-)
+from harness.scene import EARTH_GRAVITY, AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import rotate_back
 

@@ -8,18 +8,7 @@ from harness.case import Case, Check
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
 from harness.metrics.stream_stamps import STAMP_ERROR
-from harness.scene import (
-    EARTH_GRAVITY,
-    Body,
-    Box,
-    Imu,
-    PlacedShape,
-    Plane,
-    Scene,
-    Surface,
-    axis_angle,
-    box_inertia,
-)
+from harness.scene import EARTH_GRAVITY, Body, Box, Imu, PlacedShape, Plane, Scene, Surface, axis_angle, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
 

@@ -7,13 +7,7 @@ import numpy as np
 from harness.case import Case, Check
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.dropout import DROPOUT_SCORE
-from harness.metrics.range_error import (
-    FALSE_RETURNS,
-    INTENSITY_ERROR_MAX,
-    RANGE_ERROR_MAX,
-    RANGE_ERROR_MEDIAN,
-    RANGE_ERROR_RMS,
-)
+from harness.metrics.range_error import FALSE_RETURNS, INTENSITY_ERROR_MAX, RANGE_ERROR_MAX, RANGE_ERROR_MEDIAN, RANGE_ERROR_RMS
 from harness.metrics.range_noise import RANGE_CORRELATION, RANGE_DISTRIBUTION, RANGE_MEAN, RANGE_SPREAD
 from harness.scene import (
     Appearance,

@@ -5,18 +5,7 @@ from dataclasses import replace
 from harness.case import Case, Check
 from harness.metrics.divergence import DIVERGENCE
 from harness.metrics.range_error import FALSE_RETURNS, INTENSITY_ERROR_MAX, RANGE_ERROR_MAX, RANGE_ERROR_RMS
-from harness.scene import (
-    WORLD,
-    Body,
-    ConvexHull,
-    Lidar,
-    PlacedShape,
-    Quaternion,
-    Scene,
-    TriangleMesh,
-    Vector3,
-    axis_angle,
-)
+from harness.scene import WORLD, Body, ConvexHull, Lidar, PlacedShape, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
 from harness.sensors.true_scans import true_scans
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest

@@ -4,13 +4,7 @@ from dataclasses import replace
 
 from harness.case import Case, Check
 from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.range_error import (
-    FALSE_RETURNS,
-    INTENSITY_ERROR_MAX,
-    RANGE_ERROR_MAX,
-    RANGE_ERROR_MEDIAN,
-    RANGE_ERROR_RMS,
-)
+from harness.metrics.range_error import FALSE_RETURNS, INTENSITY_ERROR_MAX, RANGE_ERROR_MAX, RANGE_ERROR_MEDIAN, RANGE_ERROR_RMS
 from harness.scene import (
     WORLD,
     Appearance,

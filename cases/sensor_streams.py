@@ -9,19 +9,7 @@ from harness.metrics.noise_independence import INDEPENDENCE_SCORE
 from harness.metrics.noise_spectrum import SPECTRUM_SCORE
 from harness.metrics.range_noise import RANGE_CORRELATION, RANGE_MEAN, RANGE_SPREAD
 from harness.metrics.stream_stamps import STAMP_ERROR
-from harness.scene import (
-    WORLD,
-    AxisNoise,
-    Body,
-    Imu,
-    ImuNoise,
-    Lidar,
-    LidarNoise,
-    PlacedShape,
-    Plane,
-    Scene,
-    axis_angle,
-)
+from harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, PlacedShape, Plane, Scene, axis_angle
 from harness.trajectory import Floats, Trajectory
 
 DURATION, RATE, SCANS, LATENCY = 30.0, 200.0, 10.0, 0.015

@@ -21,18 +21,7 @@ from harness.metrics.passage import (
     REST_SPEED,
     SINK_DEPTH,
 )
-from harness.scene import (
-    EARTH_GRAVITY,
-    Body,
-    Box,
-    Effect,
-    PlacedShape,
-    Scene,
-    Sphere,
-    Surface,
-    TriangleMesh,
-    sphere_inertia,
-)
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, TriangleMesh, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 

@@ -18,8 +18,6 @@ from harness.scene.importers.companion import beside, load_companion
 from harness.scene.importers.reading import read
 from harness.sensors.recorder import steps_between_readings, steps_of_latency
 
-__all__ = ["HEADLINE", "LADDER", "OBSERVED", "own_case", "title_of"]
-
 HEADLINE = "distance_from_limit"
 """Not measured in a trial: how far it is from what all end at is known when all have run (`harness.findings.agreement`)."""
 LADDER = (1 / 240, 1 / 480, 1 / 960)

@@ -1,9 +1,6 @@
 """A metric: one number read off a trajectory, with its unit and its source."""
 
-from harness.metric.metric import (
-    Metric,
-    NotMeasurable,
-)
+from harness.metric.metric import Metric, NotMeasurable
 
 __all__ = [
     "Metric",

@@ -7,8 +7,6 @@ from typing import Literal
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["Metric", "NotMeasurable"]
-
 
 class NotMeasurable(ValueError):
     """The trajectory lacks what the metric reads (a truth, contacts, a stream, enough samples); the text says what."""

@@ -11,8 +11,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["Series", "last", "matched", "maximum", "root_mean_square", "three"]
-
 Series = Callable[[Scene, Trajectory, Trajectory | None], Floats]
 """(scene, actual, expected or None) to errors over time, (t,) or (t, n)."""
 

@@ -18,9 +18,6 @@ from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["ACCELEROMETER_SCORE", "GYROSCOPE_SCORE", "METRIC", "SLOPES", "Regime", "expected_variance", "octaves"]
-__all__ += ["overlapping_variance", "slope_bound", "windows"]
-
 Channel = Literal["gyroscope", "accelerometer"]
 Regime = Literal["white", "floor", "random_walk"]
 SOURCE = "IEEE Std 952-1997, annex C; overlapping estimator: NIST SP 1065, section 5.2.4"

@@ -7,8 +7,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["ANGULAR_VELOCITY_FINAL", "ANGULAR_VELOCITY_MAX", "ANGULAR_VELOCITY_RMS", "METRIC"]
-
 
 def _difference(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     truth, bodies = matched(actual, expected), movable(scene)

@@ -5,8 +5,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import angle_between, movable
 
-__all__ = ["ATTITUDE_FINAL", "ATTITUDE_MAX", "ATTITUDE_RMS", "METRIC"]
-
 
 def _angle(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     truth, bodies = matched(actual, expected), movable(scene)

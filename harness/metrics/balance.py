@@ -13,8 +13,6 @@ from harness.metric.series import matched
 from harness.scene import Scene, Sphere
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["EXIT_TIME_SPREAD", "GROWTH_EXPONENT_ERROR", "LOST_STARTS", "METRIC", "SMALLEST_FOLLOWED"]
-
 GROWN, LINEAR = 0.1, 20.0
 TENFOLD = float(np.log(10.0))
 SOURCE = "Ott, Chaos in Dynamical Systems, 2nd ed., section 4.4 (exponent of the growth of a small difference)"

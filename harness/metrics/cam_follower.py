@@ -10,8 +10,6 @@ from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
 from harness.trajectory.touching import reach_of
 
-__all__ = ["CAM_FOLLOWER_GAP", "METRIC"]
-
 
 def _outermost(body: Body, up_B: Floats) -> Floats:
     """The support function of a body: how far from its origin it reaches along directions (t, 3) in B, (t,) m."""

@@ -24,8 +24,6 @@ from harness.trajectory import Floats, Trajectory
 from harness.trajectory.depths import pair_depths
 from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
 
-__all__ = ["COLLAPSE_TIME", "METRIC", "SIGNS", "first_break"]
-
 SIGNS = ("energy", "penetration", "height", "drive")
 ENERGY_FACTOR = 1e3
 OFF_TARGET = 0.5

@@ -8,8 +8,6 @@ from harness.metric.series import maximum
 from harness.scene import Camera, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["COLOUR_ERROR_MAX", "COLOUR_ERROR_MEDIAN", "METRIC"]
-
 SOURCE = (
     "laws of Snell and Fresnel, and reflection, along each pixel's ray; linear colour, 1 is a white surface under a sky of 1"
 )

@@ -10,8 +10,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Contacts, Trajectory
 
-__all__ = ["CONTACT_FLIPS", "METRIC"]
-
 
 def _bearing(contacts: Contacts) -> Counter[tuple[int, int]]:
     """Number of points of each pair of bodies that carry force; a near miss that an engine lists carries none."""

@@ -9,8 +9,6 @@ from harness.metric.contact_impulses import mean_forces
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "SUPPORT_FORCE_ERROR"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     movable = np.array([body.movable for body in scene.bodies])

@@ -28,8 +28,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Effect, Scene
 from harness.trajectory import Contacts, Floats, Integers, Trajectory
 
-__all__ = ["CONE_RESIDUAL", "DISSIPATION_RESIDUAL", "METRIC", "SIGNORINI_RESIDUAL"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Recorded:

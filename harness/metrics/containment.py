@@ -7,8 +7,6 @@ from harness.scene import Box, Scene, Sphere, rotation_matrix
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate_back
 
-__all__ = ["ESCAPED_SHARE", "METRIC"]
-
 
 def _container(scene: Scene) -> tuple[int, Floats]:
     """Place of the body of at least six boxes, and the half extents (3,) m of the box that bounds them all, in B."""

@@ -8,8 +8,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["CREEP_SPEED", "METRIC"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     if expected is None:

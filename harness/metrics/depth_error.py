@@ -12,8 +12,6 @@ from harness.metric.series import maximum, root_mean_square
 from harness.scene import DepthCamera, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["DEPTH_ERROR_MAX", "DEPTH_ERROR_MEDIAN", "DEPTH_ERROR_RMS", "METRIC"]
-
 SOURCE = "closed-form intersection of a pixel's ray with the shapes; z-depth = range times cosine to the optical axis"
 
 

@@ -14,8 +14,6 @@ from harness.metric.series import maximum
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["DEPTH_LOST_ANSWERED", "DEPTH_MISSING_SCORE", "METRIC"]
-
 Mask = NDArray[np.bool_]
 
 

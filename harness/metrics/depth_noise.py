@@ -15,8 +15,6 @@ from harness.metric.series import maximum
 from harness.scene import DepthCamera, Scene, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["BANDS", "DEPTH_CORRELATION", "DEPTH_MEAN_SCORE", "DEPTH_SPREAD_SCORE", "METRIC", "deviations"]
-
 BANDS = 8
 LEAST = 100
 """Pixels that a band has to have."""

@@ -8,8 +8,6 @@ from harness.metric.series import maximum
 from harness.scene import Scene, StereoNoise, StructuredLightNoise
 from harness.trajectory import Trajectory
 
-__all__ = ["DISPARITY_STEP_ERROR", "METRIC"]
-
 
 def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
     """The larger of both, in steps: a step twice too fine leaves the lattice, one twice too coarse skips a neighbour."""

@@ -6,8 +6,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["DIVERGENCE", "METRIC"]
-
 
 def _divergence(_scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
     if len(actual) == 0:

@@ -9,8 +9,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Lidar, Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["DROPOUT_SCORE", "METRIC"]
-
 SOURCE = "Wilson, Probable inference, the law of succession, and statistical inference (1927)"
 
 

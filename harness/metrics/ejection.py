@@ -10,8 +10,6 @@ from harness.scene import Scene
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["EJECTION_SPEED", "METRIC"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     truth, places = matched(actual, expected), movable(scene)

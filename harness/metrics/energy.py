@@ -16,18 +16,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
 
-__all__ = [
-    "ENERGY_FINAL",
-    "ENERGY_GAIN",
-    "ENERGY_GROWTH",
-    "ENERGY_MAX",
-    "ENERGY_RISE",
-    "ENERGY_STAGGERED",
-    "HELD_ENERGY_GAIN",
-    "METRIC",
-    "energy_change",
-]
-
 SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
 
 

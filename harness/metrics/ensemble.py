@@ -14,8 +14,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
 
-__all__ = ["ENSEMBLE_ENERGY_ERROR", "ENSEMBLE_SPREAD", "METRIC", "kinetic_energies"]
-
 
 def _members(scene: Scene) -> list[list[int]]:
     """The places of each member's movable bodies, member by member."""

@@ -13,8 +13,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import angle_between, movable
 
-__all__ = ["AGREEING_SAMPLES", "ATTITUDE_DIFFERENCE", "DIFFERENCE", "METRIC", "POSITION_DIFFERENCE"]
-
 NAMES = ("repeated", "restored", "reordered", "moved", "turned", "in_motion", "shrunk", "grown")
 
 

@@ -12,8 +12,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate_back
 
-__all__ = ["FLIP_COUNT_ERROR", "FLIP_PERIOD_ERROR", "METRIC"]
-
 SOURCE = "definition: instants at which the component of w along the middle principal axis passes zero"
 
 

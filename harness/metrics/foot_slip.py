@@ -9,8 +9,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate, rotate_back
 
-__all__ = ["FOOT_SLIP", "METRIC"]
-
 
 def _carried(actual: Trajectory, place: int, point_W: Floats) -> Floats:
     """Where a point of a body that is at point_W (3,) in the first sample is at each time, (t, 3) m."""

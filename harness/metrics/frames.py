@@ -19,8 +19,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Body, Box, Scene, rotate
 from harness.trajectory import Trajectory
 
-__all__ = ["FRAME_FRICTION_ERROR", "FRAME_STANDING_TIME", "METRIC", "critical_friction"]
-
 SOURCE = "statics of an A-frame: stands iff mu >= (tan a - c/l)/2"
 
 

@@ -15,8 +15,6 @@ from harness.scene import Imu, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import angle_between
 
-__all__ = ["GYROSCOPE_ATTITUDE", "METRIC"]
-
 
 def _integrated(rates_B: Floats, interval: float, q_WB: Floats) -> Floats:
     """Attitudes (k + 1, 4) from rates (k + 1, 3) [rad/s] at instants `interval` [s] apart, the first one given."""

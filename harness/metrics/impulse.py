@@ -8,8 +8,6 @@ from harness.scene import Scene
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["IMPULSE_MAX", "METRIC"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     if actual.contacts is None:

@@ -13,8 +13,6 @@ from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["METRIC", "READOUT_ERROR"]
-
 TIE = 1e-9
 """Distance from half way between two levels, in steps, within which roundings decide."""
 

@@ -11,8 +11,6 @@ from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["ACCELEROMETER_ERROR", "GYROSCOPE_ERROR", "METRIC"]
-
 
 def _error(channel: str, unit: str) -> Metric:
     def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:

@@ -16,8 +16,6 @@ from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["ACCELEROMETER_LAG", "GYROSCOPE_LAG", "METRIC", "delay"]
-
 REACH = 3.0
 """How far beyond the expected delay it is looked for, in intervals."""
 

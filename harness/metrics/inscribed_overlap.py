@@ -12,8 +12,6 @@ from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Scene,
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["INSCRIBED_OVERLAP", "METRIC"]
-
 
 def _inscribed(body: Body) -> float | None:
     """Radius [m] of the ball about the centre of mass that the body's only shape holds; None for other bodies."""

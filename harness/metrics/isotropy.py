@@ -8,8 +8,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["HEADING_ERROR", "METRIC", "POLAR_SPREAD"]
-
 SOURCE = "Coulomb's cone is round: |f| <= mu N in every direction of the plane"
 
 

@@ -9,8 +9,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["HEIGHT_SPREAD", "METRIC", "REST_DRIFT", "RMS_SECOND_DIFFERENCE", "RMS_SPEED", "RMS_SPIN"]
-
 
 def _worst(law: Callable[[Trajectory, list[int]], Floats], samples: int) -> Callable[..., float]:
     """A measure that takes the worst of a law's values, one a movable body."""

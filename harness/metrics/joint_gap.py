@@ -8,8 +8,6 @@ from harness.scene import Distance, Prismatic, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import across_axis, anchors
 
-__all__ = ["JOINT_GAP_FINAL", "JOINT_GAP_MAX", "JOINT_GAP_RMS", "METRIC"]
-
 
 def _gap(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floats:
     """Gap of every joint, (t, joints) m."""

@@ -8,8 +8,6 @@ from harness.scene import Distance, Prismatic, Revolute, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import joint_coordinate
 
-__all__ = ["LIMIT_OVERSHOOT_FINAL", "LIMIT_OVERSHOOT_MAX", "LIMIT_OVERSHOOT_RMS", "METRIC"]
-
 
 def _overshoot(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floats:
     """Excess of every joint with limits, (t, joints), rad or m."""

@@ -13,8 +13,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["LOAD_SPLIT_ERROR", "METRIC", "load_shares"]
-
 
 def load_shares(scene: Scene, actual: Trajectory) -> Floats:
     """Mean share (supports,) of the load's weight that each support bears, in the scene's order.

@@ -13,8 +13,6 @@ from harness.scene import WORLD, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate, rotate_back
 
-__all__ = ["ANGULAR_MOMENTUM_FINAL", "ANGULAR_MOMENTUM_MAX", "METRIC", "MOMENTUM_FINAL", "MOMENTUM_MAX"]
-
 LINEAR = "conservation of momentum: sum of m v, less M g t"
 ANGULAR = "conservation of angular momentum: sum of r x m v + R I R^T w about the common centre of mass, over its start"
 

@@ -18,8 +18,6 @@ from harness.metric.contact_impulses import forces_on
 from harness.scene import Effect, Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "MOMENTUM_RESIDUAL"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     if actual.contacts is None:

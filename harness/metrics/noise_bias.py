@@ -12,8 +12,6 @@ from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["BIAS_SCORE", "METRIC", "variance_of_mean"]
-
 MARKOV_PEAK = 0.617364
 """Largest Allan deviation of a Gauss-Markov process over its standard deviation (IEEE Std 952, annex C)."""
 

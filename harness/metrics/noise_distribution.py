@@ -17,8 +17,6 @@ from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["HISTOGRAM_SCORE", "METRIC", "NORMAL_DISTANCE", "histogram_score", "kolmogorov_distance"]
-
 CELLS = 64
 FEWEST = 20 * CELLS
 """Samples below which a cell's count is no normal variable."""

@@ -15,8 +15,6 @@ from harness.metric.series import maximum
 from harness.scene import Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["INDEPENDENCE_SCORE", "METRIC"]
-
 SOURCE = "Bartlett, Some aspects of the time-correlation problem (1935)"
 
 

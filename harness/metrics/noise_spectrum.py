@@ -18,8 +18,6 @@ from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["METRIC", "SPECTRUM_SCORE", "difference_spectrum"]
-
 SEGMENT = 256
 """Differences a segment."""
 LOWEST = 2

@@ -13,8 +13,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["METRIC", "ORBIT_ENERGY_FINAL", "ORBIT_ENERGY_MAX", "ORBIT_ENERGY_STAGGERED"]
-
 SOURCE = (
     "vis-viva: v^2/2 - k/r is constant (Goldstein, Classical Mechanics, 3rd ed., section 3.7); half-step correction: Hairer, "
     "Lubich, Wanner, Geometric Numerical Integration, section I.1.4"

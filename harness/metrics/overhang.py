@@ -17,8 +17,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Body, Box, Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "OVERHANG_LIMIT_ERROR", "harmonic_overhang"]
-
 
 def harmonic_overhang(n: int) -> float:
     """The greatest overhang of n bricks, one on the other, in lengths of a brick."""

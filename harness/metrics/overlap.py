@@ -13,8 +13,6 @@ from harness.scene import Plane, Scene, Sphere
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["METRIC", "OVERLAP"]
-
 
 def _balls(scene: Scene) -> tuple[list[int], Floats]:
     """Places and radii [m] of the movable bodies, each a single ball about its centre of mass."""

@@ -11,8 +11,6 @@ from harness.metric.series import maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["GYROSCOPE_OFF", "METRIC", "RANGE_OFF"]
-
 OTHER_SURFACE = 0.1
 """Of a range: what is farther off has met another surface, at an edge, and is no error of the range."""
 

@@ -11,8 +11,6 @@ from harness.scene import Scene, Sphere
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import movable, rotate
 
-__all__ = ["METRIC", "PAINLEVE_COEFFICIENT"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     bodies = movable(scene)

@@ -23,16 +23,6 @@ from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate, rotate_back
 from harness.trajectory.touching import reach
 
-__all__ = [
-    "LATERAL_KICK",
-    "METRIC",
-    "PASSAGE_PROBABILITY",
-    "PASSAGE_PROBABILITY_HIGH",
-    "PASSAGE_PROBABILITY_LOW",
-    "REST_SPEED",
-    "SINK_DEPTH",
-]
-
 SOURCE = "share of bodies whose centre ends beyond the middle of what the truth stops them at"
 
 

@@ -12,8 +12,6 @@ from harness.scene import Scene
 from harness.trajectory import Trajectory
 from harness.trajectory.depths import pair_depths
 
-__all__ = ["METRIC", "PENETRATION", "REPORTED_PENETRATION"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     if len(actual) == 0:

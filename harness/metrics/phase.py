@@ -12,8 +12,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["METRIC", "PERIOD", "PHASE"]
-
 SOURCE = "definition: instants of upward passage through the middle of the path"
 
 

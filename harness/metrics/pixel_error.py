@@ -9,8 +9,6 @@ from harness.metric.series import maximum
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["METRIC", "PIXEL_ERROR"]
-
 
 def _centroid(mask: NDArray[np.bool_]) -> Floats:
     """Mean of the pixels' centres, (u, v) [px]; NaN for no pixel at all."""

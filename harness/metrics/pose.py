@@ -8,8 +8,6 @@ from harness.scene import Revolute, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import joint_coordinate
 
-__all__ = ["METRIC", "POSE_ERROR_FINAL", "POSE_ERROR_MAX", "POSE_ERROR_RMS"]
-
 
 def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     """Of every hinge, (t, hinges) rad."""

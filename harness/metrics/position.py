@@ -7,8 +7,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["METRIC", "POSITION_FINAL", "POSITION_MAX", "POSITION_RMS"]
-
 
 def _distance(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     truth, bodies = matched(actual, expected), movable(scene)

@@ -11,8 +11,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate
 
-__all__ = ["METRIC", "NUTATION_AMPLITUDE", "PRECESSION_RATE_ERROR"]
-
 SOURCE = "definition: azimuth and polar angle of the axis of symmetry against the vertical"
 
 

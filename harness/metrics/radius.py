@@ -8,8 +8,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["METRIC", "RADIUS_FINAL", "RADIUS_MAX", "RADIUS_RMS"]
-
 
 def _error(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     truth, bodies = matched(actual, expected), movable(scene)

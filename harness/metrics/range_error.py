@@ -12,8 +12,6 @@ from harness.metric.series import maximum, root_mean_square
 from harness.scene import Lidar, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["FALSE_RETURNS", "INTENSITY_ERROR_MAX", "METRIC", "RANGE_ERROR_MAX", "RANGE_ERROR_MEDIAN", "RANGE_ERROR_RMS"]
-
 SOURCE = "closed-form intersection of rays and primitives"
 OTHER_SURFACE = 0.1
 RAYS = "rays"

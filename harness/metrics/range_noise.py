@@ -11,8 +11,6 @@ from harness.metric.series import maximum
 from harness.scene import Lidar, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["METRIC", "RANGE_CORRELATION", "RANGE_DISTRIBUTION", "RANGE_MEAN", "RANGE_SPREAD"]
-
 
 def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
     """Of each noisy range finder, (scans, channels, columns); infinite for beams without a return."""

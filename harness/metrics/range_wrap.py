@@ -7,8 +7,6 @@ from harness.metric.camera_frames import frames, noisy_cameras
 from harness.scene import Scene, TimeOfFlightNoise
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "UNWRAPPED_SHARE"]
-
 SLACK = 1e-12
 """Relative rounding of the way from a range to a z-depth and back."""
 

@@ -14,17 +14,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Plane, Scene, Sphere
 from harness.trajectory import Floats, Trajectory
 
-__all__ = [
-    "BOUNCE_GAIN",
-    "BOUNCE_HEIGHT_ERROR",
-    "BOUNCING_TIME_ERROR",
-    "HOP",
-    "IMPACT_TIME_ERROR",
-    "LATER_RESTITUTION_ERROR",
-    "METRIC",
-    "RESTITUTION_ERROR",
-]
-
 SOURCE = "Stronge, Impact Mechanics, 2nd ed. (kinematic coefficient); apexes h' = e^2 h"
 FREE = 0.1
 """Share of g by which a vertical acceleration may miss -g and still be free flight: above any hidden damping at these speeds,

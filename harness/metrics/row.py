@@ -11,8 +11,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene, Sphere
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["LAST_SHARE_ERROR", "METRIC", "TOUCHING_LAST_SHARE"]
-
 SOURCE = "Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761 (a row with gaps is a chain of pairs)"
 CONTACT = 1e-9
 """Gaps below this [m] are none: the rounding of places of some metres, a million times over."""

@@ -7,8 +7,6 @@ from harness.metric.camera_frames import beside_truth, cameras
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "SILHOUETTE_IOU"]
-
 
 def _overlap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     """A body that only the truth or only the picture shows has none."""

@@ -8,8 +8,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["CENTRE_RISE", "METRIC", "STOP_DISTANCE_ERROR", "STOP_TIME_ERROR"]
-
 SOURCE = "Coulomb friction: d = v0^2/(2 mu g), t = v0/(mu g)"
 LEVEL = 0.1
 """The share of its first speed at which a body counts as stopping: high enough that the end of a linear ramp is read between

@@ -8,8 +8,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene, rotation_matrix
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["LEAN", "METRIC", "RESIDUAL_KINETIC_ENERGY", "STACK_HEIGHT_ERROR", "STANDING_HEIGHT"]
-
 
 def _tops(scene: Scene, actual: Trajectory) -> tuple[list[int], float]:
     """The places of the movable bodies that start highest, of which there may be several alike, and their height [m]."""

@@ -12,8 +12,6 @@ from harness.metric.series import maximum
 from harness.scene import Imu, Lidar, Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "STAMP_ERROR"]
-
 
 def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
     worst = []

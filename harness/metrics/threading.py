@@ -13,8 +13,6 @@ from harness.scene import Box, PlacedShape, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
 
-__all__ = ["METRIC", "UNTHREADED"]
-
 
 def _outside(placed: PlacedShape, points_B: Floats) -> Floats:
     """The distance (t,) m of points (t, 3) in B from a box of the body; 0 within it."""

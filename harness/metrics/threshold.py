@@ -8,8 +8,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Body, Scene, rotate
 from harness.trajectory import Trajectory
 
-__all__ = ["INCLINE_ACCELERATION_ERROR", "METRIC", "THRESHOLD_ANGLE_ERROR"]
-
 SOURCE = "Coulomb friction on an incline: slides iff tan(angle) > mu, then a = g (sin - mu cos)"
 
 Slope = tuple[float, float, float, float]

@@ -16,8 +16,6 @@ from harness.scene import Box, Scene, rotate
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import rotate as rotate_along
 
-__all__ = ["METRIC", "TIPPING_ANGLE_ERROR", "WRONG_FATES"]
-
 SOURCE = "Meriam, Kraige, Statics, section 6/3: tips iff tan(angle) > b/h before it slides at tan(angle) = mu"
 TIPPED = 0.5
 """Tilt of a box's upward axis from its start [rad] from which it has tipped: more than b/h of a tall box. One that slides may

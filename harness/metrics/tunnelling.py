@@ -9,14 +9,6 @@ from harness.scene import Body, Box, Scene, Sphere, rotate
 from harness.statistics.proportion import wilson_interval
 from harness.trajectory import Trajectory
 
-__all__ = [
-    "METRIC",
-    "STOP_GAP",
-    "TUNNEL_PROBABILITY",
-    "TUNNEL_PROBABILITY_HIGH",
-    "TUNNEL_PROBABILITY_LOW",
-]
-
 SOURCE = "share of spheres whose centre ends beyond the middle of the wall"
 
 

@@ -7,8 +7,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["METRIC", "VELOCITY_FINAL", "VELOCITY_MAX", "VELOCITY_RMS"]
-
 
 def _difference(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
     truth, bodies = matched(actual, expected), movable(scene)

@@ -14,8 +14,6 @@ from harness.scene import Revolute, Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import joint_rate
 
-__all__ = ["METRIC", "VIBRATION_FREQUENCY", "VIBRATION_RMS"]
-
 SOURCE = "Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70"
 FEWEST = 16
 """Samples of the half below which a spectrum has too few lines to name a frequency."""

@@ -6,8 +6,6 @@ from harness.metric import Metric, NotMeasurable
 from harness.scene import Scene
 from harness.trajectory import Trajectory
 
-__all__ = ["METRIC", "WORLD_SPREAD"]
-
 
 def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
     if "worlds/spread" not in actual.streams:

@@ -18,8 +18,6 @@ from harness.scene import (
     sphere_inertia,
 )
 
-__all__ = ["stage"]
-
 FRICTION, MASS = 0.4, 1.0
 HALF, RADIUS, LENGTH = (0.1, 0.1, 0.05), 0.1, 0.5
 AMPLITUDE, HEIGHT = 40.0, 1.0

@@ -45,8 +45,6 @@ from harness.trial.accuracy import outcome
 if TYPE_CHECKING:
     from harness.run.cluster.workplace import Workplace
 
-__all__ = ["Shard", "carry_out", "share"]
-
 Shard = tuple[int, int]
 """(i, n): the i-th of n parts, from 1."""
 

@@ -11,8 +11,6 @@ from harness.intake.safe_text import LONGEST, one_line
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-__all__ = ["Progress", "in_words"]
-
 
 def in_words(low: float, high: float) -> str:
     """From how long to how long [s], to two digits, in the unit of the shorter: an estimate holds no more."""

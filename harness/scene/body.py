@@ -11,8 +11,6 @@ from harness.scene.prescribed import Prescribed
 from harness.scene.shape import Shape
 from harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
 
-__all__ = ["Body", "PlacedShape"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class PlacedShape:

@@ -7,8 +7,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Finite, Name, Positive, Quaternion, Vector3
 
-__all__ = ["Camera", "Distortion", "Pixels", "Renderer"]
-
 Pixels = Annotated[int, Field(ge=1, le=16384)]
 Renderer = Literal["rasterised", "ray_traced"]
 """A z-buffer, or rays with shadows, reflection and refraction."""

@@ -9,8 +9,6 @@ from pydantic.dataclasses import dataclass
 from harness.scene.camera import Pixels
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Probability, Quaternion, Vector3
 
-__all__ = ["DepthCamera", "DepthNoise", "StereoNoise", "StructuredLightNoise", "TimeOfFlightNoise"]
-
 Incidence = Annotated[float, Field(gt=0, le=math.pi / 2, allow_inf_nan=False)]
 """An angle [rad] between a ray and a surface's normal: 0 head-on, pi/2 grazing."""
 

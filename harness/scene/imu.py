@@ -6,8 +6,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Quaternion, Vector3
 
-__all__ = ["AxisNoise", "Imu", "ImuNoise"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class AxisNoise:

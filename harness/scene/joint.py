@@ -12,8 +12,6 @@ from pydantic.dataclasses import dataclass
 from harness.scene.motion import Motion
 from harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
 
-__all__ = ["WORLD", "Ball", "Coupling", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
-
 WORLD = "world"
 """The parent of a joint that holds its child to the world."""
 

@@ -8,8 +8,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Name, NonNegative, Positive, Probability, Quaternion, Vector3
 
-__all__ = ["Lidar", "LidarNoise"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class LidarNoise:

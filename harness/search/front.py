@@ -33,9 +33,6 @@ from harness.study.one_knob import OPTION, position, turned
 from harness.study.track_label import label_of
 from harness.study.trial import Trial
 
-__all__ = ["CLOCKED", "PER_ROUND", "RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "groups", "next_trials",
-           "position", "room_in", "spread"]  # fmt: skip
-
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
 TELLING = 1.2

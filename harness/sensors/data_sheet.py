@@ -10,24 +10,6 @@ gravity 9.80665 m/s2 (3rd CGPM, 1901).
 
 from math import log, pi, sqrt
 
-__all__ = [
-    "STANDARD_GRAVITY",
-    "density_from_allan",
-    "density_from_spread",
-    "floor_from_coefficient",
-    "from_deg_per_hour",
-    "from_deg_per_hour_per_root_hour",
-    "from_deg_per_root_hour",
-    "from_deg_per_second",
-    "from_g",
-    "from_metre_per_second_per_root_hour",
-    "from_mg",
-    "from_ug",
-    "quantisation_from_bits",
-    "random_walk_from_allan",
-    "two_sided",
-]
-
 STANDARD_GRAVITY = 9.80665
 """[m/s2]"""
 HOUR = 3600.0

@@ -34,8 +34,6 @@ from harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
 from harness.trial.bench import Bench, rough_cost
 from harness.trial.truth_cache import bounded, truth_of
 
-__all__ = ["BROKE_BY", "HELD", "OWN_CHECKS", "SIGN", "STARTS", "endure"]
-
 HELD, STARTS = "held_share", "starts"
 """The share of the starts that held, and how many there were: one, of a scene that cannot start otherwise."""
 BROKE_BY, SIGN = "broke_", "sign_"

@@ -9,8 +9,6 @@ from harness.case import Check
 from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
 from harness.metrics.momentum_residual import MOMENTUM_RESIDUAL
 
-__all__ = ["SOLVED", "forces_keep_momentum", "forces_obey_coulomb"]
-
 SOLVED = 1e-4
 """Share by which forces may miss a law that is solved for: the root of 1e-8."""
 _ROOT = "1e-4: a solver that stops at an improvement of 1e-8 of a cost that is quadratic in its residual"

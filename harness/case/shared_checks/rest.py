@@ -14,8 +14,6 @@ from harness.metrics.jitter import RMS_SPEED
 from harness.metrics.penetration import PENETRATION
 from harness.scene import EARTH_GRAVITY
 
-__all__ = ["GIVE", "bears", "settled_speed", "stands", "supported"]
-
 G = -EARTH_GRAVITY[2]
 GIVE = 1e-3
 """What a contact may give way under weight and still be a firm one [m]: a millimetre, the play of a machine that is 0.1 to 1 m

@@ -13,8 +13,6 @@ from harness.metrics.vibration import VIBRATION_RMS
 from harness.props.robots.floor import PRESSED
 from harness.scene import EARTH_GRAVITY
 
-__all__ = ["SHARE", "feet_stay", "holds_its_pose", "stands_up", "still"]
-
 G = -EARTH_GRAVITY[2]
 SHARE = 0.01
 """Of gravity, which a machine does not feel."""

@@ -2,8 +2,6 @@
 
 from harness.scene import Body, PlacedShape, Plane
 
-__all__ = ["container"]
-
 WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
 """Names and the normals that point inwards."""
 

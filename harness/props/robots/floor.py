@@ -3,8 +3,6 @@
 from harness.props.robots.robot import MATERIAL
 from harness.scene import Body, Box, PlacedShape, Surface
 
-__all__ = ["PRESSED", "floor", "grip"]
-
 SLAB_DEPTH = 0.5
 PRESSED = 1e-6
 """How deep the soles start in the ground [m]: what just touches, some engines find a step late, and by then the drives have

@@ -13,23 +13,9 @@ from harness.intake.near_miss import did_you_mean
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
-from harness.scene import (
-    Camera,
-    DepthCamera,
-    Imu,
-    Lidar,
-    Motion,
-    Quaternion,
-    Samples,
-    Sensor,
-    Sinusoid,
-    Surface,
-    Vector3,
-)
+from harness.scene import Camera, DepthCamera, Imu, Lidar, Motion, Quaternion, Samples, Sensor, Sinusoid, Surface, Vector3
 from harness.scene.camera import Pixels
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
-
-__all__ = ["Base", "Cameras", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
 
 ENDING = ".plumb.toml"
 Seconds = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]

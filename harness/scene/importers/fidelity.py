@@ -3,8 +3,6 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-__all__ = ["BRIEF", "COLUMNS", "Fidelity", "Outcome", "brief", "plain"]
-
 Outcome = Literal["exact", "approximated", "left_out"]
 """Carried over as it is; as something else, with an error; not at all."""
 

@@ -12,8 +12,6 @@ from harness.scene.importers.merging import Group
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import valid_name
 
-__all__ = ["ASSUMED_FRICTION", "Laws", "laws_of", "one_friction"]
-
 ASSUMED_FRICTION = 0.8
 """Friction where neither the file nor its companion says one: dry rubber or wood on most floors."""
 

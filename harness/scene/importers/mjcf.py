@@ -24,8 +24,6 @@ from harness.scene.importers.poses import Array, Pose, matrix, pose
 from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
 from harness.scene.importers.xml_text import Element
 
-__all__ = ["read", "robot_of"]
-
 _KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
 
 

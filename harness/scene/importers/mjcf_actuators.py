@@ -10,8 +10,6 @@ from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Array
 from harness.scene.importers.robot import Need, Servo
 
-__all__ = ["Servos", "read"]
-
 Servos: TypeAlias = dict[int, Servo]
 """By the place of a joint in the compiled model."""
 

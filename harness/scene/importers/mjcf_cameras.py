@@ -16,8 +16,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import matrix, quaternion, vector
 
-__all__ = ["read"]
-
 _FORWARD = axis_angle((1.0, 0.0, 0.0), np.pi)
 """Turns a camera that looks along z with y down into MuJoCo's."""
 _NOT_CARRIED = (

@@ -16,8 +16,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.robot import Contacts
 
-__all__ = ["read"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Sort:

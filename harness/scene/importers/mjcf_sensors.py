@@ -14,8 +14,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import matrix, quaternion, vector
 
-__all__ = ["RATE", "read"]
-
 RATE = 240.0
 """Readings a second: one each coarsest step of a run of one's own scene."""
 FARTHEST = 100.0

@@ -13,8 +13,6 @@ from harness.scene.importers.poses import Pose, pose
 from harness.scene.importers.robot import Geometry, Look, Need
 from harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
 
-__all__ = ["drawn", "geometries", "looks"]
-
 
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
     """The shapes by body. Args: keys: the contact key of each geom that collides; rows, needs: are added to."""

@@ -9,8 +9,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.robot import Closure
 
-__all__ = ["pulls", "springs"]
-
 
 def pulls(model: Model, k: int) -> bool:
     """Has a tendon a force or an inertia of its own, a limit apart?"""

@@ -35,8 +35,6 @@ from harness.scene.importers.sweeping import poses_of, swept
 from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
 
-__all__ = ["commands_of", "read", "robot_of"]
-
 
 def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:
     """The scene of one of our own files or of a robot file, with what became of each element.

@@ -13,8 +13,6 @@ from harness.scene.importers.companion import Companion, JointWish
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
 
-__all__ = ["followed", "rooted", "settled", "undropped", "valid_name", "wordless_kinds"]
-
 NONE: Mapping[str, Samples] = MappingProxyType({})
 
 

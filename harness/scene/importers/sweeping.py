@@ -11,8 +11,6 @@ from harness.scene.importers.robot import Coordinate, Robot
 from harness.scene.importers.scenarios import held_by_drives
 from harness.scene.motion import Sinusoid
 
-__all__ = ["FASTEST", "FREQUENCY", "OPEN", "SHARE", "poses_of", "swept"]
-
 FREQUENCY = 0.5
 """Of the sinusoid [Hz]: through the range and back in two seconds, where that is not too fast."""
 FASTEST = 2.0

@@ -24,8 +24,6 @@ from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, 
 from harness.scene.importers.urdf_parser import yourdfpy_module
 from harness.scene.importers.xml_text import Element, elements
 
-__all__ = ["read"]
-
 
 def read(
     path: Path,

@@ -6,8 +6,6 @@ from importlib.machinery import PathFinder
 from types import ModuleType
 from typing import Any
 
-__all__ = ["yourdfpy_module"]
-
 _HEAVY = "trimesh"
 
 

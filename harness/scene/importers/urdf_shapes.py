@@ -17,8 +17,6 @@ from harness.scene.importers.robot import Geometry, Look, Solid
 from harness.scene.importers.solids import moved, of_mesh, of_shape, together
 from harness.scene.importers.xml_text import Element
 
-__all__ = ["Shapes"]
-
 
 class Shapes:
     """Reads the shapes of one link after the other, and keeps what is to be said of them all."""

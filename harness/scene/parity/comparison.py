@@ -20,8 +20,6 @@ from harness.scene.parity.laws import rows_of
 from harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
 from harness.scene.parity.states import drawn
 
-__all__ = ["TOLERANCE", "aligned", "compare", "renamed", "same_tree"]
-
 TOLERANCE = 1e-5
 """Relative. Files hold decimals of five or six digits: a right angle written as 1.5708 is off by 3.7e-6 rad. Ten times
 less than this would find the digits of a file; a hundred times more is what a scale or a drawing of a robot leaves open."""

@@ -13,8 +13,6 @@ from harness.scene.importers.poses import Array
 from harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
 from harness.scene.parity.motion import Configuration, after, first_rates, motion_size, passive
 
-__all__ = ["Change", "Effect", "Reference", "joint_changed", "mass_changed", "reference", "worth"]
-
 Change = Callable[[RobotFacts], RobotFacts]
 _UNITS = {"revolute": ("N m", "rad"), "prismatic": ("N", "m"), "ball": ("N m", "rad"), "free": ("N m or N", "rad")}
 

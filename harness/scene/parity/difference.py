@@ -3,8 +3,6 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-__all__ = ["Difference", "Quantity", "Value", "plain"]
-
 Quantity = Literal[
     "joint", "type", "parent", "axis", "anchor", "lower", "upper", "damping", "stiffness", "rest", "armature",
     "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "ratio", "offset", "point", "gravity",

@@ -14,8 +14,6 @@ import numpy as np
 from harness.scene.importers.poses import Array, Pose
 from harness.scene.parity.facts import FIXED, RobotFacts
 
-__all__ = ["Configuration", "Dynamics", "RTOL", "after", "dynamics", "motion_size", "passive"]
-
 _SIZE = {"revolute": 1, "prismatic": 1, "ball": 3, "free": 6}
 RTOL = 1e-9
 """Relative tolerance of the integration, ten thousand times below the tolerance that differences are judged by."""

@@ -11,7 +11,7 @@ from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Qu
 class AxisNoise:
     """Errors of one inertial channel, u being rad/s (gyroscope) or m/s2 (accelerometer), in the order in which they arise.
 
-    Data sheets use other units: `harness.sensors.data_sheet` turns them into these.
+    Data sheets use other units: docs/method.md says how to convert them.
 
     Terms:
         misalignment [rad]: rotation vector that turns the channel's triad against S. scale_error [1]: the signal is multiplied

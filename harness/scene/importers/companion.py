@@ -141,6 +141,8 @@ class Companion:
 
 
 _ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
+
+
 def beside(path: Path) -> Path:
     """Where the companion of a file lies, whether it is there or not: arm.urdf has arm.plumb.toml."""
     return path.with_name(path.name.removesuffix(path.suffix) + ENDING)

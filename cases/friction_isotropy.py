@@ -11,8 +11,8 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
-from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR
+from harness.metrics.isotropy import heading_error, polar_spread
+from harness.metrics.slide import centre_rise, stop_distance_error
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -88,25 +88,25 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=POLAR_SPREAD,
+            metric=polar_spread,
             at_most=_step,
             because="each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
             "relative to v0^2/(2 mu g)",
         ),
         Check(
-            metric=HEADING_ERROR,
+            metric=heading_error,
             at_most=_step,
             because="friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
             "would end v0 dt aside",
         ),
         Check(
-            metric=STOP_DISTANCE_ERROR,
+            metric=stop_distance_error,
             at_most=lambda dt, friction=FRICTION, speed=SPEED: 1.5 * _step(dt, friction, speed),
             because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
         ),
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    observe=(CENTRE_RISE,),
+    observe=(centre_rise,),
     headline="polar_spread",
 )

@@ -12,9 +12,9 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_max
 from harness.scene import EARTH_GRAVITY, Body, Box, Distance, Effect, PlacedShape, Plane, Scene, Spring, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -129,23 +129,23 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"static": STATIC, "kinetic": KINETIC, "stiffness": STIFFNESS, "drawn": DRAWN},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="friction and a spring keep the block within reach"),
+        Check(metric=divergence, at_most=0.0, because="friction and a spring keep the block within reach"),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, **block: _way(dt, **block) + GIVE,
             because="break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step: "
             "three steps of way a slip, and a millimetre for contacts that give way before they hold",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="the swing's acceleration over the time by which it is late, and one step of friction at its end",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

@@ -11,8 +11,8 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
+from harness.metrics.jitter import rms_speed
+from harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -87,25 +87,25 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=STOP_DISTANCE_ERROR,
+            metric=stop_distance_error,
             at_most=_way,
             because="a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
             "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
         ),
         Check(
-            metric=STOP_TIME_ERROR,
+            metric=stop_time_error,
             at_most=_time,
             because="one step without a contact at the start, the resolution of what is told at the end; relative to the "
             "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),
         Check(
-            metric=CENTRE_RISE,
+            metric=centre_rise,
             at_most=lambda dt: G * dt**2 + GIVE,
             because="nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
             "moves at most g dt for dt; and one that gives way by a millimetre may swing up by as much",
         ),
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt, frictions=FRICTIONS: min(frictions) * G * dt,
             because="friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
             start=1.25,

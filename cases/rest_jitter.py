@@ -4,10 +4,10 @@ Nothing acts but weight and support, so nothing moves. What moves is the engine'
 """
 
 from harness.case import Case, Check
-from harness.metrics.contact_flips import CONTACT_FLIPS
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
-from harness.metrics.jitter import HEIGHT_SPREAD, REST_DRIFT, RMS_SECOND_DIFFERENCE, RMS_SPEED, RMS_SPIN
-from harness.metrics.penetration import PENETRATION
+from harness.metrics.contact_flips import contact_flips
+from harness.metrics.contact_force import support_force_error
+from harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
+from harness.metrics.penetration import penetration
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -60,50 +60,50 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt: SHARE * G * dt,
             because="0.01 g, the noise of a consumer accelerometer, over one step",
             start=SETTLED,
         ),
         Check(
-            metric=RMS_SPIN,
+            metric=rms_spin,
             at_most=lambda dt: SHARE * G * dt / HALF,
             because="the speed of 0.01 g over one step, at the edge of a box",
             start=SETTLED,
         ),
         Check(
-            metric=RMS_SECOND_DIFFERENCE,
+            metric=rms_second_difference,
             at_most=lambda dt: SHARE * G * dt**2,
             because="0.01 g, the noise of a consumer accelerometer: one mounted on the box would see no more than its own",
             start=SETTLED,
         ),
         Check(
-            metric=HEIGHT_SPREAD,
+            metric=height_spread,
             at_most=lambda dt: 2 * SHARE * G * dt**2,
             because="up and down by the way of 0.01 g over one step",
             start=SETTLED,
         ),
         Check(
-            metric=REST_DRIFT,
+            metric=rest_drift,
             at_most=lambda dt: SHARE * G * dt * (DURATION - SETTLED),
             because="the speed of 0.01 g over one step, kept up in one direction for the whole window",
             start=SETTLED,
         ),
         Check(
-            metric=CONTACT_FLIPS,
+            metric=contact_flips,
             at_most=0.0,
             because="a body at rest neither gains nor loses a point of contact",
             start=SETTLED,
         ),
         Check(
-            metric=SUPPORT_FORCE_ERROR,
+            metric=support_force_error,
             at_most=lambda dt: SHARE * dt / (DURATION - SETTLED) + 1e-6,
             because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(PENETRATION,),
+    observe=(penetration,),
     headline="rms_speed",
     scale=G / 240,
 )

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
-from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.metrics.divergence import divergence
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from harness.metrics.stream_stamps import time_stamp_error
 from harness.scene import EARTH_GRAVITY, Body, Box, Imu, PlacedShape, Plane, Scene, Surface, axis_angle, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
@@ -59,22 +59,22 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    headline=ACCELEROMETER_ERROR.name,
+    headline=accelerometer_ideal_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a box at rest never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a box at rest never diverges"),
         Check(
-            metric=ACCELEROMETER_ERROR,
+            metric=accelerometer_ideal_error,
             at_most=BORNE * G + EDGE * ARM,
             because="a ground that carries the weight to one part in a hundred lets the box accelerate by that share of g, and "
             "where the share acts at an edge, turn by g/(2/3 a) of it, felt at the sensor's arm of .1 m",
             start=SETTLED,
         ),
         Check(
-            metric=GYROSCOPE_ERROR,
+            metric=gyroscope_ideal_error,
             at_most=EDGE / RATE,
             because="that angular acceleration during one interval of the sensor, after which the other edge pushes back",
             start=SETTLED,
         ),
-        Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
+        Check(metric=time_stamp_error, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
     ),
 )

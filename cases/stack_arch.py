@@ -13,9 +13,9 @@ import numpy as np
 
 from harness.case import Axis, Case
 from harness.case.shared_checks.rest import settled_speed, stands, supported
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import STACK_HEIGHT_ERROR
+from harness.metrics.jitter import rest_drift
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import stack_height_error
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
@@ -120,6 +120,6 @@ CASE = Case(
         settled_speed(SETTLED, "a block"),
         supported(SETTLED, DURATION),
     ),
-    observe=(STACK_HEIGHT_ERROR, PENETRATION, REST_DRIFT),
+    observe=(stack_height_error, penetration, rest_drift),
     headline="stack_height_error",
 )

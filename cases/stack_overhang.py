@@ -9,9 +9,9 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 from collections.abc import Sequence
 
 from harness.case import Axis, Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.overhang import OVERHANG_LIMIT_ERROR
-from harness.metrics.penetration import PENETRATION
+from harness.metrics.divergence import divergence
+from harness.metrics.overhang import overhang_limit_error
+from harness.metrics.penetration import penetration
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 
 BRICKS, FRICTION, MASS = 4, 0.5, 1.0
@@ -70,13 +70,13 @@ CASE = Case(
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
         Check(
-            metric=OVERHANG_LIMIT_ERROR,
+            metric=overhang_limit_error,
             at_most=0.01,
             because="the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
             "if not, the next bracket's lies 1.5 % off",
         ),
-        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
     ),
-    observe=(PENETRATION,),
+    observe=(penetration,),
     headline="overhang_limit_error",
 )

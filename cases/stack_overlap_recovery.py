@@ -6,9 +6,9 @@ rest where they touch: an overlap is an error of position, and holds no energy.
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import bears, settled_speed
-from harness.metrics.ejection import EJECTION_SPEED
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
+from harness.metrics.ejection import ejection_speed
+from harness.metrics.jitter import rest_drift
+from harness.metrics.stack import lean, residual_kinetic_energy
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -57,12 +57,12 @@ CASE = Case(
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(
         Check(
-            metric=EJECTION_SPEED,
+            metric=ejection_speed,
             at_most=lambda dt: G * dt,
             because="g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
         ),
         Check(
-            metric=RESIDUAL_KINETIC_ENERGY,
+            metric=residual_kinetic_energy,
             at_most=lambda dt: (G * dt) ** 2 / 2,
             because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
@@ -70,7 +70,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         bears("a box", SETTLED),
     ),
-    observe=(LEAN, REST_DRIFT),
+    observe=(lean, rest_drift),
     insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
     headline="ejection_speed",
 )

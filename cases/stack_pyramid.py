@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
+from harness.metrics.jitter import rest_drift
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import lean, residual_kinetic_energy
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
@@ -119,7 +119,7 @@ CASE = Case(
     checks=(
         stands(DURATION, "the pyramids stand"),
         Check(
-            metric=REST_DRIFT,
+            metric=rest_drift,
             at_most=lambda dt, rows=ROWS: math.sqrt(3.0) * rows * (G * dt**2 + GIVE),
             because="before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
             "under weight; if the contacts of each row gave as much, the top would sink by that for each row, and sqrt(3) "
@@ -128,7 +128,7 @@ CASE = Case(
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(PENETRATION, LEAN, RESIDUAL_KINETIC_ENERGY),
+    observe=(penetration, lean, residual_kinetic_energy),
     headline="rest_drift",
     scale=RADIUS,
 )

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 
 from harness.case import Case, Check
-from harness.metrics.tipping import TIPPING_ANGLE_ERROR, WRONG_FATES
+from harness.metrics.tipping import tipping_angle_error, wrong_fates
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
 
 G = -EARTH_GRAVITY[2]
@@ -73,13 +73,13 @@ CASE = Case(
     duration=DURATION,
     checks=(
         Check(
-            metric=TIPPING_ANGLE_ERROR,
+            metric=tipping_angle_error,
             at_most=0.01,
             because="the inclines next to the threshold stand 2 % of b/h to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
         Check(
-            metric=WRONG_FATES,
+            metric=wrong_fates,
             at_most=0.0,
             because="no incline is at a threshold: on each one statics has one answer",
         ),

@@ -22,10 +22,10 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.cam_follower import CAM_FOLLOWER_GAP
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_MAX, POSITION_RMS
-from harness.metrics.velocity import VELOCITY_MAX, VELOCITY_RMS
+from harness.metrics.cam_follower import cam_follower_gap
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_max, position_error_rms
+from harness.metrics.velocity import velocity_error_max, velocity_error_rms
 from harness.scene import (
     EARTH_GRAVITY,
     WORLD,
@@ -223,16 +223,16 @@ CASE = Case(
     duration=DURATION,
     sample_interval=1 / 240,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what rides on a cam goes up and down with it"),
+        Check(metric=divergence, at_most=0.0, because="what rides on a cam goes up and down with it"),
         Check(
-            metric=CAM_FOLLOWER_GAP,
+            metric=cam_follower_gap,
             at_most=_own,
             because="before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "
             "into the face for a step; and a millimetre, which a contact may give way under weight",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, facets=FACETS, geometry=GEOMETRY, rate=RATE: (
                 _lost(facets, geometry) + _own(dt, facets, geometry, rate)
             ),
@@ -240,7 +240,7 @@ CASE = Case(
             "hold; and what an engine may add, the bound of the gap between cam and follower",
         ),
     ),
-    observe=(POSITION_RMS, VELOCITY_MAX, VELOCITY_RMS),
-    headline=POSITION_MAX.name,
+    observe=(position_error_rms, velocity_error_max, velocity_error_rms),
+    headline=position_error_max.name,
     scale=RADIUS,
 )

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check, Rays
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.range_error import FALSE_RETURNS, RANGE_ERROR_MAX, RANGE_ERROR_MEDIAN
+from harness.metrics.divergence import divergence
+from harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
 from harness.scene import Body, Box, Capsule, Cylinder, PlacedShape, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
 from harness.sensors.rays import first_hits
 from harness.trajectory import Floats, State, Trajectory
@@ -93,21 +93,21 @@ CASE = Case(
     sample_interval=0.1,
     # The answer to a ray does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=RANGE_ERROR_MAX.name,
+    headline=range_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=RANGE_ERROR_MEDIAN,
+            metric=range_error_median,
             at_most=ROUNDING,
             because="single precision: eight roundings of the longest range; half of all rays meet their surface less "
             "askew than that enlarges",
         ),
         Check(
-            metric=FALSE_RETURNS,
+            metric=range_false_return_share,
             at_most=2 * ROUNDING / (1.0 / FOCAL),
             because="a ray may err where it passes an edge within the rounding above; the nearest solids stand 2 m away, "
             "where the closest rays are 2 m/FOCAL apart, so that, were every ray beside an edge, this share would be in doubt",
         ),
     ),
-    observe=(RANGE_ERROR_MAX,),
+    observe=(range_error_max,),
 )

@@ -9,8 +9,8 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.passage import SINK_DEPTH
-from harness.metrics.tunnelling import STOP_GAP, TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_HIGH, TUNNEL_PROBABILITY_LOW
+from harness.metrics.passage import sink_depth
+from harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -92,13 +92,13 @@ CASE = Case(
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            metric=TUNNEL_PROBABILITY,
+            metric=tunnel_probability,
             at_most=0.0,
             because="a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, SINK_DEPTH, STOP_GAP),
+    observe=(tunnel_probability_low, tunnel_probability_high, sink_depth, stop_gap),
     headline="tunnel_probability",
     eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

@@ -23,8 +23,8 @@ from harness.adapter import Adapter, Diverged, SettingsError, Unavailable, Unsup
 from harness.case import Case
 from harness.case.starts import Member, member
 from harness.metric import NotMeasurable
-from harness.metrics.collapse import COLLAPSE_TIME, SIGNS, first_break
-from harness.metrics.stack import STANDING_HEIGHT
+from harness.metrics.collapse import SIGNS, collapse_time, first_break
+from harness.metrics.stack import standing_height
 from harness.scene import Scene
 from harness.store.record import Measurement, Record
 from harness.store.trajectory_file import save_trajectory
@@ -60,7 +60,7 @@ class Fate:
 
 def _stands(case: Case) -> bool:
     """Is the scene one that should stand?"""
-    return any(check.metric in (STANDING_HEIGHT, COLLAPSE_TIME) for check in case.checks)
+    return any(check.metric in (standing_height, collapse_time) for check in case.checks)
 
 
 def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path | None) -> Fate:

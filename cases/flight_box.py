@@ -8,7 +8,7 @@ from harness.metrics.attitude import attitude_error_max
 from harness.metrics.divergence import divergence
 from harness.metrics.position import position_error_max
 from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -20,14 +20,7 @@ SINGLE = 2.0**-24
 
 def scene(speed: float = SPEED, spin: float = SPIN) -> Scene:
     """A box that could touch, thrown upwards at `speed` [m/s], turning about its longest axis at `spin` [rad/s]."""
-    box = Body(
-        name="box",
-        mass=MASS,
-        inertia=box_inertia(MASS, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        v_WB=(1.0, 0.0, speed),
-        w_WB=(0.0, 0.0, spin),
-    )
+    box = Body.box("box", HALF, mass=MASS, v_WB=(1.0, 0.0, speed), w_WB=(0.0, 0.0, spin))
     return Scene(bodies=(box,), surfaces=(Surface(),), narrow=Effect.GYROSCOPIC)
 
 

@@ -11,7 +11,7 @@ from harness.metrics.angular_velocity import angular_velocity_error_final
 from harness.metrics.divergence import divergence
 from harness.metrics.position import position_error_final, position_error_max
 from harness.metrics.velocity import velocity_error_final, velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rolling import rolling
 
@@ -24,17 +24,10 @@ SOLID = 0.4
 
 def _scene(speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> Scene:
     """A ball on the ground with `speed` [m/s] along x and `spin` [rad/s] about y, where speed/r would be rolling."""
-    ball = Body(
-        name="ball",
-        mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-        material="ball",
-        p_WB=(0.0, 0.0, RADIUS),
-        v_WB=(speed, 0.0, 0.0),
-        w_WB=(0.0, spin, 0.0),
+    ball = Body.ball(
+        "ball", RADIUS, mass=MASS, material="ball", p_WB=(0.0, 0.0, RADIUS), v_WB=(speed, 0.0, 0.0), w_WB=(0.0, spin, 0.0)
     )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, ball),
         surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),

@@ -9,7 +9,7 @@ from harness.metrics.creep import creep_speed
 from harness.metrics.divergence import divergence
 from harness.metrics.jitter import rms_speed
 from harness.metrics.position import position_error_final, position_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -21,15 +21,8 @@ HALF = (0.1, 0.1, 0.05)
 def _scene(angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Scene:
     """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
     lean = math.radians(angle)
-    box = Body(
-        name="box",
-        mass=mass,
-        inertia=box_inertia(mass, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        material="box",
-        p_WB=(0.0, 0.0, HALF[2]),
-    )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    box = Body.box("box", HALF, mass=mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, box),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),

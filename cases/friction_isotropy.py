@@ -13,7 +13,7 @@ from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.metrics.isotropy import heading_error, polar_spread
 from harness.metrics.slide import centre_rise, stop_distance_error
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -35,18 +35,17 @@ def _spacing(friction: float, speed: float) -> float:
 def scene(directions: int = DIRECTIONS, friction: float = FRICTION, speed: float = SPEED) -> Scene:
     """`directions` boxes in a row along y, touching the ground, pushed at `speed` [m/s] at azimuths from x to y."""
     boxes = [
-        Body(
-            name=f"box_{i}",
+        Body.box(
+            f"box_{i}",
+            HALF,
             mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
             material="box",
             p_WB=(0.0, _spacing(friction, speed) * i, HALF[2]),
             v_WB=(speed * math.cos(azimuth), speed * math.sin(azimuth), 0.0),
         )
         for i, azimuth in enumerate(_azimuths(directions))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *boxes),
         surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),

@@ -52,7 +52,7 @@ def scene(friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE
         q_WB=_attitude(np.array(a)).tolist(),
         v_WB=(-speed, 0.0, 0.0),
     )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     law = Surface(between=("rod", "ground"), static_friction=friction, kinetic_friction=friction)
     return Scene(bodies=(ground, rod), surfaces=(law,), narrow=Effect.GYROSCOPIC)
 

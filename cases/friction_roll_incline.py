@@ -41,7 +41,7 @@ def _scene(angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[f
         )
         for i, k in enumerate(factors)
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *bodies),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),

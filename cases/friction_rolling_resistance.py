@@ -13,7 +13,7 @@ from harness.metrics.divergence import divergence
 from harness.metrics.jitter import rms_speed
 from harness.metrics.position import position_error_final, position_error_max
 from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -34,11 +34,10 @@ def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -
     """One ball for each coefficient [m], side by side along y, rolling along x at `speed` [m/s]."""
     materials = [f"ball_{i}" for i in range(len(coefficients))]
     balls = [
-        Body(
-            name=material,
+        Body.ball(
+            material,
+            RADIUS,
             mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material=material,
             p_WB=(0.0, SPACING * i, RADIUS),
             v_WB=(speed, 0.0, 0.0),
@@ -46,7 +45,7 @@ def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -
         )
         for i, material in enumerate(materials)
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *balls),
         surfaces=tuple(

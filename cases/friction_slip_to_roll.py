@@ -38,7 +38,7 @@ def _scene(speed: float = SPEED, friction: float = FRICTION, factors: Sequence[f
         )
         for i, k in enumerate(factors)
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *bodies),
         surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),

@@ -39,7 +39,7 @@ def _scene(spin: float = SPIN, friction: float = FRICTION) -> Scene:
         p_WB=(0.0, 0.0, LOW + FOOT),
         w_WB=(0.0, 0.0, spin),
     )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, stool),
         surfaces=(Surface(between=("stool", "ground"), static_friction=friction, kinetic_friction=friction),),

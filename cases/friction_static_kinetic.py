@@ -15,7 +15,7 @@ from harness.case.shared_checks.rest import GIVE
 from harness.metrics.divergence import divergence
 from harness.metrics.position import position_error_final, position_error_max
 from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Distance, Effect, PlacedShape, Plane, Scene, Spring, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Distance, Effect, Plane, Scene, Spring, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -28,16 +28,9 @@ HALF = (0.2, 0.2, 0.05)
 
 def _scene(static: float = STATIC, kinetic: float = KINETIC, stiffness: float = STIFFNESS, drawn: float = DRAWN) -> Scene:
     """A block on the ground and a puller `REST` m ahead of its centre that moves on at `drawn` [m/s], with a slack spring."""
-    block = Body(
-        name="block",
-        mass=MASS,
-        inertia=box_inertia(MASS, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        material="block",
-        p_WB=(0.0, 0.0, HALF[2]),
-    )
+    block = Body.box("block", HALF, mass=MASS, material="block", p_WB=(0.0, 0.0, HALF[2]))
     puller = Body(name="puller", motion="kinematic", p_WB=(REST, 0.0, HALF[2]), v_WB=(drawn, 0.0, 0.0))
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     line = Distance(
         name="spring",
         parent="puller",

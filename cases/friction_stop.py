@@ -13,7 +13,7 @@ from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces
 from harness.case.shared_checks.rest import GIVE
 from harness.metrics.jitter import rms_speed
 from harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -27,18 +27,10 @@ def scene(frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> Scene
     """One box for each coefficient, side by side along y, touching the ground and moving along x at `speed` [m/s]."""
     materials = [f"box_{i}" for i in range(len(frictions))]
     boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-            material=materials[i],
-            p_WB=(0.0, SPACING * i, HALF[2]),
-            v_WB=(speed, 0.0, 0.0),
-        )
+        Body.box(f"box_{i}", HALF, mass=MASS, material=materials[i], p_WB=(0.0, SPACING * i, HALF[2]), v_WB=(speed, 0.0, 0.0))
         for i in range(len(frictions))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *boxes),
         surfaces=tuple(

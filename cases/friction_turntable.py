@@ -11,7 +11,7 @@ from harness.metrics.divergence import divergence
 from harness.metrics.position import position_error_final, position_error_max
 from harness.metrics.radius import radius_error_max
 from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -43,16 +43,7 @@ def _scene(rate: float = RATE, start: float = START) -> Scene:
         p_WB=(0.0, 0.0, -HALF[2]),
         w_WB=(0.0, 0.0, rate),
     )
-    ball = Body(
-        name="ball",
-        mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-        material="ball",
-        p_WB=p[0].tolist(),
-        v_WB=v[0].tolist(),
-        w_WB=w[0].tolist(),
-    )
+    ball = Body.ball("ball", RADIUS, mass=MASS, material="ball", p_WB=p[0].tolist(), v_WB=v[0].tolist(), w_WB=w[0].tolist())
     return Scene(
         bodies=(table, ball),
         surfaces=(Surface(between=("ball", "table"), static_friction=FRICTION, kinetic_friction=FRICTION),),

@@ -12,7 +12,7 @@ from harness.metrics.creep import creep_speed
 from harness.metrics.divergence import divergence
 from harness.metrics.position import position_error_final, position_error_max
 from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -30,24 +30,11 @@ def _scene(push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Scene:
     """One box for each coefficient, side by side along y, against a wall in the plane x = 0, pushed by `push` times its "
     "weight."""
     boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-            material=f"box_{i}",
-            p_WB=(-HALF[0], SPACING * i, 0.0),
-        )
+        Body.box(f"box_{i}", HALF, mass=MASS, material=f"box_{i}", p_WB=(-HALF[0], SPACING * i, 0.0))
         for i in range(len(frictions))
     ]
     width = SPACING * len(frictions)
-    wall = Body(
-        name="wall",
-        motion="static",
-        material="wall",
-        collision=(PlacedShape(shape=Box(half_extents=(THICKNESS, width, LONG))),),
-        p_WB=(THICKNESS, 0.0, 0.0),
-    )
+    wall = Body.fixed("wall", Box(half_extents=(THICKNESS, width, LONG)), material="wall", p_WB=(THICKNESS, 0.0, 0.0))
     names = [box.material for box in boxes]
     return Scene(
         bodies=(wall, *boxes),

@@ -22,7 +22,7 @@ from harness.metrics.restitution import (
     later_restitution_error,
     restitution_error,
 )
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -39,17 +39,10 @@ def scene(restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radi
     """One ball for each restitution, side by side along y, its lowest point `drop` [m] over the ground."""
     materials = [f"ball_{i}" for i in range(len(restitutions))]
     balls = [
-        Body(
-            name=f"ball_{i}",
-            mass=MASS,
-            inertia=sphere_inertia(MASS, radius),
-            collision=(PlacedShape(shape=Sphere(radius=radius)),),
-            material=materials[i],
-            p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop),
-        )
+        Body.ball(f"ball_{i}", radius, mass=MASS, material=materials[i], p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop))
         for i in range(len(restitutions))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *balls),
         surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, restitutions, strict=True)),

@@ -14,7 +14,7 @@ from harness.metrics.divergence import divergence
 from harness.metrics.energy import energy_drift_final, energy_gain_max
 from harness.metrics.momentum import momentum_drift_max
 from harness.metrics.row import last_share_error, touching_last_share
-from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import Body, Scene, Surface
 
 GAPS, BALLS, SPEED = (1e-3, 0.0), 5, 0.5
 MASS, RADIUS, SPACING, RUN_UP = 0.1, 0.02, 0.5, 0.0313
@@ -30,12 +30,11 @@ def scene(gaps: Sequence[float] = GAPS, balls: int = BALLS, speed: float = SPEED
         for i in range(balls):
             x = (2 * RADIUS + gap) * i
             bodies.append(
-                Body(
-                    name=f"ball_{row}_{i}",
+                Body.ball(
+                    f"ball_{row}_{i}",
+                    RADIUS,
                     mass=MASS,
-                    inertia=sphere_inertia(MASS, RADIUS),
                     material=f"row_{row}",
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     p_WB=(x if i else x - RUN_UP, SPACING * row, 0.0),
                     v_WB=(0.0 if i else speed, 0.0, 0.0),
                 )

@@ -13,7 +13,7 @@ from harness.metrics.containment import escaped_share
 from harness.metrics.divergence import divergence
 from harness.metrics.energy import energy_drift_final, energy_growth_rate
 from harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
-from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, principal_inertia, sphere_inertia
+from harness.scene import Body, Box, PlacedShape, Scene, Surface, principal_inertia
 from harness.trajectory import Floats
 
 EDGE, SPEED = 6, 1.0
@@ -57,15 +57,7 @@ def scene(edge: float = EDGE, speed: float = SPEED, seed: int = 0) -> Scene:
         collision=_walls(inner),
     )
     spheres = [
-        Body(
-            name=f"sphere_{i}",
-            mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
-            material="sphere",
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-            p_WB=centre,
-            v_WB=velocity.tolist(),
-        )
+        Body.ball(f"sphere_{i}", RADIUS, mass=MASS, material="sphere", p_WB=centre, v_WB=velocity.tolist())
         for i, (centre, velocity) in enumerate(zip(places, _velocities(len(places), speed, seed), strict=True))
     ]
     return Scene(

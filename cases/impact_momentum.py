@@ -18,7 +18,7 @@ from harness.metrics.momentum import (
     momentum_drift_final,
     momentum_drift_max,
 )
-from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, box_inertia
+from harness.scene import Body, Scene, Surface, axis_angle
 
 FRICTION, SPEED, SPIN = 0.3, 1.0, 4.0
 MASS, HALF, AWAY = 1.0, 0.1, 0.5
@@ -38,11 +38,10 @@ def scene(friction: float = FRICTION, speed: float = SPEED, spin: float = SPIN, 
         aim = draw.uniform(-HALF, HALF, 3)
         way = aim - AWAY * corner
         cubes.append(
-            Body(
-                name=f"cube_{i}",
+            Body.box(
+                f"cube_{i}",
+                (HALF, HALF, HALF),
                 mass=MASS,
-                inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-                collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
                 p_WB=(AWAY * corner).tolist(),
                 q_WB=axis_angle((turned[0], turned[1], turned[2]), float(draw.uniform(0, np.pi))),
                 v_WB=(speed * way / np.linalg.norm(way)).tolist(),

@@ -16,7 +16,7 @@ from harness.metrics.angular_velocity import angular_velocity_error_final
 from harness.metrics.divergence import divergence
 from harness.metrics.position import position_error_final
 from harness.metrics.velocity import velocity_error_final
-from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import Body, Plane, Scene, Surface, sphere_inertia
 from harness.scene.values import Vector3
 from harness.trajectory import Floats, Trajectory
 from harness.truths.coulomb_impact import coulomb_impact
@@ -61,19 +61,18 @@ def scene(
 ) -> Scene:
     """Balls side by side along y with horizontal `velocities` [m/s] and `spins` [rad/s], coming down at `approach` [m/s]."""
     balls = [
-        Body(
-            name=f"ball_{i}",
+        Body.ball(
+            f"ball_{i}",
+            RADIUS,
             mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
             material="ball",
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             p_WB=(0.0, SPACING * i, RADIUS + HEIGHT + HIGHER * i),
             v_WB=v_W.tolist(),
             w_WB=w_W.tolist(),
         )
         for i, (v_W, w_W) in enumerate(_motions(velocities, spins, approach))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     law = Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction, restitution=restitution)
     return Scene(bodies=(ground, *balls), surfaces=(law,), gravity=(0.0, 0.0, 0.0), apart=(("ball", "ball"),))
 

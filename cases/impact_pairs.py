@@ -17,7 +17,7 @@ from harness.metrics.divergence import divergence
 from harness.metrics.momentum import momentum_drift_max
 from harness.metrics.position import position_error_final
 from harness.metrics.velocity import velocity_error_final
-from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import Body, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -52,12 +52,11 @@ def scene(ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) ->
     for row, (kind, *masses) in enumerate(_pairs(ratio, restitutions)):
         for side, mass, direction, speed in zip(("left", "right"), masses, (-1, 1), CLOSING, strict=True):
             balls.append(
-                Body(
-                    name=f"{side}_{row}",
+                Body.ball(
+                    f"{side}_{row}",
+                    RADIUS,
                     mass=mass,
-                    inertia=sphere_inertia(mass, RADIUS),
                     material=f"e_{kind}",
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     p_WB=(direction * (RADIUS + (GAP + WIDER * row) / 2), SPACING * row, 0.0),
                     v_WB=(speed, 0.0, 0.0),
                 )

@@ -8,7 +8,7 @@ from harness.metrics.contact_flips import contact_flips
 from harness.metrics.contact_force import support_force_error
 from harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
 from harness.metrics.penetration import penetration
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -23,17 +23,8 @@ SHARE = 0.01
 def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
     """A single box and, beside it, a column of n; all start exactly touching."""
     places = [(-1.0, 0.0, HALF)] + [(0.0, 0.0, HALF * (2 * i + 1)) for i in range(round(n))]
-    boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=centre,
-        )
-        for i, centre in enumerate(places)
-    ]
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=centre) for i, centre in enumerate(places)]
+    ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *boxes),
         surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),

@@ -52,7 +52,7 @@ def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
         p_WB=(0.0, 0.0, HALF),
         q_WB=q_WB,
     )
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 

@@ -17,7 +17,6 @@ from harness.scene import (
     Box,
     DepthCamera,
     DepthNoise,
-    PlacedShape,
     Plane,
     Scene,
     Shape,
@@ -62,7 +61,7 @@ PHASE = TimeOfFlightNoise(
 
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, look: Appearance) -> Body:
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, appearance=look)
+    return Body.fixed(name, shape, p_WB=p_WB, appearance=look)
 
 
 def _camera(name: str, noise: DepthNoise) -> DepthCamera:

@@ -8,7 +8,7 @@ from harness.case import Case, Check
 from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
 from harness.metrics.divergence import divergence
 from harness.metrics.silhouette import silhouette_iou
-from harness.scene import Body, DepthCamera, PlacedShape, Plane, Scene, axis_angle, multiply
+from harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
 from harness.sensors.pinhole import intrinsics, pixel_centres
 from harness.sensors.true_frames import stamps_up_to
 from harness.trajectory import Floats, Trajectory
@@ -27,13 +27,7 @@ GRAZING = 0.5
 
 def _scene(tilt: float = TILT, speed: float = SPEED) -> Scene:
     """A plane through (6, 0, 0), upright but for `tilt` [rad], and a camera that comes nearer at `speed` [m/s]."""
-    plane = Body(
-        name="plane",
-        motion="static",
-        collision=(PlacedShape(shape=Plane(normal=(-1.0, 0.0, 0.0))),),
-        p_WB=(6.0, 0.0, 0.0),
-        q_WB=axis_angle((0.2, 1.0, 0.3), tilt),
-    )
+    plane = Body.fixed("plane", Plane(normal=(-1.0, 0.0, 0.0)), p_WB=(6.0, 0.0, 0.0), q_WB=axis_angle((0.2, 1.0, 0.3), tilt))
     carrier = Body(name="carrier", motion="kinematic", p_WB=EYE, q_WB=axis_angle((1.0, 0.3, 0.2), 0.2), v_WB=(speed, 0.0, 0.0))
     camera = DepthCamera(
         name="depth",

@@ -7,7 +7,7 @@ from harness.metrics.depth_error import depth_error_max, depth_error_median, dep
 from harness.metrics.divergence import divergence
 from harness.metrics.pixel_error import pixel_error
 from harness.metrics.silhouette import silhouette_iou
-from harness.scene import Body, DepthCamera, PlacedShape, Scene, Sphere
+from harness.scene import Body, DepthCamera, Scene, Sphere
 from harness.sensors.true_frames import stamps_up_to, true_frames
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -29,10 +29,7 @@ LONGEST = 5.0
 
 def _scene(seen_by: str = "rays") -> Scene:
     """Six balls around a camera at the origin that looks along +z of W."""
-    balls = [
-        Body(name=f"ball_{k}", motion="static", collision=(PlacedShape(shape=Sphere(radius=radius)),), p_WB=centre)
-        for k, (radius, centre) in enumerate(BALLS)
-    ]
+    balls = [Body.fixed(f"ball_{k}", Sphere(radius=radius), p_WB=centre) for k, (radius, centre) in enumerate(BALLS)]
     camera = DepthCamera(name="depth", body="world", rate=RATE, far=8.0, seen_by=seen_by)  # type: ignore[arg-type]  # checked there
     return Scene(bodies=tuple(balls), sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 

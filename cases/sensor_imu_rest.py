@@ -8,7 +8,7 @@ from harness.case import Case, Check
 from harness.metrics.divergence import divergence
 from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
 from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import EARTH_GRAVITY, Body, Box, Imu, PlacedShape, Plane, Scene, Surface, axis_angle, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Imu, Plane, Scene, Surface, axis_angle
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
 
@@ -23,13 +23,8 @@ BORNE = 0.01
 def _scene() -> Scene:
     """A box that just touches a smooth plane, with a sensor off its centre, turned against it."""
     half = (HALF, HALF, HALF)
-    box = Body(
-        name="box",
-        inertia=box_inertia(1.0, half),
-        collision=(PlacedShape(shape=Box(half_extents=half)),),
-        p_WB=(0.0, 0.0, HALF),
-    )
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    box = Body.box("box", half, p_WB=(0.0, 0.0, HALF))
+    ground = Body.fixed("ground", Plane())
     imu = Imu(name="imu", body="box", rate=RATE, p_BS=(0.05, -0.03, 0.08), q_BS=MOUNTING)
     return Scene(bodies=(ground, box), surfaces=(Surface(),), sensors=(imu,))
 

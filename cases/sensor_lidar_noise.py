@@ -57,7 +57,7 @@ GRAZING = 0.015
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED) -> Body:
     look = Appearance(reflectivity=REFLECTIVITY)
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, q_WB=q_WB, appearance=look)
+    return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) -> Scene:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from harness.case import Case, Check
 from harness.metrics.divergence import divergence
 from harness.metrics.range_error import intensity_error_max, range_error_max, range_error_rms, range_false_return_share
-from harness.scene import WORLD, Body, ConvexHull, Lidar, PlacedShape, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
+from harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
 from harness.sensors.true_scans import true_scans
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -28,19 +28,9 @@ FACES = ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
     """Two turned polyhedra to the sides of a range finder that hangs in the world."""
-    hull = Body(
-        name="hull",
-        motion="static",
-        collision=(PlacedShape(shape=ConvexHull(vertices=HULL)),),
-        p_WB=(2.1, 0.3, 0.1),
-        q_WB=axis_angle((0.3, 0.2, 1.0), 0.6),
-    )
-    mesh = Body(
-        name="mesh",
-        motion="static",
-        collision=(PlacedShape(shape=TriangleMesh(vertices=OCTAHEDRON, faces=FACES)),),
-        p_WB=(-2.3, 0.7, -0.2),
-        q_WB=axis_angle((1.0, 0.4, 0.2), 0.8),
+    hull = Body.fixed("hull", ConvexHull(vertices=HULL), p_WB=(2.1, 0.3, 0.1), q_WB=axis_angle((0.3, 0.2, 1.0), 0.6))
+    mesh = Body.fixed(
+        "mesh", TriangleMesh(vertices=OCTAHEDRON, faces=FACES), p_WB=(-2.3, 0.7, -0.2), q_WB=axis_angle((1.0, 0.4, 0.2), 0.8)
     )
     lidar = Lidar(
         name="lidar",

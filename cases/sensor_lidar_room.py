@@ -40,10 +40,7 @@ def _scene(turning: float = TURNING) -> Scene:
         "north": ((x, t, z), (0.0, y + t, 0.0)),
         "south": ((x, t, z), (0.0, -y - t, 0.0)),
     }
-    walls = tuple(
-        Body(name=name, motion="static", collision=(PlacedShape(shape=Box(half_extents=half)),), p_WB=p)
-        for name, (half, p) in places.items()
-    )
+    walls = tuple(Body.fixed(name, Box(half_extents=half), p_WB=p) for name, (half, p) in places.items())
     axis = np.array(AXIS) / np.linalg.norm(AXIS)
     carrier = Body(
         name="carrier",

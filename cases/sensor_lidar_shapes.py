@@ -19,7 +19,6 @@ from harness.scene import (
     Capsule,
     Cylinder,
     Lidar,
-    PlacedShape,
     Plane,
     Quaternion,
     Scene,
@@ -43,7 +42,7 @@ EXACT = 1e-9
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED, reflectivity: float = 1.0) -> Body:
     look = Appearance(reflectivity=reflectivity)
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, q_WB=q_WB, appearance=look)
+    return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:

@@ -9,7 +9,7 @@ from harness.metrics.noise_independence import inertial_correlation_score
 from harness.metrics.noise_spectrum import inertial_spectrum_score
 from harness.metrics.range_noise import range_correlation_score, range_mean_score, range_spread_score
 from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, PlacedShape, Plane, Scene, axis_angle
+from harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
 from harness.trajectory import Floats, Trajectory
 
 DURATION, RATE, SCANS, LATENCY = 30.0, 200.0, 10.0, 0.015
@@ -28,7 +28,7 @@ def _scene(density: float = GYROSCOPE.density) -> Scene:
         ),
     )
     mount = axis_angle((1.0, 2.0, -0.5), 0.7)
-    floor = Body(name="floor", motion="static", collision=(PlacedShape(shape=Plane()),))
+    floor = Body.fixed("floor", Plane())
     sensors = (
         Imu(name="left", body=WORLD, rate=RATE, q_BS=mount, noise=law),
         Imu(name="right", body=WORLD, rate=RATE, q_BS=mount, latency=LATENCY, noise=law),

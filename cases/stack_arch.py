@@ -78,7 +78,7 @@ def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float 
     corners, away = voussoir(thickness * RADIUS, count)
     mass, inertia = _inertia(corners)
     hull = ConvexHull(vertices=tuple((float(x), y, float(z)) for x, z in corners for y in (-DEPTH / 2, DEPTH / 2)))
-    bodies = [Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))]
+    bodies = [Body.fixed("ground", Plane())]
     for i in range(count):
         # From the springing at -x over the crown to that at +x; a turn about y by t takes z to (sin t, 0, cos t).
         turn = math.pi * ((i + 0.5) / count - 0.5)

@@ -31,15 +31,7 @@ def scene(margin: float = MARGIN, angle: float = ANGLE) -> Scene:
     high = HALF[2] * math.cos(a) + HALF[0] * math.sin(a)
     for k, (name, friction) in enumerate((("firm", (1 + margin) * critical), ("loose", (1 - margin) * critical))):
         x = SPACING * k
-        bodies.append(
-            Body(
-                name=f"plate_{name}",
-                motion="static",
-                material=f"plate_{name}",
-                collision=(PlacedShape(shape=Box(half_extents=PLATE)),),
-                p_WB=(x, 0.0, -PLATE[2]),
-            )
-        )
+        bodies.append(Body.fixed(f"plate_{name}", Box(half_extents=PLATE), material=f"plate_{name}", p_WB=(x, 0.0, -PLATE[2])))
         bodies += [
             Body(
                 name=f"{side}_{name}",

@@ -27,14 +27,8 @@ def scene(ratio: float = RATIO, friction: float = FRICTION, drop: float = DROP) 
         Body(name=name, mass=MASS, inertia=box_inertia(MASS, (SMALL, SMALL, SMALL)), collision=cube, p_WB=(x, 0.0, SMALL))
         for name, x in (("left", -APART), ("right", APART))
     ]
-    heavy = Body(
-        name="heavy",
-        mass=ratio * MASS,
-        inertia=box_inertia(ratio * MASS, LARGE),
-        collision=(PlacedShape(shape=Box(half_extents=LARGE)),),
-        p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + drop),
-    )
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    heavy = Body.box("heavy", LARGE, mass=ratio * MASS, p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + drop))
+    ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *small, heavy),
         surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),

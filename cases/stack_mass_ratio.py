@@ -34,7 +34,7 @@ def scene(ratio: float = RATIO, friction: float = FRICTION) -> Scene:
         )
         for name, mass, height in (("light", MASS, HALF), ("heavy", ratio * MASS, 3 * HALF))
     ]
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 

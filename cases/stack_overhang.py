@@ -12,7 +12,7 @@ from harness.case import Axis, Case, Check
 from harness.metrics.divergence import divergence
 from harness.metrics.overhang import overhang_limit_error
 from harness.metrics.penetration import penetration
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.scene import Body, Box, Effect, Scene, Surface
 
 BRICKS, FRICTION, MASS = 4, 0.5, 1.0
 FACTORS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
@@ -28,25 +28,16 @@ def scene(n: float = BRICKS, factors: Sequence[float] = FACTORS, friction: float
     count = round(n)
     for i, factor in enumerate(factors):
         y = SPACING * i
-        bodies.append(
-            Body(
-                name=f"table_{i}",
-                motion="static",
-                material="table",
-                collision=(PlacedShape(shape=Box(half_extents=TABLE)),),
-                p_WB=(-TABLE[0], y, TABLE[2]),
-            )
-        )
+        bodies.append(Body.fixed(f"table_{i}", Box(half_extents=TABLE), material="table", p_WB=(-TABLE[0], y, TABLE[2])))
         end = 0.0
         for level in range(count):
             end += factor * HALF[0] / (count - level)
             bodies.append(
-                Body(
-                    name=f"brick_{i}_{level}",
+                Body.box(
+                    f"brick_{i}_{level}",
+                    HALF,
                     mass=MASS,
-                    inertia=box_inertia(MASS, HALF),
                     material="brick",
-                    collision=(PlacedShape(shape=Box(half_extents=HALF)),),
                     p_WB=(end - HALF[0], y, 2 * TABLE[2] + HALF[2] * (2 * level + 1)),
                 )
             )

@@ -9,7 +9,7 @@ from harness.case.shared_checks.rest import bears, settled_speed
 from harness.metrics.ejection import ejection_speed
 from harness.metrics.jitter import rest_drift
 from harness.metrics.stack import lean, residual_kinetic_energy
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -19,20 +19,14 @@ SETTLED, DURATION = 2.0, 3.0
 
 def _boxes(overlap: float) -> tuple[Body, Body]:
     return tuple(  # type: ignore[return-value]
-        Body(
-            name=name,
-            mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=(0.0, 0.0, height),
-        )
+        Body.box(name, (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, height))
         for name, height in (("lower", HALF), ("upper", HALF * (3 - 2 * overlap)))
     )
 
 
 def scene(overlap: float = OVERLAP, friction: float = FRICTION) -> Scene:
     """Two equal cubes, the lower on the ground, the upper inside of it by the share `overlap` of an edge."""
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, *_boxes(overlap)), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 

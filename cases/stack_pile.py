@@ -15,7 +15,7 @@ from harness.metrics.jitter import rest_drift
 from harness.metrics.overlap import overlap
 from harness.metrics.world_spread import world_spread
 from harness.props.robots.container import container
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -48,14 +48,7 @@ def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Sc
     count = round(n)
     mass = DENSITY * 4 / 3 * math.pi * RADIUS**3
     balls = [
-        Body(
-            name=f"ball_{k}",
-            mass=mass,
-            inertia=sphere_inertia(mass, RADIUS),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-            material="ball",
-            p_WB=(RADIUS * centre).tolist(),
-        )
+        Body.ball(f"ball_{k}", RADIUS, mass=mass, material="ball", p_WB=(RADIUS * centre).tolist())
         for k, centre in enumerate(packing(count))
     ]
     laws = tuple(

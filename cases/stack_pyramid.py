@@ -16,15 +16,10 @@ from harness.metrics.stack import lean, residual_kinetic_energy
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
-    Box,
     Effect,
-    PlacedShape,
     Plane,
     Scene,
-    Sphere,
     Surface,
-    box_inertia,
-    sphere_inertia,
 )
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -48,11 +43,10 @@ def bricks(rows: int) -> Iterator[Body]:
     """n bricks on the ground, n - 1 above them, and so on, in the plane y = 0."""
     for row in range(rows):
         for i in range(rows - row):
-            yield Body(
-                name=f"brick_{row}_{i}",
+            yield Body.box(
+                f"brick_{row}_{i}",
+                HALF,
                 mass=MASS,
-                inertia=box_inertia(MASS, HALF),
-                collision=(PlacedShape(shape=Box(half_extents=HALF)),),
                 material="brick",
                 p_WB=(PITCH * (i - (rows - row - 1) / 2), 0.0, HALF[2] * (2 * row + 1)),
             )
@@ -64,11 +58,10 @@ def balls(rows: int) -> Iterator[Body]:
     for row in range(rows):
         for i in range(row + 1):
             for j in range(row + 1):
-                yield Body(
-                    name=f"ball_{row}_{i}_{j}",
+                yield Body.ball(
+                    f"ball_{row}_{i}_{j}",
+                    RADIUS,
                     mass=MASS,
-                    inertia=sphere_inertia(MASS, RADIUS),
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     material="ball",
                     p_WB=(RADIUS * (2 * i - row) + PLACE, RADIUS * (2 * j - row), lowest + math.sqrt(2.0) * RADIUS * row),
                 )
@@ -76,13 +69,12 @@ def balls(rows: int) -> Iterator[Body]:
 
 def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
     """Both pyramids, beside each other, exactly touching."""
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     walls = [
-        Body(
-            name=name,
-            motion="static",
+        Body.fixed(
+            name,
+            Plane(normal=(x * math.sin(SLOPE), y * math.sin(SLOPE), math.cos(SLOPE))),
             material="wall",
-            collision=(PlacedShape(shape=Plane(normal=(x * math.sin(SLOPE), y * math.sin(SLOPE), math.cos(SLOPE)))),),
             p_WB=(PLACE, 0.0, 0.0),
         )
         for name, (x, y) in WALLS.items()

@@ -8,7 +8,7 @@ from harness.case.shared_checks.rest import GIVE, settled_speed, stands
 from harness.metrics.energy import energy_gain_max
 from harness.metrics.jitter import rest_drift
 from harness.metrics.stack import lean, stack_height_error
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -20,17 +20,8 @@ DURATION, SETTLED = 600.0, 60.0
 def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
     """n equal cubes, one on the other."""
     half = (HALF, HALF, HALF)
-    boxes = tuple(
-        Body(
-            name=f"box_{k}",
-            mass=MASS,
-            inertia=box_inertia(MASS, half),
-            collision=(PlacedShape(shape=Box(half_extents=half)),),
-            p_WB=(0.0, 0.0, HALF * (2 * k + 1)),
-        )
-        for k in range(round(n))
-    )
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    boxes = tuple(Body.box(f"box_{k}", half, mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * k + 1))) for k in range(round(n)))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 

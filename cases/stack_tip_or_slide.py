@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from harness.case import Case, Check
 from harness.metrics.tipping import tipping_angle_error, wrong_fates
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, axis_angle, rotate
 
 G = -EARTH_GRAVITY[2]
 ROUGH, SLIPPERY, MASS = 0.8, 0.3, 1.0
@@ -38,23 +38,14 @@ def scene(steepness: Sequence[float] = STEEPNESS, rough: float = ROUGH, slippery
             below = rotate(turn, (0.0, 0.0, -THICKNESS - HALF[2]))
             here = SPACING * (i + row * len(steepness))
             bodies += [
-                Body(
-                    name=f"{material}_{i}",
-                    motion="static",
+                Body.fixed(
+                    f"{material}_{i}",
+                    Box(half_extents=(length, WIDTH, THICKNESS)),
                     material=material,
-                    collision=(PlacedShape(shape=Box(half_extents=(length, WIDTH, THICKNESS))),),
                     p_WB=(below[0], here, below[2]),
                     q_WB=turn,
                 ),
-                Body(
-                    name=f"box_{material}_{i}",
-                    mass=MASS,
-                    inertia=box_inertia(MASS, HALF),
-                    material=f"box_{material}",
-                    collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-                    p_WB=(0.0, here, 0.0),
-                    q_WB=turn,
-                ),
+                Body.box(f"box_{material}_{i}", HALF, mass=MASS, material=f"box_{material}", p_WB=(0.0, here, 0.0), q_WB=turn),
             ]
     laws = tuple(Surface(between=(f"box_{m}", m), static_friction=mu, kinetic_friction=mu) for m, mu in rows)
     among = (("box_rough", "box_rough"), ("box_rough", "box_slippery"), ("box_slippery", "box_slippery"))

@@ -5,7 +5,7 @@ from harness.case.shared_checks.rest import GIVE, settled_speed, supported
 from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
 from harness.metrics.penetration import penetration
 from harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -18,17 +18,8 @@ STEADY = 1.0
 
 def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
     """n equal cubes, one on the other."""
-    boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=(0.0, 0.0, HALF * (2 * i + 1)),
-        )
-        for i in range(round(n))
-    ]
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(n))]
+    ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *boxes),
         surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),

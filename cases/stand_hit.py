@@ -23,7 +23,7 @@ from harness.metrics.momentum import (
 from harness.metrics.vibration import vibration_frequency, vibration_rms
 from harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
 from harness.props.robots.robot import MATERIAL
-from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, rotation_matrix, sphere_inertia
+from harness.scene import Body, Scene, Surface, rotation_matrix
 from harness.trajectory import Floats
 
 SPEED, SPIN, FRICTION, DAMPING = 3.0, 20.0, 0.5, 0.5
@@ -47,11 +47,10 @@ def scene(
     """The ball comes from the left at `speed` [m/s], spinning at `spin` [rad/s] about the vertical."""
     machine = quadruped(stiffness, damping)
     x, y, z = machine.bodies[0].p_WB
-    ball = Body(
-        name="ball",
+    ball = Body.ball(
+        "ball",
+        RADIUS,
         mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
         material="ball",
         p_WB=(x + AHEAD, y + TRUNK_HALF[1] + AWAY + RADIUS, z + ABOVE),
         v_WB=(0.0, -speed, 0.0),

@@ -23,9 +23,7 @@ FLOOR = (2.0, 2.0, 0.5)
 def scene(n: float = BODIES, seed: int = 0) -> Scene:
     """n boxes and balls by turns, one above the other, turned and shifted at random, falling on a floor."""
     draw = np.random.default_rng(seed)
-    bodies = [
-        Body(name="floor", motion="static", collision=(PlacedShape(shape=Box(half_extents=FLOOR)),), p_WB=(0.0, 0.0, -FLOOR[2]))
-    ]
+    bodies = [Body.fixed("floor", Box(half_extents=FLOOR), p_WB=(0.0, 0.0, -FLOOR[2]))]
     for k in range(round(n)):
         shape, inertia = (
             (Sphere(radius=RADIUS), sphere_inertia(MASS, RADIUS))

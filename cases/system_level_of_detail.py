@@ -30,7 +30,6 @@ from harness.scene import (
     EARTH_GRAVITY,
     WORLD,
     Body,
-    Box,
     ConvexHull,
     Effect,
     PlacedShape,
@@ -40,7 +39,6 @@ from harness.scene import (
     Sphere,
     Surface,
     TriangleMesh,
-    box_inertia,
     sphere_inertia,
 )
 from harness.trajectory import Floats, Integers, Trajectory
@@ -169,15 +167,7 @@ def scene(n: float = CAMS, facets: float = FACETS, geometry: str = GEOMETRY, rat
                 q_WB=tuple(_turned(np.array(angle)).tolist()),
                 w_WB=(0.0, -rate, 0.0),
             ),
-            Body(
-                name=f"follower_{k}",
-                mass=MASS,
-                inertia=box_inertia(MASS, HALF),
-                material="follower",
-                collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-                p_WB=place,
-                v_WB=(0.0, 0.0, rate * along),
-            ),
+            Body.box(f"follower_{k}", HALF, mass=MASS, material="follower", p_WB=place, v_WB=(0.0, 0.0, rate * along)),
         ]
         joints.append(Prismatic(name=f"rail_{k}", parent=WORLD, child=f"follower_{k}", anchor_W=place, axis_W=(0.0, 0.0, 1.0)))
     return Scene(

@@ -10,7 +10,7 @@ import numpy as np
 from harness.case import Axis, Case, Check
 from harness.metrics.balance import exit_time_error_rms, growth_exponent_error, lost_start_share, smallest_followed_start
 from harness.metrics.divergence import divergence
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Scene, Sphere, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -45,21 +45,8 @@ def scene(starts: float = STARTS, nearest: float = NEAREST, seed: int = 0) -> Sc
     for k, (tilt, azimuth, centre) in enumerate(zip(*_starts(starts, nearest, seed), _centres(round(starts)), strict=True)):
         aside = np.array([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)])
         bodies += [
-            Body(
-                name=f"bump_{k}",
-                motion="static",
-                material="bump",
-                collision=(PlacedShape(shape=Sphere(radius=BUMP)),),
-                p_WB=centre.tolist(),
-            ),
-            Body(
-                name=f"ball_{k}",
-                mass=MASS,
-                inertia=sphere_inertia(MASS, RADIUS),
-                material="ball",
-                collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-                p_WB=(centre + (REACH - DEPTH) * aside).tolist(),
-            ),
+            Body.fixed(f"bump_{k}", Sphere(radius=BUMP), material="bump", p_WB=centre.tolist()),
+            Body.ball(f"ball_{k}", RADIUS, mass=MASS, material="ball", p_WB=(centre + (REACH - DEPTH) * aside).tolist()),
         ]
     return Scene(
         bodies=tuple(bodies),

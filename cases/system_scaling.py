@@ -49,7 +49,7 @@ def scene(kind: str = "contact", n: float = COUNT, seed: int = 0) -> Scene:  # n
     if not touching:
         return Scene(bodies=tuple(cubes), gravity=(0.0, 0.0, 0.0))
     half = (edge * lattice + 5.0, edge * lattice + 5.0, 0.5)
-    floor = Body(name="floor", motion="static", collision=(PlacedShape(shape=Box(half_extents=half)),), p_WB=(0.0, 0.0, -0.5))
+    floor = Body.fixed("floor", Box(half_extents=half), p_WB=(0.0, 0.0, -0.5))
     law = Surface(static_friction=FRICTION, kinetic_friction=FRICTION)
     return Scene(bodies=(floor, *cubes), surfaces=(law,))
 

@@ -18,7 +18,7 @@ from harness.metrics.passage import (
     rest_speed,
     sink_depth,
 )
-from harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import Body, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -45,12 +45,11 @@ def scene(speed: float = SPEED, phases: int = PHASES, continuous: bool = True, s
     for i, way in enumerate(_ways(speed, phases, seed)):
         for side, name in ((-1.0, "left"), (1.0, "right")):
             spheres.append(
-                Body(
-                    name=f"{name}_{i}",
+                Body.ball(
+                    f"{name}_{i}",
+                    RADIUS,
                     mass=MASS,
-                    inertia=sphere_inertia(MASS, RADIUS),
                     material=name,
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     p_WB=(side * (RADIUS + float(way)), SPACING * i, 0.0),
                     v_WB=(-side * speed, 0.0, 0.0),
                 )

@@ -62,12 +62,8 @@ def scene(spin: float = SPIN, phases: int = PHASES, continuous: bool = True, see
         )
     middle = SPACING * (phases - 1) / 2
     posts = [
-        Body(
-            name=name,
-            motion="static",
-            material="post",
-            collision=(PlacedShape(shape=Capsule(radius=POST_RADIUS, half_length=middle + SPACING)),),
-            p_WB=(side * LEVER, 0.0, middle),
+        Body.fixed(
+            name, Capsule(radius=POST_RADIUS, half_length=middle + SPACING), material="post", p_WB=(side * LEVER, 0.0, middle)
         )
         for name, side in (("right", 1.0), ("left", -1.0))
     ]

@@ -11,7 +11,7 @@ import numpy as np
 from harness.case import Axis, Case, Check
 from harness.metrics.passage import sink_depth
 from harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import Body, Box, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -35,24 +35,19 @@ def scene(
     and says so, and with False every engine gives what its plain contacts give.
     """
     spheres = [
-        Body(
-            name=f"sphere_{i}",
+        Body.ball(
+            f"sphere_{i}",
+            RADIUS,
             mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
             material="sphere",
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             p_WB=(-float(way) - RADIUS, SPACING * i, 0.0),
             v_WB=(speed, 0.0, 0.0),
         )
         for i, way in enumerate(_starts(speed, phases, seed))
     ]
     middle = SPACING * (phases - 1) / 2
-    wall = Body(
-        name="wall",
-        motion="static",
-        material="wall",
-        collision=(PlacedShape(shape=Box(half_extents=(thickness / 2, middle + SPACING, 0.5))),),
-        p_WB=(thickness / 2, middle, 0.0),
+    wall = Body.fixed(
+        "wall", Box(half_extents=(thickness / 2, middle + SPACING, 0.5)), material="wall", p_WB=(thickness / 2, middle, 0.0)
     )
     return Scene(
         bodies=(wall, *spheres),

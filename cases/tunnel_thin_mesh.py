@@ -21,7 +21,7 @@ from harness.metrics.passage import (
     rest_speed,
     sink_depth,
 )
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, TriangleMesh, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, TriangleMesh
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -81,31 +81,23 @@ def scene(
         y = CELL * (row + (OFF_EDGE if row % 2 else 0.0)) + (2 * width if over_mesh else 0.0)
         height = speed * float(fall) + G * float(fall) ** 2 / 2
         balls.append(
-            Body(
-                name=f"ball_{i}",
+            Body.ball(
+                f"ball_{i}",
+                RADIUS,
                 mass=MASS,
-                inertia=sphere_inertia(MASS, RADIUS),
                 material="ball",
-                collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                 p_WB=(float(draw.uniform(0.0, CELL)), y, RADIUS + height),
                 v_WB=(slide, 0.0, -speed),
             )
         )
     half_x, middle_x = CELL * (ALONG[1] - ALONG[0]) / 2, CELL * (ALONG[1] + ALONG[0]) / 2
-    plate = Body(
-        name="plate",
-        motion="static",
+    plate = Body.fixed(
+        "plate",
+        Box(half_extents=(half_x, width / 2, thickness / 2)),
         material="ground",
-        collision=(PlacedShape(shape=Box(half_extents=(half_x, width / 2, thickness / 2))),),
         p_WB=(middle_x, width / 2 - CELL, -thickness / 2),
     )
-    mesh = Body(
-        name="mesh",
-        motion="static",
-        material="ground",
-        collision=(PlacedShape(shape=_slab(rows, thickness)),),
-        p_WB=(0.0, 2 * width, 0.0),
-    )
+    mesh = Body.fixed("mesh", _slab(rows, thickness), material="ground", p_WB=(0.0, 2 * width, 0.0))
     return Scene(
         bodies=(plate, mesh, *balls),
         surfaces=(Surface(between=("ball", "ground")),),

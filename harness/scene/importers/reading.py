@@ -282,17 +282,7 @@ def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
     rows = []
     if len(links) > len(merged):
         alone = [name for name in links if name not in set(merged) and (name != WORLD or made.groups[name].geometries)]
-        rows.append(Fidelity(element="link", name=listed(alone), count=len(alone), outcome="exact", becomes="body"))
-    if merged:
-        rows.append(
-            Fidelity(
-                element="link",
-                name=listed(merged),
-                count=len(merged),
-                outcome="exact",
-                becomes="merged with what it is fixed to",
-            )
-        )
-    if joints:
-        rows.append(Fidelity(element="joint", name=listed(joints), count=len(joints), outcome="exact", becomes="joint"))
+        rows += Fidelity.exact("link", alone, "body")
+    rows += Fidelity.exact("link", merged, "merged with what it is fixed to")
+    rows += Fidelity.exact("joint", joints, "joint")
     return rows

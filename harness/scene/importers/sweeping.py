@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from harness.intake.refusal import listed
 from harness.scene.importers.consequences import Massive
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Robot
@@ -58,18 +57,14 @@ def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> tuple[Robot, list
     )
     slow = [c.name for c in moving if _frequency(c, _reach(c)[1]) < FREQUENCY]
     if slow:
-        rows.append(
-            Fidelity(
-                element="sweep",
-                name=listed(slow),
-                count=len(slow),
-                outcome="exact",
-                becomes="a slower sinusoid",
-                consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
-                "goes there and back at",
-                value=min(_frequency(c, _reach(c)[1]) for c in moving),
-                unit="Hz",
-            )
+        rows += Fidelity.exact(
+            "sweep",
+            slow,
+            "a slower sinusoid",
+            consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
+            "goes there and back at",
+            value=min(_frequency(c, _reach(c)[1]) for c in moving),
+            unit="Hz",
         )
     return replace(driven, links=made), rows
 

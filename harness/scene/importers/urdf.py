@@ -12,7 +12,6 @@ import numpy as np
 
 from harness.intake.allowance import beyond
 from harness.intake.documents import named
-from harness.intake.refusal import listed
 from harness.intake.safe_text import readable
 from harness.scene.importers import urdf_grammar, urdf_shapes
 from harness.scene.importers.fidelity import Fidelity
@@ -201,16 +200,7 @@ def _rows(joints: list[Element], foreign: dict[str, int]) -> list[Fidelity]:
     ]
     for tag in ("safety_controller", "calibration"):
         having = [joint.attributes["name"] for joint in joints if joint.first(tag) is not None]
-        if having:
-            rows.append(
-                Fidelity(
-                    element=tag,
-                    name=listed(having),
-                    count=len(having),
-                    outcome="left_out",
-                    consequence="a controller's own, no part of the motion of the links",
-                )
-            )
+        rows += Fidelity.left_out(tag, having, "a controller's own, no part of the motion of the links")
     ignored = [
         joint.attributes["name"]
         for joint in joints
@@ -218,15 +208,5 @@ def _rows(joints: list[Element], foreign: dict[str, int]) -> list[Fidelity]:
         and (limit := joint.first("limit")) is not None
         and limit.attributes.keys() & {"lower", "upper"}
     ]
-    if ignored:
-        rows.append(
-            Fidelity(
-                element="limit",
-                name=listed(ignored),
-                count=len(ignored),
-                outcome="left_out",
-                becomes="no range",
-                consequence="a continuous joint has none, as the format says",
-            )
-        )
+    rows += Fidelity.left_out("limit", ignored, "a continuous joint has none, as the format says", becomes="no range")
     return rows

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.refusal import RobotError, listed
+from harness.intake.refusal import RobotError
 from harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
 from harness.scene.importers.decomposition import pieces_of
 from harness.scene.importers.fidelity import Fidelity
@@ -127,44 +127,26 @@ class Shapes:
         if self._excess:
             known = [value for value in self._excess.values() if value == value]
             what = "the hull's volume exceeds" if self._convex is None else "the pieces' volumes together exceed"
-            rows.append(
-                Fidelity(
-                    element="collision mesh",
-                    name=listed(list(self._excess)),
-                    count=len(self._excess),
-                    outcome="approximated",
-                    becomes="convex hull"
-                    if self._convex is None
-                    else f"{sum(self._pieces.values())} convex pieces by CoACD, at most {self._convex} a mesh",
-                    consequence=f"contacts where the mesh is hollow; {what} a closed mesh's by at most"
-                    if known
-                    else "contacts where the mesh is hollow; the mesh is open, so that its volume is not known",
-                    value=max(known) if known else None,
-                    unit="1" if known else "",
-                )
+            rows += Fidelity.approximated(
+                "collision mesh",
+                list(self._excess),
+                "convex hull"
+                if self._convex is None
+                else f"{sum(self._pieces.values())} convex pieces by CoACD, at most {self._convex} a mesh",
+                consequence=f"contacts where the mesh is hollow; {what} a closed mesh's by at most"
+                if known
+                else "contacts where the mesh is hollow; the mesh is open, so that its volume is not known",
+                value=max(known) if known else None,
+                unit="1" if known else "",
             )
         for why, links in self._missing.items():
-            rows.append(
-                Fidelity(
-                    element="collision mesh",
-                    name=listed(links),
-                    count=len(links),
-                    outcome="left_out",
-                    consequence=f"{why}: nothing touches these shapes, masses and joints stay as they are",
-                )
+            rows += Fidelity.left_out(
+                "collision mesh", links, f"{why}: nothing touches these shapes, masses and joints stay as they are"
             )
         for links, word in ((self._filled, "mass and inertia"), (self._spread, "inertia")):
-            if links:
-                rows.append(
-                    Fidelity(
-                        element="inertial",
-                        name=listed(links),
-                        count=len(links),
-                        outcome="approximated",
-                        becomes=f"{word} of the collision shapes, filled evenly",
-                        consequence="the file gives none",
-                    )
-                )
+            rows += Fidelity.approximated(
+                "inertial", links, f"{word} of the collision shapes, filled evenly", consequence="the file gives none"
+            )
         if self._drawn:
             rows.append(
                 Fidelity(

@@ -4,7 +4,8 @@ from typing import Literal
 
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Quaternion, Vector3
+from harness.scene.mount import Mount
+from harness.scene.values import FROZEN, Finite, NonNegative, Positive, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -52,7 +53,7 @@ class ImuNoise:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class Imu:
+class Imu(Mount):
     """Accelerometer (specific force) and gyroscope at p_BS [m], turned by q_BS, read `rate` [Hz] times a second.
 
     Terms:
@@ -60,11 +61,6 @@ class Imu:
         reading: 'native' takes the engine's own sensor where it has one, 'states' differences the velocities in any engine.
     """
 
-    name: Name
-    body: Name
-    rate: Positive
-    p_BS: Vector3 = (0.0, 0.0, 0.0)
-    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
     latency: NonNegative = 0.0
     reading: Literal["native", "states"] = "native"
     noise: ImuNoise | None = None

@@ -184,5 +184,5 @@ def test_impulses_and_the_coefficient_are_as_planted_and_nothing_is_swallowed() 
     assert np.isnan(painleve_coefficient(scene, run))
     with pytest.raises(NotMeasurable, match="no rod"):
         painleve_coefficient(
-            replace(scene, bodies=(scene.bodies[0], replace(scene.bodies[1], collision=scene.bodies[1].collision[:1]))), run
+            replace(scene, bodies=(scene.bodies[0], replace(scene.bodies[1], collision=scene.bodies[1].collision[:1]))), _rod()
         )

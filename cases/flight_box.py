@@ -3,12 +3,12 @@
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
-from harness.metrics.attitude import ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.metrics.angular_velocity import angular_velocity_error_max
+from harness.metrics.attitude import attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_max
+from harness.metrics.velocity import velocity_error_max
+from harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -20,14 +20,7 @@ SINGLE = 2.0**-24
 
 def scene(speed: float = SPEED, spin: float = SPIN) -> Scene:
     """A box that could touch, thrown upwards at `speed` [m/s], turning about its longest axis at `spin` [rad/s]."""
-    box = Body(
-        name="box",
-        mass=MASS,
-        inertia=box_inertia(MASS, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        v_WB=(1.0, 0.0, speed),
-        w_WB=(0.0, 0.0, spin),
-    )
+    box = Body.box("box", HALF, mass=MASS, v_WB=(1.0, 0.0, speed), w_WB=(0.0, 0.0, spin))
     return Scene(bodies=(box,), surfaces=(Surface(),), narrow=Effect.GYROSCOPIC)
 
 
@@ -63,27 +56,27 @@ CASE = Case(
     expected=expected,
     parameters={"speed": SPEED, "spin": SPIN},
     duration=DURATION,
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a parabola never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a parabola never diverges"),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, speed=SPEED: 1.01 * G * dt * DURATION / 2 + _rounding(dt, speed) * DURATION,
             because="semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single precision more",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_rounding,
             because="under a constant force every one-step method gives velocity exactly; what is left is a rounding a step",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_MAX,
+            metric=angular_velocity_error_max,
             at_most=_rounding,
             because="about a principal axis no torque acts: the same roundings, of a rate below the speed",
         ),
         Check(
-            metric=ATTITUDE_MAX,
+            metric=attitude_error_max,
             at_most=_attitude,
             because="q + dt/2 w q, brought back to length one, turns by 2 atan(w dt/2) = w dt - (w dt)^3/12 a step, the "
             "largest error among the usual updates; two roundings a step, of rate and attitude, more",

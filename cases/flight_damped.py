@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
+from harness.metrics.angular_velocity import angular_velocity_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_max
 from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
 from harness.scene.values import Vector3
 from harness.trajectory import Floats, Trajectory
@@ -98,28 +98,28 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"velocity": VELOCITY, "spin": SPIN, "linear_damping": LINEAR, "angular_damping": ANGULAR},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="damping calms: no speed can grow beyond all bounds"),
+        Check(metric=divergence, at_most=0.0, because="damping calms: no speed can grow beyond all bounds"),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_velocity,
             because="damping as a factor 1 - c dt after gravity ends g dt below the terminal speed and decays at c + c^2 dt/2; "
             "the two errors are added at their worst and taken twice for higher orders. A coefficient that is off by 5 % "
             "misses the terminal speed by 0.25 m/s",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=_position,
             because="the largest error of the velocity for the whole flight, and half a step of its change for a scheme that "
             "keeps position and velocity half a step apart",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_MAX,
+            metric=angular_velocity_error_max,
             at_most=_spin,
             because="a factor 1 - c dt decays at c + c^2 dt/2, worst at c t = 1: w0 c dt/(2 e), taken twice for higher orders",
         ),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

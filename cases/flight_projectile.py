@@ -3,12 +3,12 @@
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
-from harness.metrics.attitude import ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX, POSITION_RMS
-from harness.metrics.velocity import VELOCITY_MAX
+from harness.metrics.angular_velocity import angular_velocity_error_max
+from harness.metrics.attitude import attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from harness.metrics.position import position_error_final, position_error_max, position_error_rms
+from harness.metrics.velocity import velocity_error_max
 from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
 from harness.scene.values import Vector3
 from harness.trajectory import Floats, Trajectory
@@ -73,29 +73,29 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"velocity": VELOCITY, "mass": 1.0, "radius": 0.1},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a parabola never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a parabola never diverges"),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=_first_order,
             because="semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single-precision "
             "rounding are added. Damping of 0.04/s would add 0.04 v t^2/2 = 0.25 m sideways alone",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_rounding,
             because="under a constant force every one-step method gives velocity exactly; what is left is one rounding a step, "
             "counted in single precision and all in one direction",
         ),
-        Check(metric=ATTITUDE_MAX, at_most=1e-6, because="nothing turns the body; 1e-6 rad is single-precision rounding"),
-        Check(metric=ANGULAR_VELOCITY_MAX, at_most=1e-6, because="nothing turns the body; single-precision rounding"),
+        Check(metric=attitude_error_max, at_most=1e-6, because="nothing turns the body; 1e-6 rad is single-precision rounding"),
+        Check(metric=angular_velocity_error_max, at_most=1e-6, because="nothing turns the body; single-precision rounding"),
         Check(
-            metric=ENERGY_MAX,
+            metric=energy_drift_max,
             at_most=_energy,
             because="kinetic energy is exact, so energy errs by m g times the position error, over the largest kinetic energy",
         ),
     ),
-    observe=(POSITION_RMS, POSITION_FINAL, ENERGY_STAGGERED),
+    observe=(position_error_rms, position_error_final, energy_drift_staggered_max),
 )

@@ -7,11 +7,11 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_FINAL, VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.angular_velocity import angular_velocity_error_final
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_final, velocity_error_max
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rolling import rolling
 
@@ -24,17 +24,10 @@ SOLID = 0.4
 
 def _scene(speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> Scene:
     """A ball on the ground with `speed` [m/s] along x and `spin` [rad/s] about y, where speed/r would be rolling."""
-    ball = Body(
-        name="ball",
-        mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-        material="ball",
-        p_WB=(0.0, 0.0, RADIUS),
-        v_WB=(speed, 0.0, 0.0),
-        w_WB=(0.0, spin, 0.0),
+    ball = Body.ball(
+        "ball", RADIUS, mass=MASS, material="ball", p_WB=(0.0, 0.0, RADIUS), v_WB=(speed, 0.0, 0.0), w_WB=(0.0, spin, 0.0)
     )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, ball),
         surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
@@ -68,30 +61,30 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION},
-    headline=VELOCITY_MAX.name,
+    headline=velocity_error_max.name,
     converges="once",
     scale=SPEED,
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
         Check(
-            metric=VELOCITY_FINAL,
+            metric=velocity_error_final,
             at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / 2,
             because="friction exchanges speed and spin at a fixed rate, so that the final speed does not hang on when it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, speed=SPEED, friction=FRICTION: _speed(dt, friction) * DURATION + speed * dt,
             because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_FINAL,
+            metric=angular_velocity_error_final,
             at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / (SOLID * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
@@ -99,5 +92,5 @@ CASE = Case(
         # It slips until 2 (v0 - r w0)/(7 mu g) = 0.78 s.
         *forces_obey_coulomb(end=0.7),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

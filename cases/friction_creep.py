@@ -5,11 +5,11 @@ import math
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.creep import CREEP_SPEED
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.metrics.creep import creep_speed
+from harness.metrics.divergence import divergence
+from harness.metrics.jitter import rms_speed
+from harness.metrics.position import position_error_final, position_error_max
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -21,15 +21,8 @@ HALF = (0.1, 0.1, 0.05)
 def _scene(angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Scene:
     """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
     lean = math.radians(angle)
-    box = Body(
-        name="box",
-        mass=mass,
-        inertia=box_inertia(mass, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        material="box",
-        p_WB=(0.0, 0.0, HALF[2]),
-    )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    box = Body.box("box", HALF, mass=mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, box),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
@@ -64,24 +57,24 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"angle": ANGLE, "friction": FRICTION, "mass": MASS},
-    headline=CREEP_SPEED.name,
+    headline=creep_speed.name,
     scale=1e-3,
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what rests stays where it is"),
+        Check(metric=divergence, at_most=0.0, because="what rests stays where it is"),
         Check(
-            metric=CREEP_SPEED,
+            metric=creep_speed,
             at_most=1e-5,
             start=SETTLED,
             because="ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
             "holding an object would see; Coulomb's law allows none",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, angle=ANGLE: 2 * G * math.sin(math.radians(angle)) * dt**2 + GIVE,
             because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(RMS_SPEED, POSITION_FINAL),
+    observe=(rms_speed, position_error_final),
 )

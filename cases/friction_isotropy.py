@@ -11,9 +11,9 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
-from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.metrics.isotropy import heading_error, polar_spread
+from harness.metrics.slide import centre_rise, stop_distance_error
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -35,18 +35,17 @@ def _spacing(friction: float, speed: float) -> float:
 def scene(directions: int = DIRECTIONS, friction: float = FRICTION, speed: float = SPEED) -> Scene:
     """`directions` boxes in a row along y, touching the ground, pushed at `speed` [m/s] at azimuths from x to y."""
     boxes = [
-        Body(
-            name=f"box_{i}",
+        Body.box(
+            f"box_{i}",
+            HALF,
             mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
             material="box",
             p_WB=(0.0, _spacing(friction, speed) * i, HALF[2]),
             v_WB=(speed * math.cos(azimuth), speed * math.sin(azimuth), 0.0),
         )
         for i, azimuth in enumerate(_azimuths(directions))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *boxes),
         surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),
@@ -88,25 +87,25 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=POLAR_SPREAD,
+            metric=polar_spread,
             at_most=_step,
             because="each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
             "relative to v0^2/(2 mu g)",
         ),
         Check(
-            metric=HEADING_ERROR,
+            metric=heading_error,
             at_most=_step,
             because="friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
             "would end v0 dt aside",
         ),
         Check(
-            metric=STOP_DISTANCE_ERROR,
+            metric=stop_distance_error,
             at_most=lambda dt, friction=FRICTION, speed=SPEED: 1.5 * _step(dt, friction, speed),
             because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
         ),
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    observe=(CENTRE_RISE,),
+    observe=(centre_rise,),
     headline="polar_spread",
 )

@@ -11,10 +11,10 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
+from harness.metrics.angular_velocity import angular_velocity_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_max
 from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rolling import rolling
@@ -41,7 +41,7 @@ def _scene(angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[f
         )
         for i, k in enumerate(factors)
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *bodies),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
@@ -78,27 +78,27 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"angle": ANGLE, "friction": FRICTION, "factors": FACTORS},
-    headline=VELOCITY_MAX.name,
+    headline=velocity_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, angle=ANGLE: _speed(dt, angle) * DURATION,
             because="the error of the speed all the way; half a step of way is less than that",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_MAX,
+            metric=angular_velocity_error_max,
             at_most=lambda dt, angle=ANGLE, factors=FACTORS: _speed(dt, angle) / (min(factors) * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

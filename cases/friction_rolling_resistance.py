@@ -9,11 +9,11 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.divergence import divergence
+from harness.metrics.jitter import rms_speed
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_max
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -34,11 +34,10 @@ def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -
     """One ball for each coefficient [m], side by side along y, rolling along x at `speed` [m/s]."""
     materials = [f"ball_{i}" for i in range(len(coefficients))]
     balls = [
-        Body(
-            name=material,
+        Body.ball(
+            material,
+            RADIUS,
             mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material=material,
             p_WB=(0.0, SPACING * i, RADIUS),
             v_WB=(speed, 0.0, 0.0),
@@ -46,7 +45,7 @@ def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -
         )
         for i, material in enumerate(materials)
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *balls),
         surfaces=tuple(
@@ -88,24 +87,24 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"speed": SPEED, "coefficients": COEFFICIENTS},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a ball that slows down never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a ball that slows down never diverges"),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
             "k)) each, for the largest coefficient",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, speed=SPEED, coefficients=COEFFICIENTS: _speed(dt, coefficients) * DURATION + speed * dt,
             because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=_speed,
             start=DURATION - 0.25,
             because="all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a "
@@ -113,5 +112,5 @@ CASE = Case(
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

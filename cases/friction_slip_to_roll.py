@@ -9,10 +9,10 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_FINAL, VELOCITY_MAX
+from harness.metrics.angular_velocity import angular_velocity_error_final
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_final, velocity_error_max
 from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rolling import rolling
@@ -38,7 +38,7 @@ def _scene(speed: float = SPEED, friction: float = FRICTION, factors: Sequence[f
         )
         for i, k in enumerate(factors)
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *bodies),
         surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
@@ -74,30 +74,30 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"speed": SPEED, "friction": FRICTION, "factors": FACTORS},
-    headline=VELOCITY_MAX.name,
+    headline=velocity_error_max.name,
     converges="once",
     scale=SPEED,
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a rolling ball never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
         Check(
-            metric=VELOCITY_FINAL,
+            metric=velocity_error_final,
             at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / 2,
             because="what friction takes from the speed it gives to the spin, so that v0/(1 + k) comes out whenever it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, speed=SPEED, friction=FRICTION: _speed(dt, friction) * DURATION + speed * dt,
             because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_FINAL,
+            metric=angular_velocity_error_final,
             at_most=lambda dt, friction=FRICTION, factors=FACTORS: _speed(dt, friction) / (min(factors) * RADIUS),
             because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
@@ -105,5 +105,5 @@ CASE = Case(
         # The solid ball is the first to roll, after 0.49 s.
         *forces_obey_coulomb(end=0.45),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

@@ -10,10 +10,10 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL, ANGULAR_VELOCITY_MAX
-from harness.metrics.attitude import ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_MAX
+from harness.metrics.angular_velocity import angular_velocity_error_final, angular_velocity_error_max
+from harness.metrics.attitude import attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_max
 from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -39,7 +39,7 @@ def _scene(spin: float = SPIN, friction: float = FRICTION) -> Scene:
         p_WB=(0.0, 0.0, LOW + FOOT),
         w_WB=(0.0, 0.0, spin),
     )
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, stool),
         surfaces=(Surface(between=("stool", "ground"), static_friction=friction, kinetic_friction=friction),),
@@ -80,30 +80,30 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"spin": SPIN, "friction": FRICTION},
-    headline=ANGULAR_VELOCITY_MAX.name,
+    headline=angular_velocity_error_max.name,
     converges="once",
     scale=SPIN,
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a spin that is braked never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a spin that is braked never diverges"),
         Check(
-            metric=ANGULAR_VELOCITY_MAX,
+            metric=angular_velocity_error_max,
             at_most=_rate,
             because="a first step without a contact and a last one rubbed through to its end: mu m g rho dt/I each",
         ),
         Check(
-            metric=ATTITUDE_MAX,
+            metric=attitude_error_max,
             at_most=lambda dt, spin=SPIN, friction=FRICTION: _rate(dt, friction) * DURATION + abs(spin) * dt,
             because="the error of the spin all the way, and a staggered scheme's half step of turning, taken twice",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt: 2 * G * dt**2 + GIVE,
             because="the feet's forces along the ground cancel; a first step of free fall, and a millimetre for contacts that "
             "give way",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_FINAL,
+            metric=angular_velocity_error_final,
             at_most=lambda dt, friction=FRICTION: deceleration(friction) * dt,
             because="at rest friction takes any spin that is less than it can take in a step",
         ),

@@ -12,22 +12,10 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import (
-    EARTH_GRAVITY,
-    Body,
-    Box,
-    Distance,
-    Effect,
-    PlacedShape,
-    Plane,
-    Scene,
-    Spring,
-    Surface,
-    box_inertia,
-)
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_max
+from harness.scene import EARTH_GRAVITY, Body, Distance, Effect, Plane, Scene, Spring, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -40,16 +28,9 @@ HALF = (0.2, 0.2, 0.05)
 
 def _scene(static: float = STATIC, kinetic: float = KINETIC, stiffness: float = STIFFNESS, drawn: float = DRAWN) -> Scene:
     """A block on the ground and a puller `REST` m ahead of its centre that moves on at `drawn` [m/s], with a slack spring."""
-    block = Body(
-        name="block",
-        mass=MASS,
-        inertia=box_inertia(MASS, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        material="block",
-        p_WB=(0.0, 0.0, HALF[2]),
-    )
+    block = Body.box("block", HALF, mass=MASS, material="block", p_WB=(0.0, 0.0, HALF[2]))
     puller = Body(name="puller", motion="kinematic", p_WB=(REST, 0.0, HALF[2]), v_WB=(drawn, 0.0, 0.0))
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     line = Distance(
         name="spring",
         parent="puller",
@@ -141,23 +122,23 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"static": STATIC, "kinetic": KINETIC, "stiffness": STIFFNESS, "drawn": DRAWN},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="friction and a spring keep the block within reach"),
+        Check(metric=divergence, at_most=0.0, because="friction and a spring keep the block within reach"),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, **block: _way(dt, **block) + GIVE,
             because="break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step: "
             "three steps of way a slip, and a millimetre for contacts that give way before they hold",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="the swing's acceleration over the time by which it is late, and one step of friction at its end",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

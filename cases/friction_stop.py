@@ -11,9 +11,9 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.metrics.jitter import rms_speed
+from harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
+from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -27,18 +27,10 @@ def scene(frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> Scene
     """One box for each coefficient, side by side along y, touching the ground and moving along x at `speed` [m/s]."""
     materials = [f"box_{i}" for i in range(len(frictions))]
     boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-            material=materials[i],
-            p_WB=(0.0, SPACING * i, HALF[2]),
-            v_WB=(speed, 0.0, 0.0),
-        )
+        Body.box(f"box_{i}", HALF, mass=MASS, material=materials[i], p_WB=(0.0, SPACING * i, HALF[2]), v_WB=(speed, 0.0, 0.0))
         for i in range(len(frictions))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *boxes),
         surfaces=tuple(
@@ -87,25 +79,25 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=STOP_DISTANCE_ERROR,
+            metric=stop_distance_error,
             at_most=_way,
             because="a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
             "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
         ),
         Check(
-            metric=STOP_TIME_ERROR,
+            metric=stop_time_error,
             at_most=_time,
             because="one step without a contact at the start, the resolution of what is told at the end; relative to the "
             "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),
         Check(
-            metric=CENTRE_RISE,
+            metric=centre_rise,
             at_most=lambda dt: G * dt**2 + GIVE,
             because="nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
             "moves at most g dt for dt; and one that gives way by a millimetre may swing up by as much",
         ),
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt, frictions=FRICTIONS: min(frictions) * G * dt,
             because="friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
             start=1.25,

@@ -11,8 +11,8 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.creep import CREEP_SPEED
-from harness.metrics.threshold import INCLINE_ACCELERATION_ERROR, THRESHOLD_ANGLE_ERROR
+from harness.metrics.creep import creep_speed
+from harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
 from harness.trajectory import Floats, Trajectory
 
@@ -107,19 +107,19 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=THRESHOLD_ANGLE_ERROR,
+            metric=threshold_angle_error,
             at_most=0.01,
             because="the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
         Check(
-            metric=INCLINE_ACCELERATION_ERROR,
+            metric=incline_acceleration_error,
             at_most=_late,
             because="the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
             "s/t^2 sees as an acceleration of 2 g sin(angle) dt/t; sin < tan = 0.75 at the steepest",
         ),
         Check(
-            metric=CREEP_SPEED,
+            metric=creep_speed,
             at_most=_creep,
             because="a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
             start=DURATION / 2,

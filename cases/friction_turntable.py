@@ -7,11 +7,11 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.radius import RADIUS_MAX
-from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.radius import radius_error_max
+from harness.metrics.velocity import velocity_error_max
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -43,16 +43,7 @@ def _scene(rate: float = RATE, start: float = START) -> Scene:
         p_WB=(0.0, 0.0, -HALF[2]),
         w_WB=(0.0, 0.0, rate),
     )
-    ball = Body(
-        name="ball",
-        mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-        material="ball",
-        p_WB=p[0].tolist(),
-        v_WB=v[0].tolist(),
-        w_WB=w[0].tolist(),
-    )
+    ball = Body.ball("ball", RADIUS, mass=MASS, material="ball", p_WB=p[0].tolist(), v_WB=v[0].tolist(), w_WB=w[0].tolist())
     return Scene(
         bodies=(table, ball),
         surfaces=(Surface(between=("ball", "table"), static_friction=FRICTION, kinetic_friction=FRICTION),),
@@ -94,24 +85,24 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"rate": RATE, "start": START},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="once",
     scale=START,
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a circle never diverges"),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=_position,
             because="friction of the start or of the end of a step turns the velocity half a step early or late, which widens "
             "or narrows the circle by W' dt/2 for each radian of it; taken four times for a first step without a contact",
         ),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_velocity,
             because="the speed on a circle that much off, and half a step of turning, taken twice",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(POSITION_FINAL, RADIUS_MAX),
+    observe=(position_error_final, radius_error_max),
 )

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.creep import CREEP_SPEED
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.velocity import VELOCITY_MAX
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.metrics.creep import creep_speed
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.velocity import velocity_error_max
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -30,24 +30,11 @@ def _scene(push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Scene:
     """One box for each coefficient, side by side along y, against a wall in the plane x = 0, pushed by `push` times its "
     "weight."""
     boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-            material=f"box_{i}",
-            p_WB=(-HALF[0], SPACING * i, 0.0),
-        )
+        Body.box(f"box_{i}", HALF, mass=MASS, material=f"box_{i}", p_WB=(-HALF[0], SPACING * i, 0.0))
         for i in range(len(frictions))
     ]
     width = SPACING * len(frictions)
-    wall = Body(
-        name="wall",
-        motion="static",
-        material="wall",
-        collision=(PlacedShape(shape=Box(half_extents=(THICKNESS, width, LONG))),),
-        p_WB=(THICKNESS, 0.0, 0.0),
-    )
+    wall = Body.fixed("wall", Box(half_extents=(THICKNESS, width, LONG)), material="wall", p_WB=(THICKNESS, 0.0, 0.0))
     names = [box.material for box in boxes]
     return Scene(
         bodies=(wall, *boxes),
@@ -90,23 +77,23 @@ CASE = Case(
     duration=DURATION,
     parameters={"push": PUSH, "frictions": FRICTIONS},
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a sliding box never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a sliding box never diverges"),
         Check(
-            metric=VELOCITY_MAX,
+            metric=velocity_error_max,
             at_most=_speed,
             because="a first step without a contact is a step of free fall, taken twice",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt: _speed(dt) * DURATION + 1e-3,
             because="the error of the speed all the way, and a millimetre for contacts that give way under the push",
         ),
         Check(
-            metric=CREEP_SPEED,
+            metric=creep_speed,
             at_most=1e-4,
             start=0.5,
             because="a tenth of a millimetre a second: a gripper that holds an object for ten seconds loses a millimetre. "
@@ -114,5 +101,5 @@ CASE = Case(
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

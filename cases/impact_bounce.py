@@ -14,15 +14,15 @@ from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum
 from harness.case.shared_checks.impact import SPRING_STEPS
 from harness.metrics.restitution import (
-    BOUNCE_GAIN,
-    BOUNCE_HEIGHT_ERROR,
-    BOUNCING_TIME_ERROR,
     HOP,
-    IMPACT_TIME_ERROR,
-    LATER_RESTITUTION_ERROR,
-    RESTITUTION_ERROR,
+    bounce_gain,
+    bounce_height_error,
+    bouncing_time_error,
+    impact_time_error,
+    later_restitution_error,
+    restitution_error,
 )
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -39,17 +39,10 @@ def scene(restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radi
     """One ball for each restitution, side by side along y, its lowest point `drop` [m] over the ground."""
     materials = [f"ball_{i}" for i in range(len(restitutions))]
     balls = [
-        Body(
-            name=f"ball_{i}",
-            mass=MASS,
-            inertia=sphere_inertia(MASS, radius),
-            collision=(PlacedShape(shape=Sphere(radius=radius)),),
-            material=materials[i],
-            p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop),
-        )
+        Body.ball(f"ball_{i}", radius, mass=MASS, material=materials[i], p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop))
         for i in range(len(restitutions))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *balls),
         surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, restitutions, strict=True)),
@@ -128,19 +121,19 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=BOUNCE_HEIGHT_ERROR,
+            metric=bounce_height_error,
             at_most=_height,
             because=f"{HEIGHT}; t0 is the time of fall",
         ),
         Check(
-            metric=IMPACT_TIME_ERROR,
+            metric=impact_time_error,
             at_most=_late,
             because="a staggered fall lands half a step early; a ball turned v dt off the ground lands v dt/(e v) off, 3.4 dt "
             "at e = 0.3, the least that flies twice; and the impact takes its time: a step, after which a speed g dt off "
             "makes 2 dt, or the ten steps of a spring, which a slower rebound only shortens",
         ),
         Check(
-            metric=BOUNCING_TIME_ERROR,
+            metric=bouncing_time_error,
             at_most=_end,
             because="a speed after an impact that is g dt off moves the end of all bouncing by 2 dt/(1 - e); a ball turned v "
             "dt off the ground comes in g dt/e faster the next time, 2 dt/(e (1 - e)) more; a spring's impact takes ten steps; "
@@ -148,14 +141,14 @@ CASE = Case(
             "1e-4 of the drop high; one sample beside it. A threshold under which nothing bounces ends it early",
         ),
         Check(
-            metric=BOUNCE_GAIN,
+            metric=bounce_gain,
             at_most=_height,
             because=f"what one bounce may rise too high it may gain, and no more: {HEIGHT}. That it must not gain at all is "
             "the law; a method of first order errs to either side of it, and gains anew with each bounce",
         ),
         forces_keep_momentum(),
     ),
-    observe=(RESTITUTION_ERROR, LATER_RESTITUTION_ERROR),
+    observe=(restitution_error, later_restitution_error),
     headline="bounce_height_error",
     converges="once",
 )

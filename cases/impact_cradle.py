@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import SOLVED
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_FINAL, ENERGY_GAIN
-from harness.metrics.momentum import MOMENTUM_MAX
-from harness.metrics.row import LAST_SHARE_ERROR, TOUCHING_LAST_SHARE
-from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_drift_final, energy_gain_max
+from harness.metrics.momentum import momentum_drift_max
+from harness.metrics.row import last_share_error, touching_last_share
+from harness.scene import Body, Scene, Surface
 
 GAPS, BALLS, SPEED = (1e-3, 0.0), 5, 0.5
 MASS, RADIUS, SPACING, RUN_UP = 0.1, 0.02, 0.5, 0.0313
@@ -30,12 +30,11 @@ def scene(gaps: Sequence[float] = GAPS, balls: int = BALLS, speed: float = SPEED
         for i in range(balls):
             x = (2 * RADIUS + gap) * i
             bodies.append(
-                Body(
-                    name=f"ball_{row}_{i}",
+                Body.ball(
+                    f"ball_{row}_{i}",
+                    RADIUS,
                     mass=MASS,
-                    inertia=sphere_inertia(MASS, RADIUS),
                     material=f"row_{row}",
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     p_WB=(x if i else x - RUN_UP, SPACING * row, 0.0),
                     v_WB=(0.0 if i else speed, 0.0, 0.0),
                 )
@@ -68,33 +67,33 @@ CASE = Case(
     dt=1 / 960,
     ladder=(1 / 960, 1 / 1920, 1 / 3840, 1 / 7680, 1 / 15360, 1 / 30720),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
+        Check(metric=divergence, at_most=0.0, because="balls that have met fly on"),
         Check(
-            metric=LAST_SHARE_ERROR,
+            metric=last_share_error,
             at_most=_handed_on,
             because="where a step is shorter than the way across a gap there is one pair at a time, whose exchange has no "
             "error of the step: each of the n - 1 blows hands on all but the share to which forces are solved for, 1e-4; 1e-6 "
             "for single precision",
         ),
         Check(
-            metric=MOMENTUM_MAX,
+            metric=momentum_drift_max,
             at_most=lambda _dt, gaps=GAPS, speed=SPEED: 1e-6 * len(gaps) * MASS * speed,
             because="a blow gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(
-            metric=ENERGY_GAIN,
+            metric=energy_gain_max,
             at_most=lambda _dt, balls=BALLS: 2 * _handed_on(_dt, balls),
             because="no impact makes energy, however many balls touch; energy, being a square, errs by twice what the speeds "
             "handed on may err by",
         ),
         Check(
-            metric=ENERGY_FINAL,
+            metric=energy_drift_final,
             at_most=lambda _dt, balls=BALLS: 2 * math.cos(math.pi / balls) ** (2 * SWEEPS),
             because="with e = 1 Newton's law keeps the energy of any set of contacts that are struck together, since each "
             "impulse works on as much approach as parting; ten sweeps of Gauss and Seidel, the fewest in use, leave the share "
             "cos^2(pi/n)^10 of the blow on the n - 1 contacts of a row unsettled, and energy, being a square, twice that",
         ),
     ),
-    observe=(TOUCHING_LAST_SHARE,),
-    headline=LAST_SHARE_ERROR.name,
+    observe=(touching_last_share,),
+    headline=last_share_error.name,
 )

@@ -12,11 +12,11 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.shared_checks.contact_laws import forces_keep_momentum
 from harness.case.shared_checks.impact import SPRING_STEPS
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_FINAL
-from harness.metrics.velocity import VELOCITY_FINAL
-from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.angular_velocity import angular_velocity_error_final
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_final
+from harness.metrics.velocity import velocity_error_final
+from harness.scene import Body, Plane, Scene, Surface, sphere_inertia
 from harness.scene.values import Vector3
 from harness.trajectory import Floats, Trajectory
 from harness.truths.coulomb_impact import coulomb_impact
@@ -61,19 +61,18 @@ def scene(
 ) -> Scene:
     """Balls side by side along y with horizontal `velocities` [m/s] and `spins` [rad/s], coming down at `approach` [m/s]."""
     balls = [
-        Body(
-            name=f"ball_{i}",
+        Body.ball(
+            f"ball_{i}",
+            RADIUS,
             mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
             material="ball",
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             p_WB=(0.0, SPACING * i, RADIUS + HEIGHT + HIGHER * i),
             v_WB=v_W.tolist(),
             w_WB=w_W.tolist(),
         )
         for i, (v_W, w_W) in enumerate(_motions(velocities, spins, approach))
     ]
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     law = Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction, restitution=restitution)
     return Scene(bodies=(ground, *balls), surfaces=(law,), gravity=(0.0, 0.0, 0.0), apart=(("ball", "ball"),))
 
@@ -174,11 +173,11 @@ CASE = Case(
     with_contacts=True,
     sample_interval=0.0,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a ball that has bounced flies on"),
-        Check(metric=VELOCITY_FINAL, at_most=_bound(0), because=ARM),
-        Check(metric=ANGULAR_VELOCITY_FINAL, at_most=_bound(1), because=ARM),
+        Check(metric=divergence, at_most=0.0, because="a ball that has bounced flies on"),
+        Check(metric=velocity_error_final, at_most=_bound(0), because=ARM),
+        Check(metric=angular_velocity_error_final, at_most=_bound(1), because=ARM),
         Check(
-            metric=POSITION_FINAL,
+            metric=position_error_final,
             at_most=_way,
             because="an impact may come one step early or late, in which the ball goes the change of its velocity times dt "
             "astray, or take a spring's ten steps, half of which it goes by that change astray; and then it errs by the bound "
@@ -186,6 +185,6 @@ CASE = Case(
         ),
         forces_keep_momentum(),
     ),
-    headline=VELOCITY_FINAL.name,
+    headline=velocity_error_final.name,
     scale=APPROACH,
 )

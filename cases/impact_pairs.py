@@ -12,12 +12,12 @@ import numpy as np
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.contact_laws import SOLVED, forces_keep_momentum
 from harness.case.shared_checks.impact import SPRING_STEPS
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_FINAL
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.momentum import MOMENTUM_MAX
-from harness.metrics.position import POSITION_FINAL
-from harness.metrics.velocity import VELOCITY_FINAL
-from harness.scene import Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.angular_velocity import angular_velocity_error_final
+from harness.metrics.divergence import divergence
+from harness.metrics.momentum import momentum_drift_max
+from harness.metrics.position import position_error_final
+from harness.metrics.velocity import velocity_error_final
+from harness.scene import Body, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -52,12 +52,11 @@ def scene(ratio: float = RATIO, restitutions: Sequence[float] = RESTITUTIONS) ->
     for row, (kind, *masses) in enumerate(_pairs(ratio, restitutions)):
         for side, mass, direction, speed in zip(("left", "right"), masses, (-1, 1), CLOSING, strict=True):
             balls.append(
-                Body(
-                    name=f"{side}_{row}",
+                Body.ball(
+                    f"{side}_{row}",
+                    RADIUS,
                     mass=mass,
-                    inertia=sphere_inertia(mass, RADIUS),
                     material=f"e_{kind}",
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     p_WB=(direction * (RADIUS + (GAP + WIDER * row) / 2), SPACING * row, 0.0),
                     v_WB=(speed, 0.0, 0.0),
                 )
@@ -111,27 +110,27 @@ CASE = Case(
     with_contacts=True,
     sample_interval=0.0,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="balls that have met fly on"),
-        Check(metric=VELOCITY_FINAL, at_most=IMPULSE, because=NO_STEP),
+        Check(metric=divergence, at_most=0.0, because="balls that have met fly on"),
+        Check(metric=velocity_error_final, at_most=IMPULSE, because=NO_STEP),
         Check(
-            metric=POSITION_FINAL,
+            metric=position_error_final,
             at_most=lambda dt: max(2, SPRING_STEPS / 2) * 2 * SPEED * dt + IMPULSE * DURATION,
             because="the impact may come one step early or late and take one step, in which the lighter ball goes the change "
             "of its velocity astray, at most twice the speed of closing; or take a spring's ten steps, half of which it goes "
             "so astray; and the bound on its velocity for the rest of the run",
         ),
         Check(
-            metric=MOMENTUM_MAX,
+            metric=momentum_drift_max,
             at_most=_exchanged,
             because="an impact gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_FINAL,
+            metric=angular_velocity_error_final,
             at_most=EXACT / RADIUS,
             because="a blow along the line of centres turns nothing",
         ),
         forces_keep_momentum(),
     ),
-    headline=VELOCITY_FINAL.name,
+    headline=velocity_error_final.name,
     scale=SPEED,
 )

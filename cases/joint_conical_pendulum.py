@@ -3,12 +3,12 @@
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.attitude import ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.radius import RADIUS_FINAL, RADIUS_MAX
+from harness.metrics.attitude import attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.radius import radius_error_final, radius_error_max
 from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, PlacedShape, Scene, Sphere, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -85,28 +85,28 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"tilt": TILT, "length": LENGTH},
-    headline=RADIUS_MAX.name,
+    headline=radius_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a circle never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a circle never diverges"),
         Check(
-            metric=RADIUS_MAX,
+            metric=radius_error_max,
             at_most=_radius,
             because="position and velocity half a step apart start the ball w dt/2 of the radius off its circle, about which "
             "it then swings by as much; taken four times for maximal coordinates and higher orders. The gap is added",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=_position,
             because="the error of the radius, and the phase that it makes up to the end: the rate changes by "
             "tan(theta)^2/2 = 1/6 of the radius' share, taken as one",
         ),
         Check(
-            metric=JOINT_GAP_MAX,
+            metric=joint_gap_max,
             at_most=_gap,
             because="a step along the tangent leaves the sphere by (v dt)^2/(2 l), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(RADIUS_FINAL, POSITION_FINAL, ATTITUDE_MAX, ENERGY_MAX, ENERGY_STAGGERED),
+    observe=(radius_error_final, position_error_final, attitude_error_max, energy_drift_max, energy_drift_staggered_max),
 )

@@ -10,11 +10,11 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.attitude import ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.attitude import attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.position import position_error_final, position_error_max
 from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
@@ -131,26 +131,26 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"amplitude": AMPLITUDE},
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="smoothly",
     scale=CRANK,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a linkage never diverges"),
-        Check(metric=POSITION_MAX, at_most=_position, because=FIRST_ORDER),
-        Check(metric=ENERGY_MAX, at_most=lambda dt, **linkage: 2 * _first_order(**linkage)[1] * dt, because=FIRST_ORDER),
+        Check(metric=divergence, at_most=0.0, because="a linkage never diverges"),
+        Check(metric=position_error_max, at_most=_position, because=FIRST_ORDER),
+        Check(metric=energy_drift_max, at_most=lambda dt, **linkage: 2 * _first_order(**linkage)[1] * dt, because=FIRST_ORDER),
         Check(
-            metric=ATTITUDE_MAX,
+            metric=attitude_error_max,
             at_most=_turned,
             because="where all lies in one line a gap g lets the coupler turn by sqrt(8 g/r), to which the cranks' own error "
             "is added; as an anti-parallelogram it would turn by more than a radian",
         ),
         Check(
-            metric=JOINT_GAP_MAX,
+            metric=joint_gap_max,
             at_most=_gap,
             because="a step along the tangent leaves the circle by (v dt)^2/(2 r), of which a solver that corrects a fifth a "
             "step keeps five; and a millimetre, which a joint may give way that closes a loop by a spring: one of a fixed "
             "time constant T = 0.02 s is off by T^2 times the acceleration that it does not foresee, at any step",
         ),
     ),
-    observe=(POSITION_FINAL, ENERGY_STAGGERED),
+    observe=(position_error_final, energy_drift_staggered_max),
 )

@@ -3,11 +3,11 @@
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.limits import LIMIT_OVERSHOOT_FINAL, LIMIT_OVERSHOOT_MAX
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
+from harness.metrics.divergence import divergence
+from harness.metrics.jitter import rms_speed
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
+from harness.metrics.position import position_error_final, position_error_max
 from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, Limits, PlacedShape, Revolute, Scene, box_inertia
 from harness.trajectory import Floats, Trajectory
 
@@ -103,39 +103,39 @@ CASE = Case(
     parameters={"amplitude": AMPLITUDE, "stop": STOP},
     hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0, lost=0.1),
     sample_interval=1 / 240,
-    headline=LIMIT_OVERSHOOT_MAX.name,
+    headline=limit_overshoot_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a rod between two stops goes nowhere else"),
+        Check(metric=divergence, at_most=0.0, because="a rod between two stops goes nowhere else"),
         Check(
-            metric=LIMIT_OVERSHOOT_MAX,
+            metric=limit_overshoot_max,
             at_most=_way,
             because="a stop that is noticed only once it is passed is passed by at most one step's way at the speed of the "
             "blow",
         ),
         Check(
-            metric=LIMIT_OVERSHOOT_FINAL,
+            metric=limit_overshoot_final,
             at_most=1e-3,
             because="a thousandth of a radian, as far as a millimetre at the end of a rod of one metre, is what a stop may "
             "give way under the rod's weight and still be a stop",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, **stop: D * 3 * _way(dt, **stop) + 2e-3,
             because="the swing errs by half a step's way and by the period's error, the blow comes up to a step late and "
             "passes the stop by one more: three steps' way, and what a stop may give way",
         ),
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt: G * dt,
             start=2.0,
             because="at rest on the stop nothing is left but the velocity that gravity gives in a step and the stop takes back",
         ),
         Check(
-            metric=JOINT_GAP_MAX,
+            metric=joint_gap_max,
             at_most=_gap,
             because="five steps' departure along the tangent, (v dt)^2/(2 d) each, and one step's way at the blow, whose "
             "impulse the hinge bears",
         ),
     ),
-    observe=(POSITION_FINAL,),
+    observe=(position_error_final,),
 )

@@ -4,11 +4,11 @@ Nothing acts but weight and support, so nothing moves. What moves is the engine'
 """
 
 from harness.case import Case, Check
-from harness.metrics.contact_flips import CONTACT_FLIPS
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
-from harness.metrics.jitter import HEIGHT_SPREAD, REST_DRIFT, RMS_SECOND_DIFFERENCE, RMS_SPEED, RMS_SPIN
-from harness.metrics.penetration import PENETRATION
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.metrics.contact_flips import contact_flips
+from harness.metrics.contact_force import support_force_error
+from harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
+from harness.metrics.penetration import penetration
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -23,17 +23,8 @@ SHARE = 0.01
 def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
     """A single box and, beside it, a column of n; all start exactly touching."""
     places = [(-1.0, 0.0, HALF)] + [(0.0, 0.0, HALF * (2 * i + 1)) for i in range(round(n))]
-    boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=centre,
-        )
-        for i, centre in enumerate(places)
-    ]
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=centre) for i, centre in enumerate(places)]
+    ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *boxes),
         surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
@@ -60,50 +51,50 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt: SHARE * G * dt,
             because="0.01 g, the noise of a consumer accelerometer, over one step",
             start=SETTLED,
         ),
         Check(
-            metric=RMS_SPIN,
+            metric=rms_spin,
             at_most=lambda dt: SHARE * G * dt / HALF,
             because="the speed of 0.01 g over one step, at the edge of a box",
             start=SETTLED,
         ),
         Check(
-            metric=RMS_SECOND_DIFFERENCE,
+            metric=rms_second_difference,
             at_most=lambda dt: SHARE * G * dt**2,
             because="0.01 g, the noise of a consumer accelerometer: one mounted on the box would see no more than its own",
             start=SETTLED,
         ),
         Check(
-            metric=HEIGHT_SPREAD,
+            metric=height_spread,
             at_most=lambda dt: 2 * SHARE * G * dt**2,
             because="up and down by the way of 0.01 g over one step",
             start=SETTLED,
         ),
         Check(
-            metric=REST_DRIFT,
+            metric=rest_drift,
             at_most=lambda dt: SHARE * G * dt * (DURATION - SETTLED),
             because="the speed of 0.01 g over one step, kept up in one direction for the whole window",
             start=SETTLED,
         ),
         Check(
-            metric=CONTACT_FLIPS,
+            metric=contact_flips,
             at_most=0.0,
             because="a body at rest neither gains nor loses a point of contact",
             start=SETTLED,
         ),
         Check(
-            metric=SUPPORT_FORCE_ERROR,
+            metric=support_force_error,
             at_most=lambda dt: SHARE * dt / (DURATION - SETTLED) + 1e-6,
             because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(PENETRATION,),
+    observe=(penetration,),
     headline="rms_speed",
     scale=G / 240,
 )

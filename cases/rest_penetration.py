@@ -2,9 +2,9 @@
 
 from harness.case import Case, Check
 from harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.penetration import PENETRATION, REPORTED_PENETRATION
+from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from harness.metrics.jitter import rest_drift
+from harness.metrics.penetration import penetration, reported_penetration
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
@@ -52,7 +52,7 @@ def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
         p_WB=(0.0, 0.0, HALF),
         q_WB=q_WB,
     )
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 
@@ -78,15 +78,15 @@ CASE = Case(
     checks=(
         bears("the body"),
         Check(
-            metric=REST_DRIFT,
+            metric=rest_drift,
             at_most=lambda dt: G * dt**2 + GIVE,
             because="what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
         ),
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(REPORTED_PENETRATION, SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
+    observe=(reported_penetration, signorini_residual, cone_residual, dissipation_residual),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps a body in its place"},
-    headline=PENETRATION.name,
+    headline=penetration.name,
     scale=HALF,
 )

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.colour_error import COLOUR_ERROR_MAX, COLOUR_ERROR_MEDIAN
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.silhouette import SILHOUETTE_IOU
+from harness.metrics.colour_error import colour_error_max, colour_error_median
+from harness.metrics.divergence import divergence
+from harness.metrics.silhouette import silhouette_iou
 from harness.scene import Appearance, Body, Box, Camera, PlacedShape, Scene, Sphere, Sun, Vector3, axis_angle
 from harness.sensors.rays import first_hits
 from harness.sensors.sight import Sight
@@ -149,17 +149,17 @@ CASE = Case(
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=COLOUR_ERROR_MAX.name,
+    headline=colour_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=COLOUR_ERROR_MAX,
+            metric=colour_error_max,
             at_most=1.2e-4,
             because="a tracer may take a ray that carries less than 1e-4 of a pixel's light for the sky: that ray and its "
             "echoes in the pane make 1e-4/(1 - R) with R up to 0.12; a refractive index wrong by 0.01 shows as 2e-3; no pixel "
             "lies so close to an edge that rounding decides it",
         ),
-        Check(metric=SILHOUETTE_IOU, at_most=0.999, because="what a ray meets first does not depend on what light does there"),
+        Check(metric=silhouette_iou, at_most=0.999, because="what a ray meets first does not depend on what light does there"),
     ),
-    observe=(COLOUR_ERROR_MEDIAN,),
+    observe=(colour_error_median,),
 )

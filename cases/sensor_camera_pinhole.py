@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 from harness.case import Case, Check
-from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.pixel_error import PIXEL_ERROR
-from harness.metrics.silhouette import SILHOUETTE_IOU
+from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from harness.metrics.divergence import divergence
+from harness.metrics.pixel_error import pixel_error
+from harness.metrics.silhouette import silhouette_iou
 from harness.scene import (
     Appearance,
     Body,
@@ -96,25 +96,25 @@ CASE = Case(
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=PIXEL_ERROR.name,
+    headline=pixel_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=PIXEL_ERROR,
+            metric=pixel_error,
             at_most=0.1,
             because="a picture shifted by half a pixel shows five times this; a silhouette of 100 pixels' radius of which a "
             "thousandth of all pixels is wrong on one side shows this much",
         ),
         Check(
-            metric=SILHOUETTE_IOU,
+            metric=silhouette_iou,
             at_most=0.999,
             because="the least solid shows in 22 000 pixels with an outline of 600: wrong by 0.04 pixels all round",
         ),
         Check(
-            metric=DEPTH_ERROR_MEDIAN,
+            metric=depth_error_median,
             at_most=1e-6,
             because="single precision at 4 m, four roundings; a curve drawn as flat facets errs by millimetres",
         ),
     ),
-    observe=(DEPTH_ERROR_RMS, DEPTH_ERROR_MAX),
+    observe=(depth_error_rms, depth_error_max),
 )

@@ -5,19 +5,18 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN
-from harness.metrics.depth_missing import DEPTH_LOST_ANSWERED, DEPTH_MISSING_SCORE
-from harness.metrics.depth_noise import DEPTH_CORRELATION, DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
-from harness.metrics.depth_quantisation import DISPARITY_STEP_ERROR
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.range_wrap import UNWRAPPED_SHARE
+from harness.metrics.depth_error import depth_error_max, depth_error_median
+from harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
+from harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
+from harness.metrics.depth_quantisation import disparity_step_error
+from harness.metrics.divergence import divergence
+from harness.metrics.range_wrap import range_unwrapped_share
 from harness.scene import (
     Appearance,
     Body,
     Box,
     DepthCamera,
     DepthNoise,
-    PlacedShape,
     Plane,
     Scene,
     Shape,
@@ -62,7 +61,7 @@ PHASE = TimeOfFlightNoise(
 
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, look: Appearance) -> Body:
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, appearance=look)
+    return Body.fixed(name, shape, p_WB=p_WB, appearance=look)
 
 
 def _camera(name: str, noise: DepthNoise) -> DepthCamera:
@@ -127,35 +126,35 @@ CASE = Case(
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=DEPTH_ERROR_MAX.name,
+    headline=depth_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=DEPTH_ERROR_MAX,
+            metric=depth_error_max,
             at_most=8 * SINGLE * FAR / GRAZING,
             because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
-        Check(metric=DEPTH_MEAN_SCORE, at_most=5.0, because=f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
+        Check(metric=depth_mean_score, at_most=5.0, because=f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
         Check(
-            metric=DEPTH_SPREAD_SCORE,
+            metric=depth_spread_score,
             at_most=5.0,
             because=f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
         ),
-        Check(metric=DEPTH_CORRELATION, at_most=5.0, because=f"largest of nine; {WITHIN} each"),
-        Check(metric=DEPTH_MISSING_SCORE, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
+        Check(metric=depth_correlation_score, at_most=5.0, because=f"largest of nine; {WITHIN} each"),
+        Check(metric=depth_missing_score, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
         Check(
-            metric=DEPTH_LOST_ANSWERED,
+            metric=depth_lost_but_answered_share,
             at_most=0.0,
             because="no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
         ),
         Check(
-            metric=DISPARITY_STEP_ERROR,
+            metric=disparity_step_error,
             at_most=1e-12,
             because="f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
             "200 steps stay below 2e-13",
         ),
-        Check(metric=UNWRAPPED_SHARE, at_most=0.0, because="a phase has no second turn"),
+        Check(metric=range_unwrapped_share, at_most=0.0, because="a phase has no second turn"),
     ),
-    observe=(DEPTH_ERROR_MEDIAN,),
+    observe=(depth_error_median,),
 )

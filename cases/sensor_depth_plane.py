@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.silhouette import SILHOUETTE_IOU
-from harness.scene import Body, DepthCamera, PlacedShape, Plane, Scene, axis_angle, multiply
+from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from harness.metrics.divergence import divergence
+from harness.metrics.silhouette import silhouette_iou
+from harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
 from harness.sensors.pinhole import intrinsics, pixel_centres
 from harness.sensors.true_frames import stamps_up_to
 from harness.trajectory import Floats, Trajectory
@@ -27,13 +27,7 @@ GRAZING = 0.5
 
 def _scene(tilt: float = TILT, speed: float = SPEED) -> Scene:
     """A plane through (6, 0, 0), upright but for `tilt` [rad], and a camera that comes nearer at `speed` [m/s]."""
-    plane = Body(
-        name="plane",
-        motion="static",
-        collision=(PlacedShape(shape=Plane(normal=(-1.0, 0.0, 0.0))),),
-        p_WB=(6.0, 0.0, 0.0),
-        q_WB=axis_angle((0.2, 1.0, 0.3), tilt),
-    )
+    plane = Body.fixed("plane", Plane(normal=(-1.0, 0.0, 0.0)), p_WB=(6.0, 0.0, 0.0), q_WB=axis_angle((0.2, 1.0, 0.3), tilt))
     carrier = Body(name="carrier", motion="kinematic", p_WB=EYE, q_WB=axis_angle((1.0, 0.3, 0.2), 0.2), v_WB=(speed, 0.0, 0.0))
     camera = DepthCamera(
         name="depth",
@@ -93,21 +87,21 @@ CASE = Case(
     sample_interval=0.1,
     # Steady motion is the same at every step; two steps show that the frames keep their times.
     ladder=(1 / 60, 1 / 240),
-    headline=DEPTH_ERROR_MEDIAN.name,
+    headline=depth_error_median.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing pushes, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing pushes, so nothing can grow"),
         Check(
-            metric=DEPTH_ERROR_MAX,
+            metric=depth_error_max,
             at_most=8 * SINGLE * FAR / GRAZING,
             because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
         Check(
-            metric=SILHOUETTE_IOU,
+            metric=silhouette_iou,
             at_most=0.9995,
             because="where the plane lies farther than `far` it ends in the picture: along that line of at most 160 pixels "
             "rounding may decide some, 9 of 19 200",
         ),
     ),
-    observe=(DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS),
+    observe=(depth_error_median, depth_error_rms),
 )

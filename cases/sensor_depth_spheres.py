@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 from harness.case import Case, Check
-from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.pixel_error import PIXEL_ERROR
-from harness.metrics.silhouette import SILHOUETTE_IOU
-from harness.scene import Body, DepthCamera, PlacedShape, Scene, Sphere
+from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from harness.metrics.divergence import divergence
+from harness.metrics.pixel_error import pixel_error
+from harness.metrics.silhouette import silhouette_iou
+from harness.scene import Body, DepthCamera, Scene, Sphere
 from harness.sensors.true_frames import stamps_up_to, true_frames
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -29,10 +29,7 @@ LONGEST = 5.0
 
 def _scene(seen_by: str = "rays") -> Scene:
     """Six balls around a camera at the origin that looks along +z of W."""
-    balls = [
-        Body(name=f"ball_{k}", motion="static", collision=(PlacedShape(shape=Sphere(radius=radius)),), p_WB=centre)
-        for k, (radius, centre) in enumerate(BALLS)
-    ]
+    balls = [Body.fixed(f"ball_{k}", Sphere(radius=radius), p_WB=centre) for k, (radius, centre) in enumerate(BALLS)]
     camera = DepthCamera(name="depth", body="world", rate=RATE, far=8.0, seen_by=seen_by)  # type: ignore[arg-type]  # checked there
     return Scene(bodies=tuple(balls), sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
@@ -60,26 +57,26 @@ CASE = Case(
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=DEPTH_ERROR_MEDIAN.name,
+    headline=depth_error_median.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=DEPTH_ERROR_MEDIAN,
+            metric=depth_error_median,
             at_most=4 * SINGLE * LONGEST,
             because="single precision: four roundings of the longest range, which at half of a ball's pixels a lean of less "
             "than 45 degrees does not enlarge; range taken for depth errs by centimetres",
         ),
         Check(
-            metric=SILHOUETTE_IOU,
+            metric=silhouette_iou,
             at_most=0.999,
             because="the least ball shows in 13 900 pixels with an outline of 450: a silhouette wrong by 0.03 pixels all round",
         ),
         Check(
-            metric=PIXEL_ERROR,
+            metric=pixel_error,
             at_most=0.1,
             because="a tenth of the half pixel by which a wrong centre of pixels moves everything, and the shift of a ball of "
             "100 pixels' radius of which a thousandth of all pixels is wrong on one side",
         ),
     ),
-    observe=(DEPTH_ERROR_RMS, DEPTH_ERROR_MAX),
+    observe=(depth_error_rms, depth_error_max),
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
+from harness.metrics.divergence import divergence
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
 from harness.scene import EARTH_GRAVITY, Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
@@ -54,17 +54,17 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"speed": SPEED, "spin": SPIN},
-    headline=ACCELEROMETER_ERROR.name,
+    headline=accelerometer_ideal_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a free ball never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a free ball never diverges"),
         Check(
-            metric=ACCELEROMETER_ERROR,
+            metric=accelerometer_ideal_error,
             at_most=lambda _dt, speed=SPEED: 8 * SINGLE * (speed + G * DURATION) * RATE,
             because="every integrator makes v' = v + g dt exactly, so that what is left is the rounding of velocities "
             "in single precision over one interval",
         ),
         Check(
-            metric=GYROSCOPE_ERROR,
+            metric=gyroscope_ideal_error,
             at_most=lambda _dt, spin=SPIN: 16 * SINGLE * spin,
             because="no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),

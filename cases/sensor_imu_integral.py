@@ -1,8 +1,8 @@
 """A gyroscope on a nutating top: does the integral of what it reads give the attitude that the body has?"""
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.gyroscope_attitude import GYROSCOPE_ATTITUDE
+from harness.metrics.divergence import divergence
+from harness.metrics.gyroscope_attitude import gyroscope_attitude_error
 from harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
 
 DURATION, RATE = 2.0, 120.0
@@ -50,11 +50,11 @@ CASE = Case(
     dt=1 / 240,
     sample_interval=1 / RATE,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920),
-    headline=GYROSCOPE_ATTITUDE.name,
+    headline=gyroscope_attitude_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a free top never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a free top never diverges"),
         Check(
-            metric=GYROSCOPE_ATTITUDE,
+            metric=gyroscope_attitude_error,
             at_most=_angle,
             because="an engine that turns by the rate of a step's start or end is off by |w'| dt/2 a second, one that turns by "
             "2 atan(w dt/2) by |w|^3 dt^2/12, and the integral of readings at intervals T by |w''| T^2/12; rounding",

@@ -6,9 +6,9 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.forces import Control
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG
-from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.metrics.divergence import divergence
+from harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
+from harness.metrics.stream_stamps import time_stamp_error
 from harness.scene import Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import rotate_back
@@ -83,21 +83,21 @@ CASE = Case(
     parameters={"frequency": FREQUENCY},
     dt=1 / 240,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
-    headline=ACCELEROMETER_LAG.name,
+    headline=accelerometer_lag_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a ball shaken by a bounded force never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a ball shaken by a bounded force never diverges"),
         Check(
-            metric=ACCELEROMETER_LAG,
+            metric=accelerometer_lag_error,
             at_most=_late,
             because="a force told at the start of a step and held acts half a step late, and a sensor that is asked at its end "
             "feels it a whole step late; a microsecond for the spline through the signal",
         ),
         Check(
-            metric=GYROSCOPE_LAG,
+            metric=gyroscope_lag_error,
             at_most=_late,
             because="a torque told at the start of a step and held acts half a step late, and a damping of the vendor's shifts "
             "the phase; one step is granted",
         ),
-        Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
+        Check(metric=time_stamp_error, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
     ),
 )

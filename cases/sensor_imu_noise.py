@@ -6,11 +6,11 @@ from functools import partial
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.allan import ACCELEROMETER_SCORE, GYROSCOPE_SCORE, SLOPES, Channel, Regime, slope_bound
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
-from harness.metrics.noise_bias import BIAS_SCORE
-from harness.metrics.noise_independence import INDEPENDENCE_SCORE
+from harness.metrics.allan import SLOPES, Channel, Regime, accelerometer_allan_score, gyroscope_allan_score, slope_bound
+from harness.metrics.divergence import divergence
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from harness.metrics.noise_bias import inertial_bias_score
+from harness.metrics.noise_independence import inertial_correlation_score
 from harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
@@ -104,24 +104,24 @@ CASE = Case(
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
-    headline=ACCELEROMETER_ERROR.name,
+    headline=accelerometer_ideal_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a free ball never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a free ball never diverges"),
         Check(
-            metric=ACCELEROMETER_ERROR,
+            metric=accelerometer_ideal_error,
             at_most=_acceleration,
             because="w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
             "velocities that are differenced",
         ),
         Check(
-            metric=GYROSCOPE_ERROR,
+            metric=gyroscope_ideal_error,
             at_most=lambda _dt, spin=SPIN: 16 * SINGLE * spin,
             because="no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),
-        Check(metric=GYROSCOPE_SCORE, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(metric=ACCELEROMETER_SCORE, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(metric=BIAS_SCORE, at_most=5.0, because=FIVE + "the largest of 6 in 3 of a million"),
-        Check(metric=INDEPENDENCE_SCORE, at_most=5.0, because=FIVE + "the largest of 15 pairs in 9 of a million"),
+        Check(metric=gyroscope_allan_score, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(metric=accelerometer_allan_score, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(metric=inertial_bias_score, at_most=5.0, because=FIVE + "the largest of 6 in 3 of a million"),
+        Check(metric=inertial_correlation_score, at_most=5.0, because=FIVE + "the largest of 15 pairs in 9 of a million"),
         *_slope_checks(),
     ),
 )

@@ -6,21 +6,10 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.forces import Control
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.imu_readout import READOUT_ERROR
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
-from harness.scene import (
-    EARTH_GRAVITY,
-    AxisNoise,
-    Body,
-    Imu,
-    ImuNoise,
-    PlacedShape,
-    Scene,
-    Sphere,
-    axis_angle,
-    sphere_inertia,
-)
+from harness.metrics.divergence import divergence
+from harness.metrics.imu_readout import inertial_readout_error
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from harness.scene import EARTH_GRAVITY, AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import rotate_back
 
@@ -94,21 +83,21 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"spin_up": SPIN_UP},
-    headline=READOUT_ERROR.name,
+    headline=inertial_readout_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),
+        Check(metric=divergence, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),
         Check(
-            metric=READOUT_ERROR,
+            metric=inertial_readout_error,
             at_most=1e-9,
             because="a reading is a whole number of steps to some roundings of some hundreds; a wrong level is a whole step",
         ),
         Check(
-            metric=ACCELEROMETER_ERROR,
+            metric=accelerometer_ideal_error,
             at_most=8 * SINGLE * G * (1.0 + RATE),
             because="the weight is borne: rounding of g dt, a sum of it over an interval, in single precision",
         ),
         Check(
-            metric=GYROSCOPE_ERROR,
+            metric=gyroscope_ideal_error,
             at_most=_rounding,
             because="a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
             "single precision",

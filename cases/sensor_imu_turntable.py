@@ -6,8 +6,8 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.forces import Control
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
+from harness.metrics.divergence import divergence
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
 from harness.scene import EARTH_GRAVITY, Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
 from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import rotate_back
@@ -89,17 +89,17 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"spin_up": SPIN_UP, "lever": LEVER},
-    headline=ACCELEROMETER_ERROR.name,
+    headline=accelerometer_ideal_error.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),
+        Check(metric=divergence, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),
         Check(
-            metric=ACCELEROMETER_ERROR,
+            metric=accelerometer_ideal_error,
             at_most=_acceleration,
             because="w r a dt/2: the angle of an interval from rates at the starts or ends of steps; w^2 r (w dt)^2/12 for an "
             "attitude updated to second order a step; single-precision rounding of what is differenced",
         ),
         Check(
-            metric=GYROSCOPE_ERROR,
+            metric=gyroscope_ideal_error,
             at_most=lambda _dt, spin_up=SPIN_UP: 64 * SINGLE * spin_up * DURATION,
             because="a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
             "single precision",

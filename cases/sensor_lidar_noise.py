@@ -5,16 +5,21 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.dropout import DROPOUT_SCORE
+from harness.metrics.divergence import divergence
+from harness.metrics.dropout import dropout_score
 from harness.metrics.range_error import (
-    FALSE_RETURNS,
-    INTENSITY_ERROR_MAX,
-    RANGE_ERROR_MAX,
-    RANGE_ERROR_MEDIAN,
-    RANGE_ERROR_RMS,
+    intensity_error_max,
+    range_error_max,
+    range_error_median,
+    range_error_rms,
+    range_false_return_share,
 )
-from harness.metrics.range_noise import RANGE_CORRELATION, RANGE_DISTRIBUTION, RANGE_MEAN, RANGE_SPREAD
+from harness.metrics.range_noise import (
+    range_correlation_score,
+    range_distribution_distance,
+    range_mean_score,
+    range_spread_score,
+)
 from harness.scene import (
     Appearance,
     Body,
@@ -52,7 +57,7 @@ GRAZING = 0.015
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED) -> Body:
     look = Appearance(reflectivity=REFLECTIVITY)
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, q_WB=q_WB, appearance=look)
+    return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) -> Scene:
@@ -120,35 +125,35 @@ CASE = Case(
     duration=DURATION,
     parameters={"channels": CHANNELS, "columns": COLUMNS, "tilt": 0.1},
     sample_interval=0.1,
-    headline=RANGE_ERROR_MAX.name,
+    headline=range_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=RANGE_ERROR_MAX,
+            metric=range_error_max,
             at_most=RANGE_BOUND,
             because="single precision: eight roundings of the room's diagonal, enlarged by 1/cos of the most grazing beam; "
             "rays in double precision stay below 1e-12 m",
         ),
         Check(
-            metric=FALSE_RETURNS,
+            metric=range_false_return_share,
             at_most=0.0,
             because="no beam passes the edge of a shape so closely that rounding decides what it meets",
         ),
         Check(
-            metric=INTENSITY_ERROR_MAX,
+            metric=intensity_error_max,
             at_most=RANGE_BOUND / 0.25,
             because="a hit that lies wrong by the bound of the range turns the normal of the most curved shape (radius 0.25 m) "
             "by that over the radius",
         ),
-        Check(metric=RANGE_MEAN, at_most=5.0, because=WITHIN),
-        Check(metric=RANGE_SPREAD, at_most=5.0, because=f"chi-squared of the squares as a normal score; {WITHIN}"),
+        Check(metric=range_mean_score, at_most=5.0, because=WITHIN),
+        Check(metric=range_spread_score, at_most=5.0, because=f"chi-squared of the squares as a normal score; {WITHIN}"),
         Check(
-            metric=RANGE_DISTRIBUTION,
+            metric=range_distribution_distance,
             at_most=2.73,
             because="Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
-        Check(metric=RANGE_CORRELATION, at_most=5.0, because=f"largest of three; {WITHIN} each"),
-        Check(metric=DROPOUT_SCORE, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}"),
+        Check(metric=range_correlation_score, at_most=5.0, because=f"largest of three; {WITHIN} each"),
+        Check(metric=dropout_score, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}"),
     ),
-    observe=(RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN),
+    observe=(range_error_rms, range_error_median),
 )

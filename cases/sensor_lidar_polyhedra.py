@@ -3,20 +3,9 @@
 from dataclasses import replace
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.range_error import FALSE_RETURNS, INTENSITY_ERROR_MAX, RANGE_ERROR_MAX, RANGE_ERROR_RMS
-from harness.scene import (
-    WORLD,
-    Body,
-    ConvexHull,
-    Lidar,
-    PlacedShape,
-    Quaternion,
-    Scene,
-    TriangleMesh,
-    Vector3,
-    axis_angle,
-)
+from harness.metrics.divergence import divergence
+from harness.metrics.range_error import intensity_error_max, range_error_max, range_error_rms, range_false_return_share
+from harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
 from harness.sensors.true_scans import true_scans
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -39,19 +28,9 @@ FACES = ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
     """Two turned polyhedra to the sides of a range finder that hangs in the world."""
-    hull = Body(
-        name="hull",
-        motion="static",
-        collision=(PlacedShape(shape=ConvexHull(vertices=HULL)),),
-        p_WB=(2.1, 0.3, 0.1),
-        q_WB=axis_angle((0.3, 0.2, 1.0), 0.6),
-    )
-    mesh = Body(
-        name="mesh",
-        motion="static",
-        collision=(PlacedShape(shape=TriangleMesh(vertices=OCTAHEDRON, faces=FACES)),),
-        p_WB=(-2.3, 0.7, -0.2),
-        q_WB=axis_angle((1.0, 0.4, 0.2), 0.8),
+    hull = Body.fixed("hull", ConvexHull(vertices=HULL), p_WB=(2.1, 0.3, 0.1), q_WB=axis_angle((0.3, 0.2, 1.0), 0.6))
+    mesh = Body.fixed(
+        "mesh", TriangleMesh(vertices=OCTAHEDRON, faces=FACES), p_WB=(-2.3, 0.7, -0.2), q_WB=axis_angle((1.0, 0.4, 0.2), 0.8)
     )
     lidar = Lidar(
         name="lidar",
@@ -87,25 +66,25 @@ CASE = Case(
     duration=DURATION,
     parameters={"channels": CHANNELS, "columns": COLUMNS},
     sample_interval=0.1,
-    headline=RANGE_ERROR_MAX.name,
+    headline=range_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=RANGE_ERROR_MAX,
+            metric=range_error_max,
             at_most=RANGE_BOUND,
             because="vertices and faces in single precision: eight roundings of the reach over the cosine of the most grazing "
             "beam",
         ),
         Check(
-            metric=FALSE_RETURNS,
+            metric=range_false_return_share,
             at_most=0.0,
             because="no beam passes an edge so closely that rounding decides what it meets",
         ),
         Check(
-            metric=INTENSITY_ERROR_MAX,
+            metric=intensity_error_max,
             at_most=64 * SINGLE,
             because="normals are those of faces and do not move with the hit; a few roundings in single precision",
         ),
     ),
-    observe=(RANGE_ERROR_RMS,),
+    observe=(range_error_rms,),
 )

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.range_error import FALSE_RETURNS, INTENSITY_ERROR_MAX, RANGE_ERROR_MAX, RANGE_ERROR_RMS
-from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.metrics.divergence import divergence
+from harness.metrics.range_error import intensity_error_max, range_error_max, range_error_rms, range_false_return_share
+from harness.metrics.stream_stamps import time_stamp_error
 from harness.scene import Body, Box, Lidar, PlacedShape, Quaternion, Scene, Sphere, Vector3, axis_angle, sphere_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import product, rotate
@@ -40,10 +40,7 @@ def _scene(turning: float = TURNING) -> Scene:
         "north": ((x, t, z), (0.0, y + t, 0.0)),
         "south": ((x, t, z), (0.0, -y - t, 0.0)),
     }
-    walls = tuple(
-        Body(name=name, motion="static", collision=(PlacedShape(shape=Box(half_extents=half)),), p_WB=p)
-        for name, (half, p) in places.items()
-    )
+    walls = tuple(Body.fixed(name, Box(half_extents=half), p_WB=p) for name, (half, p) in places.items())
     axis = np.array(AXIS) / np.linalg.norm(AXIS)
     carrier = Body(
         name="carrier",
@@ -142,21 +139,21 @@ CASE = Case(
     duration=DURATION,
     parameters={"turning": TURNING},
     sample_interval=0.1,
-    headline=RANGE_ERROR_MAX.name,
+    headline=range_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a free ball never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a free ball never diverges"),
         Check(
-            metric=RANGE_ERROR_MAX,
+            metric=range_error_max,
             at_most=_range,
             because="an attitude that is off by e moves the end of a beam of length r along its wall by r e/cos of incidence: "
             "e is w^3 dt^2/12 a second for 2 atan(w dt/2) a step, and rounding in single precision",
         ),
         Check(
-            metric=FALSE_RETURNS,
+            metric=range_false_return_share,
             at_most=0.0,
             because="a closed room returns every beam, and its corners lead on from wall to wall",
         ),
-        Check(metric=STAMP_ERROR, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
+        Check(metric=time_stamp_error, at_most=8 * 2.0**-52 * DURATION, because="a few roundings of the time"),
     ),
-    observe=(RANGE_ERROR_RMS, INTENSITY_ERROR_MAX),
+    observe=(range_error_rms, intensity_error_max),
 )

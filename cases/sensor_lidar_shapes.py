@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 from harness.case import Case, Check
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.metrics.range_error import (
-    FALSE_RETURNS,
-    INTENSITY_ERROR_MAX,
-    RANGE_ERROR_MAX,
-    RANGE_ERROR_MEDIAN,
-    RANGE_ERROR_RMS,
+    intensity_error_max,
+    range_error_max,
+    range_error_median,
+    range_error_rms,
+    range_false_return_share,
 )
 from harness.scene import (
     WORLD,
@@ -19,7 +19,6 @@ from harness.scene import (
     Capsule,
     Cylinder,
     Lidar,
-    PlacedShape,
     Plane,
     Quaternion,
     Scene,
@@ -43,7 +42,7 @@ EXACT = 1e-9
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED, reflectivity: float = 1.0) -> Body:
     look = Appearance(reflectivity=reflectivity)
-    return Body(name=name, collision=(PlacedShape(shape=shape),), motion="static", p_WB=p_WB, q_WB=q_WB, appearance=look)
+    return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
 def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
@@ -89,26 +88,26 @@ CASE = Case(
     duration=DURATION,
     parameters={"channels": CHANNELS, "columns": COLUMNS},
     sample_interval=0.1,
-    headline=RANGE_ERROR_MAX.name,
+    headline=range_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=RANGE_ERROR_MAX,
+            metric=range_error_max,
             at_most=EXACT,
             because="a root of a quadratic in double precision: 20 roundings of 6 m and of its ratio to the smallest radius, "
             "enlarged by 1/cos^2 of the most grazing beam, 20 * 2^-53 * 6 * 20/.005^2; an approximate ray is off by more",
         ),
         Check(
-            metric=FALSE_RETURNS,
+            metric=range_false_return_share,
             at_most=0.0,
             because="no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
         ),
         Check(
-            metric=INTENSITY_ERROR_MAX,
+            metric=intensity_error_max,
             at_most=EXACT / (0.3 * GRAZING),
             because="a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
             "the most curved shape (radius .3 m) by that over the radius",
         ),
     ),
-    observe=(RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN),
+    observe=(range_error_rms, range_error_median),
 )

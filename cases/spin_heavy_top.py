@@ -3,12 +3,12 @@
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.attitude import ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_MAX, ENERGY_STAGGERED
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.position import POSITION_FINAL, POSITION_MAX
-from harness.metrics.precession import NUTATION_AMPLITUDE, PRECESSION_RATE_ERROR
+from harness.metrics.attitude import attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.position import position_error_final, position_error_max
+from harness.metrics.precession import nutation_amplitude, precession_rate_error
 from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import product
@@ -109,29 +109,29 @@ CASE = Case(
     sample_interval=1 / 240,
     # The disc turns 0.83 rad in a step of 1/240; in a longer one no method could follow it.
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     converges="smoothly",
     scale=LENGTH,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a steady precession is stable"),
+        Check(metric=divergence, at_most=0.0, because="a steady precession is stable"),
         Check(
-            metric=PRECESSION_RATE_ERROR,
+            metric=precession_rate_error,
             at_most=lambda dt, spin=SPIN: nutation(spin) * dt,
             because="a first-order method places the torque and the motion it makes one step apart, the share W_nut dt of the "
             "time in which the axis answers",
         ),
         Check(
-            metric=NUTATION_AMPLITUDE,
+            metric=nutation_amplitude,
             at_most=_nutation,
             because="gravity's torque applied half a step early or late is a push of m g l sin(theta) dt/2 off the steady "
             "motion, which nutates with that over I1 W_nut, taken twice; the gap of the joint tilts the axis as well",
         ),
         Check(
-            metric=JOINT_GAP_MAX,
+            metric=joint_gap_max,
             at_most=_gap,
             because="a step along the tangent leaves the circle by (v dt)^2/(2 r) and a free fall of one step by g dt^2, of "
             "which a solver that corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(POSITION_FINAL, POSITION_MAX, ATTITUDE_MAX, ENERGY_MAX, ENERGY_STAGGERED),
+    observe=(position_error_final, position_error_max, attitude_error_max, energy_drift_max, energy_drift_staggered_max),
 )

@@ -3,10 +3,10 @@
 import numpy as np
 
 from harness.case import Case, Check
-from harness.metrics.angular_velocity import ANGULAR_VELOCITY_MAX
-from harness.metrics.attitude import ATTITUDE_FINAL, ATTITUDE_MAX
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_MAX
+from harness.metrics.angular_velocity import angular_velocity_error_max
+from harness.metrics.attitude import attitude_error_final, attitude_error_max
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_drift_max
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, box_inertia
 from harness.scene.values import Vector3
 from harness.trajectory import Floats, Trajectory
@@ -73,23 +73,23 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters={"spin": SPIN, "half_extents": HALF, "mass": 1.0},
-    headline=ATTITUDE_MAX.name,
+    headline=attitude_error_max.name,
     converges="smoothly",
     scale=SPIN * DURATION,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="a constant spin never diverges"),
+        Check(metric=divergence, at_most=0.0, because="a constant spin never diverges"),
         Check(
-            metric=ATTITUDE_MAX,
+            metric=attitude_error_max,
             at_most=_angle,
             because="a quaternion advanced by its derivative and normalised turns by 2 atan(w dt/2), short by (w dt)^2/12 of "
             "the angle, taken twice; a rounding in single precision every step, and one that grows about the middle axis at "
             "the rate of its instability. A hidden damping of 0.04/s would lag by 0.2 rad",
         ),
         Check(
-            metric=ANGULAR_VELOCITY_MAX,
+            metric=angular_velocity_error_max,
             at_most=_rate,
             because="nothing acts on the spin: one rounding in single precision a step, and its growth about the middle axis",
         ),
     ),
-    observe=(ATTITUDE_FINAL, ENERGY_MAX),
+    observe=(attitude_error_final, energy_drift_max),
 )

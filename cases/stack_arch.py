@@ -13,9 +13,9 @@ import numpy as np
 
 from harness.case import Axis, Case
 from harness.case.shared_checks.rest import settled_speed, stands, supported
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import STACK_HEIGHT_ERROR
+from harness.metrics.jitter import rest_drift
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import stack_height_error
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
@@ -78,7 +78,7 @@ def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float 
     corners, away = voussoir(thickness * RADIUS, count)
     mass, inertia = _inertia(corners)
     hull = ConvexHull(vertices=tuple((float(x), y, float(z)) for x, z in corners for y in (-DEPTH / 2, DEPTH / 2)))
-    bodies = [Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))]
+    bodies = [Body.fixed("ground", Plane())]
     for i in range(count):
         # From the springing at -x over the crown to that at +x; a turn about y by t takes z to (sin t, 0, cos t).
         turn = math.pi * ((i + 0.5) / count - 0.5)
@@ -120,6 +120,6 @@ CASE = Case(
         settled_speed(SETTLED, "a block"),
         supported(SETTLED, DURATION),
     ),
-    observe=(STACK_HEIGHT_ERROR, PENETRATION, REST_DRIFT),
+    observe=(stack_height_error, penetration, rest_drift),
     headline="stack_height_error",
 )

@@ -13,11 +13,11 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import ENERGY_RISE
-from harness.metrics.jitter import REST_DRIFT, RMS_SPIN
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.threading import UNTHREADED
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import energy_rise_max
+from harness.metrics.jitter import rest_drift, rms_spin
+from harness.metrics.penetration import penetration
+from harness.metrics.threading import unthreaded
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
@@ -181,9 +181,9 @@ CASE = Case(
     sample_interval=1 / 20,
     with_contacts=True,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what lies in a bowl stays there"),
+        Check(metric=divergence, at_most=0.0, because="what lies in a bowl stays there"),
         Check(
-            metric=UNTHREADED,
+            metric=unthreaded,
             at_most=0.0,
             because="a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
             "mm; over the top nothing lifts it",
@@ -191,13 +191,13 @@ CASE = Case(
         bears("a body", SETTLED),
         settled_speed(SETTLED),
         Check(
-            metric=RMS_SPIN,
+            metric=rms_spin,
             at_most=lambda dt: G * dt / FLATS,
             because="g dt, what one step of gravity gives a body before its supports take it away, at the edge of a nut",
             start=SETTLED,
         ),
         Check(
-            metric=REST_DRIFT,
+            metric=rest_drift,
             at_most=lambda dt: SHARE * G * dt * (DURATION - SETTLED),
             because="the speed of 0.01 g, the noise of a consumer accelerometer, over one step, kept up in one direction for "
             "the whole window",
@@ -205,19 +205,19 @@ CASE = Case(
         ),
         supported(SETTLED, DURATION),
         Check(
-            metric=ENERGY_RISE,
+            metric=energy_rise_max,
             at_most=_given_back,
             because="exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
             "critically damped spring that cannot pull, exp(-2) of the speed of a blow; half the square of g dt, one step of "
             "gravity; and g times a millimetre, by which contacts may give way and come back",
         ),
         Check(
-            metric=ENERGY_RISE,
+            metric=energy_rise_max,
             at_most=lambda dt: 1.5 * (G * dt) ** 2,
             because="at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
             start=SETTLED,
         ),
     ),
-    headline=PENETRATION.name,
+    headline=penetration.name,
     scale=THICK,
 )

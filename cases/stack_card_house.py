@@ -8,8 +8,8 @@ Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.
 import math
 
 from harness.case import Axis, Case, Check
-from harness.metrics.frames import FRAME_FRICTION_ERROR, FRAME_STANDING_TIME, critical_friction
-from harness.metrics.penetration import PENETRATION
+from harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
+from harness.metrics.penetration import penetration
 from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
 MARGIN, ANGLE, GRIP, MASS = 0.1, 20.0, 1.0, 0.1
@@ -31,15 +31,7 @@ def scene(margin: float = MARGIN, angle: float = ANGLE) -> Scene:
     high = HALF[2] * math.cos(a) + HALF[0] * math.sin(a)
     for k, (name, friction) in enumerate((("firm", (1 + margin) * critical), ("loose", (1 - margin) * critical))):
         x = SPACING * k
-        bodies.append(
-            Body(
-                name=f"plate_{name}",
-                motion="static",
-                material=f"plate_{name}",
-                collision=(PlacedShape(shape=Box(half_extents=PLATE)),),
-                p_WB=(x, 0.0, -PLATE[2]),
-            )
-        )
+        bodies.append(Body.fixed(f"plate_{name}", Box(half_extents=PLATE), material=f"plate_{name}", p_WB=(x, 0.0, -PLATE[2])))
         bodies += [
             Body(
                 name=f"{side}_{name}",
@@ -73,17 +65,17 @@ CASE = Case(
     hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),
     checks=(
         Check(
-            metric=FRAME_FRICTION_ERROR,
+            metric=frame_friction_error,
             at_most=lambda _dt, margin=MARGIN: margin / 2,
             because="the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
             "critical one, and if not, it lies more than half of it off",
         ),
         Check(
-            metric=FRAME_STANDING_TIME,
+            metric=frame_standing_time,
             at_most=lambda _dt, outer: DURATION - outer,
             because="the firm house stands for the whole run, which ends within a step of its nominal length",
         ),
     ),
-    observe=(PENETRATION,),
+    observe=(penetration,),
     headline="frame_standing_time",
 )

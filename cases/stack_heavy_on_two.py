@@ -4,10 +4,10 @@ import math
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import settled_speed, stands, supported
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.load_split import LOAD_SPLIT_ERROR
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import STACK_HEIGHT_ERROR
+from harness.metrics.jitter import rest_drift
+from harness.metrics.load_split import load_split_error
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import stack_height_error
 from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -27,14 +27,8 @@ def scene(ratio: float = RATIO, friction: float = FRICTION, drop: float = DROP) 
         Body(name=name, mass=MASS, inertia=box_inertia(MASS, (SMALL, SMALL, SMALL)), collision=cube, p_WB=(x, 0.0, SMALL))
         for name, x in (("left", -APART), ("right", APART))
     ]
-    heavy = Body(
-        name="heavy",
-        mass=ratio * MASS,
-        inertia=box_inertia(ratio * MASS, LARGE),
-        collision=(PlacedShape(shape=Box(half_extents=LARGE)),),
-        p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + drop),
-    )
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    heavy = Body.box("heavy", LARGE, mass=ratio * MASS, p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + drop))
+    ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *small, heavy),
         surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
@@ -70,7 +64,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
         Check(
-            metric=LOAD_SPLIT_ERROR,
+            metric=load_split_error,
             at_most=lambda dt: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
             because="statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
             "distance d, it changes the shares by s/(2 d); and the mean forces of the window miss those of rest by the change "
@@ -78,7 +72,7 @@ CASE = Case(
             start=SETTLED,
         ),
     ),
-    observe=(PENETRATION, REST_DRIFT, STACK_HEIGHT_ERROR),
+    observe=(penetration, rest_drift, stack_height_error),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="load_split_error",
 )

@@ -6,9 +6,9 @@ contact passes on, each time, only what the light body alone can take.
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import STACK_HEIGHT_ERROR
+from harness.metrics.jitter import rest_drift
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import stack_height_error
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -34,7 +34,7 @@ def scene(ratio: float = RATIO, friction: float = FRICTION) -> Scene:
         )
         for name, mass, height in (("light", MASS, HALF), ("heavy", ratio * MASS, 3 * HALF))
     ]
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 
@@ -59,7 +59,7 @@ CASE = Case(
     checks=(
         stands(DURATION, "the stack stands"),
         Check(
-            metric=STACK_HEIGHT_ERROR,
+            metric=stack_height_error,
             at_most=lambda dt, ratio=RATIO: 2 * (G * dt**2 * (1 + SOFTNESS * ratio) + GIVE) / (3 * HALF),
             because="before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
@@ -69,7 +69,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
     ),
-    observe=(PENETRATION, REST_DRIFT),
+    observe=(penetration, rest_drift),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="stack_height_error",
 )

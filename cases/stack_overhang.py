@@ -9,10 +9,10 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 from collections.abc import Sequence
 
 from harness.case import Axis, Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.overhang import OVERHANG_LIMIT_ERROR
-from harness.metrics.penetration import PENETRATION
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
+from harness.metrics.divergence import divergence
+from harness.metrics.overhang import overhang_limit_error
+from harness.metrics.penetration import penetration
+from harness.scene import Body, Box, Effect, Scene, Surface
 
 BRICKS, FRICTION, MASS = 4, 0.5, 1.0
 FACTORS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
@@ -28,25 +28,16 @@ def scene(n: float = BRICKS, factors: Sequence[float] = FACTORS, friction: float
     count = round(n)
     for i, factor in enumerate(factors):
         y = SPACING * i
-        bodies.append(
-            Body(
-                name=f"table_{i}",
-                motion="static",
-                material="table",
-                collision=(PlacedShape(shape=Box(half_extents=TABLE)),),
-                p_WB=(-TABLE[0], y, TABLE[2]),
-            )
-        )
+        bodies.append(Body.fixed(f"table_{i}", Box(half_extents=TABLE), material="table", p_WB=(-TABLE[0], y, TABLE[2])))
         end = 0.0
         for level in range(count):
             end += factor * HALF[0] / (count - level)
             bodies.append(
-                Body(
-                    name=f"brick_{i}_{level}",
+                Body.box(
+                    f"brick_{i}_{level}",
+                    HALF,
                     mass=MASS,
-                    inertia=box_inertia(MASS, HALF),
                     material="brick",
-                    collision=(PlacedShape(shape=Box(half_extents=HALF)),),
                     p_WB=(end - HALF[0], y, 2 * TABLE[2] + HALF[2] * (2 * level + 1)),
                 )
             )
@@ -70,13 +61,13 @@ CASE = Case(
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
         Check(
-            metric=OVERHANG_LIMIT_ERROR,
+            metric=overhang_limit_error,
             at_most=0.01,
             because="the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
             "if not, the next bracket's lies 1.5 % off",
         ),
-        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
     ),
-    observe=(PENETRATION,),
+    observe=(penetration,),
     headline="overhang_limit_error",
 )

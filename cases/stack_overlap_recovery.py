@@ -6,10 +6,10 @@ rest where they touch: an overlap is an error of position, and holds no energy.
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import bears, settled_speed
-from harness.metrics.ejection import EJECTION_SPEED
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.metrics.ejection import ejection_speed
+from harness.metrics.jitter import rest_drift
+from harness.metrics.stack import lean, residual_kinetic_energy
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -19,20 +19,14 @@ SETTLED, DURATION = 2.0, 3.0
 
 def _boxes(overlap: float) -> tuple[Body, Body]:
     return tuple(  # type: ignore[return-value]
-        Body(
-            name=name,
-            mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=(0.0, 0.0, height),
-        )
+        Body.box(name, (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, height))
         for name, height in (("lower", HALF), ("upper", HALF * (3 - 2 * overlap)))
     )
 
 
 def scene(overlap: float = OVERLAP, friction: float = FRICTION) -> Scene:
     """Two equal cubes, the lower on the ground, the upper inside of it by the share `overlap` of an edge."""
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane())
     return Scene(bodies=(ground, *_boxes(overlap)), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
 
 
@@ -57,12 +51,12 @@ CASE = Case(
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(
         Check(
-            metric=EJECTION_SPEED,
+            metric=ejection_speed,
             at_most=lambda dt: G * dt,
             because="g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
         ),
         Check(
-            metric=RESIDUAL_KINETIC_ENERGY,
+            metric=residual_kinetic_energy,
             at_most=lambda dt: (G * dt) ** 2 / 2,
             because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
@@ -70,7 +64,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         bears("a box", SETTLED),
     ),
-    observe=(LEAN, REST_DRIFT),
+    observe=(lean, rest_drift),
     insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
     headline="ejection_speed",
 )

@@ -10,12 +10,12 @@ import numpy as np
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import settled_speed
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.overlap import OVERLAP
-from harness.metrics.world_spread import WORLD_SPREAD
+from harness.metrics.divergence import divergence
+from harness.metrics.jitter import rest_drift
+from harness.metrics.overlap import overlap
+from harness.metrics.world_spread import world_spread
 from harness.props.robots.container import container
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import EARTH_GRAVITY, Body, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -48,14 +48,7 @@ def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Sc
     count = round(n)
     mass = DENSITY * 4 / 3 * math.pi * RADIUS**3
     balls = [
-        Body(
-            name=f"ball_{k}",
-            mass=mass,
-            inertia=sphere_inertia(mass, RADIUS),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-            material="ball",
-            p_WB=(RADIUS * centre).tolist(),
-        )
+        Body.ball(f"ball_{k}", RADIUS, mass=mass, material="ball", p_WB=(RADIUS * centre).tolist())
         for k, centre in enumerate(packing(count))
     ]
     laws = tuple(
@@ -86,16 +79,16 @@ CASE = Case(
     worlds="worlds",
     hard=Axis(parameter="n", unit="1", easy=10, extreme=10_000),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
         Check(
-            metric=OVERLAP,
+            metric=overlap,
             at_most=RADIUS,
             because="the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a ball"),
-        Check(metric=WORLD_SPREAD, at_most=0.0, because="equal input gives an equal future, bit for bit"),
+        Check(metric=world_spread, at_most=0.0, because="equal input gives an equal future, bit for bit"),
     ),
-    observe=(REST_DRIFT,),
+    observe=(rest_drift,),
     insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},
     headline="overlap",
     scale=RADIUS,

@@ -10,21 +10,16 @@ from collections.abc import Iterator
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from harness.metrics.jitter import REST_DRIFT
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY
+from harness.metrics.jitter import rest_drift
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import lean, residual_kinetic_energy
 from harness.scene import (
     EARTH_GRAVITY,
     Body,
-    Box,
     Effect,
-    PlacedShape,
     Plane,
     Scene,
-    Sphere,
     Surface,
-    box_inertia,
-    sphere_inertia,
 )
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
@@ -48,11 +43,10 @@ def bricks(rows: int) -> Iterator[Body]:
     """n bricks on the ground, n - 1 above them, and so on, in the plane y = 0."""
     for row in range(rows):
         for i in range(rows - row):
-            yield Body(
-                name=f"brick_{row}_{i}",
+            yield Body.box(
+                f"brick_{row}_{i}",
+                HALF,
                 mass=MASS,
-                inertia=box_inertia(MASS, HALF),
-                collision=(PlacedShape(shape=Box(half_extents=HALF)),),
                 material="brick",
                 p_WB=(PITCH * (i - (rows - row - 1) / 2), 0.0, HALF[2] * (2 * row + 1)),
             )
@@ -64,11 +58,10 @@ def balls(rows: int) -> Iterator[Body]:
     for row in range(rows):
         for i in range(row + 1):
             for j in range(row + 1):
-                yield Body(
-                    name=f"ball_{row}_{i}_{j}",
+                yield Body.ball(
+                    f"ball_{row}_{i}_{j}",
+                    RADIUS,
                     mass=MASS,
-                    inertia=sphere_inertia(MASS, RADIUS),
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     material="ball",
                     p_WB=(RADIUS * (2 * i - row) + PLACE, RADIUS * (2 * j - row), lowest + math.sqrt(2.0) * RADIUS * row),
                 )
@@ -76,13 +69,12 @@ def balls(rows: int) -> Iterator[Body]:
 
 def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
     """Both pyramids, beside each other, exactly touching."""
-    ground = Body(name="ground", motion="static", material="ground", collision=(PlacedShape(shape=Plane()),))
+    ground = Body.fixed("ground", Plane(), material="ground")
     walls = [
-        Body(
-            name=name,
-            motion="static",
+        Body.fixed(
+            name,
+            Plane(normal=(x * math.sin(SLOPE), y * math.sin(SLOPE), math.cos(SLOPE))),
             material="wall",
-            collision=(PlacedShape(shape=Plane(normal=(x * math.sin(SLOPE), y * math.sin(SLOPE), math.cos(SLOPE)))),),
             p_WB=(PLACE, 0.0, 0.0),
         )
         for name, (x, y) in WALLS.items()
@@ -119,7 +111,7 @@ CASE = Case(
     checks=(
         stands(DURATION, "the pyramids stand"),
         Check(
-            metric=REST_DRIFT,
+            metric=rest_drift,
             at_most=lambda dt, rows=ROWS: math.sqrt(3.0) * rows * (G * dt**2 + GIVE),
             because="before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
             "under weight; if the contacts of each row gave as much, the top would sink by that for each row, and sqrt(3) "
@@ -128,7 +120,7 @@ CASE = Case(
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(PENETRATION, LEAN, RESIDUAL_KINETIC_ENERGY),
+    observe=(penetration, lean, residual_kinetic_energy),
     headline="rest_drift",
     scale=RADIUS,
 )

@@ -8,9 +8,9 @@ import numpy as np
 from harness.case import Case, Check
 from harness.case.forces import Control
 from harness.case.shared_checks.rest import settled_speed
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
-from harness.metrics.jitter import REST_DRIFT, RMS_SPIN
+from harness.metrics.divergence import divergence
+from harness.metrics.inscribed_overlap import inscribed_overlap
+from harness.metrics.jitter import rest_drift, rms_spin
 from harness.props.robots.container import container
 from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from harness.trajectory import Floats, State
@@ -73,15 +73,15 @@ CASE = Case(
     duration=DURATION,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="every number of every sampled state has to be finite"),
+        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
         Check(
-            metric=INSCRIBED_OVERLAP,
+            metric=inscribed_overlap,
             at_most=HALF,
             because="the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a body"),
     ),
-    observe=(RMS_SPIN, REST_DRIFT),
+    observe=(rms_spin, rest_drift),
     headline="inscribed_overlap",
     scale=HALF,
 )

@@ -8,8 +8,8 @@ import math
 from collections.abc import Sequence
 
 from harness.case import Case, Check
-from harness.metrics.tipping import TIPPING_ANGLE_ERROR, WRONG_FATES
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
+from harness.metrics.tipping import tipping_angle_error, wrong_fates
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, axis_angle, rotate
 
 G = -EARTH_GRAVITY[2]
 ROUGH, SLIPPERY, MASS = 0.8, 0.3, 1.0
@@ -38,23 +38,14 @@ def scene(steepness: Sequence[float] = STEEPNESS, rough: float = ROUGH, slippery
             below = rotate(turn, (0.0, 0.0, -THICKNESS - HALF[2]))
             here = SPACING * (i + row * len(steepness))
             bodies += [
-                Body(
-                    name=f"{material}_{i}",
-                    motion="static",
+                Body.fixed(
+                    f"{material}_{i}",
+                    Box(half_extents=(length, WIDTH, THICKNESS)),
                     material=material,
-                    collision=(PlacedShape(shape=Box(half_extents=(length, WIDTH, THICKNESS))),),
                     p_WB=(below[0], here, below[2]),
                     q_WB=turn,
                 ),
-                Body(
-                    name=f"box_{material}_{i}",
-                    mass=MASS,
-                    inertia=box_inertia(MASS, HALF),
-                    material=f"box_{material}",
-                    collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-                    p_WB=(0.0, here, 0.0),
-                    q_WB=turn,
-                ),
+                Body.box(f"box_{material}_{i}", HALF, mass=MASS, material=f"box_{material}", p_WB=(0.0, here, 0.0), q_WB=turn),
             ]
     laws = tuple(Surface(between=(f"box_{m}", m), static_friction=mu, kinetic_friction=mu) for m, mu in rows)
     among = (("box_rough", "box_rough"), ("box_rough", "box_slippery"), ("box_slippery", "box_slippery"))
@@ -73,13 +64,13 @@ CASE = Case(
     duration=DURATION,
     checks=(
         Check(
-            metric=TIPPING_ANGLE_ERROR,
+            metric=tipping_angle_error,
             at_most=0.01,
             because="the inclines next to the threshold stand 2 % of b/h to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
         Check(
-            metric=WRONG_FATES,
+            metric=wrong_fates,
             at_most=0.0,
             because="no incline is at a threshold: on each one statics has one answer",
         ),

@@ -2,10 +2,10 @@
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import GIVE, settled_speed, supported
-from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.stack import LEAN, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from harness.metrics.penetration import penetration
+from harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
+from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -18,17 +18,8 @@ STEADY = 1.0
 
 def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
     """n equal cubes, one on the other."""
-    boxes = [
-        Body(
-            name=f"box_{i}",
-            mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
-            p_WB=(0.0, 0.0, HALF * (2 * i + 1)),
-        )
-        for i in range(round(n))
-    ]
-    ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
+    boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(n))]
+    ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *boxes),
         surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
@@ -54,9 +45,9 @@ CASE = Case(
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
-        Check(metric=STANDING_HEIGHT, at_most=0.5, because="the definition of a collapse: the top below half its height"),
+        Check(metric=standing_height, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
-            metric=STACK_HEIGHT_ERROR,
+            metric=stack_height_error,
             at_most=lambda dt, n=BOXES: (G * dt**2 * n * (n + 1) / 2 + n * GIVE) / ((2 * n - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
             "so that the ground shows first and box k sees its support only after k steps, in which it falls "
@@ -64,7 +55,7 @@ CASE = Case(
             "may give way under weight",
         ),
         Check(
-            metric=RESIDUAL_KINETIC_ENERGY,
+            metric=residual_kinetic_energy,
             at_most=lambda dt: (G * dt) ** 2 / 2,
             because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
@@ -72,6 +63,6 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
     ),
-    observe=(LEAN, PENETRATION, SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL),
+    observe=(lean, penetration, signorini_residual, cone_residual, dissipation_residual),
     headline="stack_height_error",
 )

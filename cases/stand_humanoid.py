@@ -6,11 +6,11 @@ What moves is the engine's: too few iterations of its solver, drives that fight 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.rest import supported
 from harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.pose import POSE_ERROR_RMS
-from harness.metrics.vibration import VIBRATION_FREQUENCY
+from harness.metrics.jitter import rms_speed
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.penetration import penetration
+from harness.metrics.pose import pose_error_rms
+from harness.metrics.vibration import vibration_frequency
 from harness.props.robots.floor import floor, grip
 from harness.props.robots.humanoid import humanoid
 from harness.props.robots.robot import MATERIAL, bearing
@@ -63,7 +63,7 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt: G * dt,
             because="g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
             "lives longer than the run",
@@ -73,7 +73,7 @@ CASE = Case(
         feet_stay(SETTLED, DURATION),
         supported(SETTLED, DURATION),
     ),
-    observe=(POSE_ERROR_RMS, VIBRATION_FREQUENCY, JOINT_GAP_MAX, PENETRATION),
+    observe=(pose_error_rms, vibration_frequency, joint_gap_max, penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

@@ -2,12 +2,12 @@
 
 from harness.case import Axis, Case, Check
 from harness.case.shared_checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.pose import POSE_ERROR_RMS
-from harness.metrics.vibration import VIBRATION_FREQUENCY
+from harness.metrics.contact_force import support_force_error
+from harness.metrics.jitter import rms_speed
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.penetration import penetration
+from harness.metrics.pose import pose_error_rms
+from harness.metrics.vibration import vibration_frequency
 from harness.props.robots.floor import floor, grip
 from harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from harness.props.robots.robot import MATERIAL, bearing, copy_of
@@ -60,7 +60,7 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            metric=RMS_SPEED,
+            metric=rms_speed,
             at_most=lambda dt: SHARE * G * dt,
             because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step",
             start=SETTLED,
@@ -68,14 +68,14 @@ CASE = Case(
         still(LEG),
         feet_stay(SETTLED, DURATION),
         Check(
-            metric=SUPPORT_FORCE_ERROR,
+            metric=support_force_error,
             at_most=lambda dt: SHARE * dt / (DURATION - SETTLED) + 1e-6,
             because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(POSE_ERROR_RMS, VIBRATION_FREQUENCY, JOINT_GAP_MAX, PENETRATION),
+    observe=(pose_error_rms, vibration_frequency, joint_gap_max, penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

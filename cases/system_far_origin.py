@@ -4,7 +4,7 @@ import numpy as np
 
 from harness.case import Axis, Case, Check
 from harness.case.symmetries import Retelling, moved
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import Scene
@@ -34,7 +34,7 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="origin", unit="m", easy=1.0, extreme=1e7, lost=0.1),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
+        Check(metric=divergence, at_most=0.0, because="every motion of the stage is bounded"),
         Check(
             metric=POSITION_DIFFERENCE["moved"],
             at_most=lambda dt, origin=ORIGIN: float(np.sqrt(3) * (DURATION / dt + 1) * np.spacing(origin) / 2),

@@ -7,7 +7,7 @@ of the world, damping against the world, a floor whose motion its contacts forge
 from harness.case import Axis, Case, Check
 from harness.case.symmetries import Retelling, in_motion, moved, turned
 from harness.metric import Metric
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import Scene, axis_angle
@@ -49,7 +49,7 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=1000.0, lost=0.1),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
+        Check(metric=divergence, at_most=0.0, because="every motion of the stage is bounded"),
         _check(POSITION_DIFFERENCE["moved"], "space is homogeneous"),
         _check(POSITION_DIFFERENCE["turned"], "space is isotropic"),
         _check(POSITION_DIFFERENCE["in_motion"], "no uniform motion is told from rest"),

@@ -22,15 +22,14 @@ import numpy as np
 
 from harness.case import Case, Check
 from harness.case.shared_checks.rest import GIVE
-from harness.metrics.cam_follower import CAM_FOLLOWER_GAP
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.position import POSITION_MAX, POSITION_RMS
-from harness.metrics.velocity import VELOCITY_MAX, VELOCITY_RMS
+from harness.metrics.cam_follower import cam_follower_gap
+from harness.metrics.divergence import divergence
+from harness.metrics.position import position_error_max, position_error_rms
+from harness.metrics.velocity import velocity_error_max, velocity_error_rms
 from harness.scene import (
     EARTH_GRAVITY,
     WORLD,
     Body,
-    Box,
     ConvexHull,
     Effect,
     PlacedShape,
@@ -40,7 +39,6 @@ from harness.scene import (
     Sphere,
     Surface,
     TriangleMesh,
-    box_inertia,
     sphere_inertia,
 )
 from harness.trajectory import Floats, Integers, Trajectory
@@ -169,15 +167,7 @@ def scene(n: float = CAMS, facets: float = FACETS, geometry: str = GEOMETRY, rat
                 q_WB=tuple(_turned(np.array(angle)).tolist()),
                 w_WB=(0.0, -rate, 0.0),
             ),
-            Body(
-                name=f"follower_{k}",
-                mass=MASS,
-                inertia=box_inertia(MASS, HALF),
-                material="follower",
-                collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-                p_WB=place,
-                v_WB=(0.0, 0.0, rate * along),
-            ),
+            Body.box(f"follower_{k}", HALF, mass=MASS, material="follower", p_WB=place, v_WB=(0.0, 0.0, rate * along)),
         ]
         joints.append(Prismatic(name=f"rail_{k}", parent=WORLD, child=f"follower_{k}", anchor_W=place, axis_W=(0.0, 0.0, 1.0)))
     return Scene(
@@ -223,16 +213,16 @@ CASE = Case(
     duration=DURATION,
     sample_interval=1 / 240,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what rides on a cam goes up and down with it"),
+        Check(metric=divergence, at_most=0.0, because="what rides on a cam goes up and down with it"),
         Check(
-            metric=CAM_FOLLOWER_GAP,
+            metric=cam_follower_gap,
             at_most=_own,
             because="before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "
             "into the face for a step; and a millimetre, which a contact may give way under weight",
         ),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt, facets=FACETS, geometry=GEOMETRY, rate=RATE: (
                 _lost(facets, geometry) + _own(dt, facets, geometry, rate)
             ),
@@ -240,7 +230,7 @@ CASE = Case(
             "hold; and what an engine may add, the bound of the gap between cam and follower",
         ),
     ),
-    observe=(POSITION_RMS, VELOCITY_MAX, VELOCITY_RMS),
-    headline=POSITION_MAX.name,
+    observe=(position_error_rms, velocity_error_max, velocity_error_rms),
+    headline=position_error_max.name,
     scale=RADIUS,
 )

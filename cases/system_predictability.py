@@ -8,9 +8,9 @@ than the start decides in its place.
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.balance import EXIT_TIME_SPREAD, GROWTH_EXPONENT_ERROR, LOST_STARTS, SMALLEST_FOLLOWED
-from harness.metrics.divergence import DIVERGENCE
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.balance import exit_time_error_rms, growth_exponent_error, lost_start_share, smallest_followed_start
+from harness.metrics.divergence import divergence
+from harness.scene import EARTH_GRAVITY, Body, Scene, Sphere, Surface
 from harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
@@ -45,21 +45,8 @@ def scene(starts: float = STARTS, nearest: float = NEAREST, seed: int = 0) -> Sc
     for k, (tilt, azimuth, centre) in enumerate(zip(*_starts(starts, nearest, seed), _centres(round(starts)), strict=True)):
         aside = np.array([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)])
         bodies += [
-            Body(
-                name=f"bump_{k}",
-                motion="static",
-                material="bump",
-                collision=(PlacedShape(shape=Sphere(radius=BUMP)),),
-                p_WB=centre.tolist(),
-            ),
-            Body(
-                name=f"ball_{k}",
-                mass=MASS,
-                inertia=sphere_inertia(MASS, RADIUS),
-                material="ball",
-                collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-                p_WB=(centre + (REACH - DEPTH) * aside).tolist(),
-            ),
+            Body.fixed(f"bump_{k}", Sphere(radius=BUMP), material="bump", p_WB=centre.tolist()),
+            Body.ball(f"ball_{k}", RADIUS, mass=MASS, material="ball", p_WB=(centre + (REACH - DEPTH) * aside).tolist()),
         ]
     return Scene(
         bodies=tuple(bodies),
@@ -118,20 +105,20 @@ CASE = Case(
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 240, 1 / 480, 1 / 960),
     hard=Axis(parameter="nearest", unit="rad", easy=1e-4, extreme=1e-15),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="balls that roll off fall, nothing more"),
+        Check(metric=divergence, at_most=0.0, because="balls that roll off fall, nothing more"),
         Check(
-            metric=GROWTH_EXPONENT_ERROR,
+            metric=growth_exponent_error,
             at_most=lambda dt: EXPONENT * dt,
             because="a first-order method grows by 1 + L dt a step, where exp(L dt) is right: an exponent off by L dt/2, taken "
             "twice for the compliance of contact",
         ),
         Check(
-            metric=LOST_STARTS,
+            metric=lost_start_share,
             at_most=0.0,
             because="the roundings of double precision turn a line of 0.15 m at 3 m from the origin by 3e-15 rad, a millionth "
             "of the smallest start; and a growth as far off as its bound moves the fall by less than a tenfold start does",
         ),
     ),
-    observe=(SMALLEST_FOLLOWED, EXIT_TIME_SPREAD),
-    headline=GROWTH_EXPONENT_ERROR.name,
+    observe=(smallest_followed_start, exit_time_error_rms),
+    headline=growth_exponent_error.name,
 )

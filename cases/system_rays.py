@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from harness.case import Case, Check, Rays
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.range_error import FALSE_RETURNS, RANGE_ERROR_MAX, RANGE_ERROR_MEDIAN
-from harness.scene import Body, Box, Capsule, Cylinder, PlacedShape, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
+from harness.metrics.divergence import divergence
+from harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
+from harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
 from harness.sensors.rays import first_hits
 from harness.trajectory import Floats, State, Trajectory
 
@@ -34,15 +34,14 @@ def scene(pattern: str = "lidar", thin: float = 1) -> Scene:  # noqa: ARG001 -- 
         # Distances grow like the square root of the number: equal area, at least 1.4 m, for each.
         distance, azimuth = 1.5 * math.sqrt(k + 4), k * GOLDEN_ANGLE
         solids.append(
-            Body(
-                name=f"solid_{k}",
-                motion="static",
-                collision=(PlacedShape(shape=SHAPES[k % len(SHAPES)]),),
+            Body.fixed(
+                f"solid_{k}",
+                SHAPES[k % len(SHAPES)],
                 p_WB=(distance * math.cos(azimuth), distance * math.sin(azimuth), 0.8 + 0.1 * (k % 5)),
                 q_WB=axis_angle((math.cos(2.0 * k), math.sin(2.0 * k), 0.3), 0.4 * (k % 7)),
             )
         )
-    floor = Body(name="floor", motion="static", collision=(PlacedShape(shape=Plane()),))
+    floor = Body.fixed("floor", Plane())
     carrier = Body(name="carrier", inertia=box_inertia(1.0, (0.1, 0.1, 0.1)), p_WB=EYE)
     return Scene(bodies=(floor, *solids, carrier), gravity=(0.0, 0.0, 0.0))
 
@@ -93,21 +92,21 @@ CASE = Case(
     sample_interval=0.1,
     # The answer to a ray does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=RANGE_ERROR_MAX.name,
+    headline=range_error_max.name,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="nothing moves, so nothing can grow"),
+        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
         Check(
-            metric=RANGE_ERROR_MEDIAN,
+            metric=range_error_median,
             at_most=ROUNDING,
             because="single precision: eight roundings of the longest range; half of all rays meet their surface less "
             "askew than that enlarges",
         ),
         Check(
-            metric=FALSE_RETURNS,
+            metric=range_false_return_share,
             at_most=2 * ROUNDING / (1.0 / FOCAL),
             because="a ray may err where it passes an edge within the rounding above; the nearest solids stand 2 m away, "
             "where the closest rays are 2 m/FOCAL apart, so that, were every ray beside an edge, this share would be in doubt",
         ),
     ),
-    observe=(RANGE_ERROR_MAX,),
+    observe=(range_error_max,),
 )

@@ -6,7 +6,7 @@ kilometre is a length, a speed or a time of the engine's own: a margin, a slop, 
 
 from harness.case import Axis, Case, Check
 from harness.case.symmetries import Retelling, scaled
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from harness.props.regular_motions import stage
 from harness.scene import Scene
@@ -40,7 +40,7 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="scale", unit="1", easy=1.0, extreme=1000.0, lost=0.1),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="every motion of the stage is bounded"),
+        Check(metric=divergence, at_most=0.0, because="every motion of the stage is bounded"),
         Check(metric=POSITION_DIFFERENCE["shrunk"], at_most=SINGLE, because=WHY),
         Check(metric=POSITION_DIFFERENCE["grown"], at_most=SINGLE, because=WHY),
     ),

@@ -10,10 +10,10 @@ import numpy as np
 
 from harness.case import Axis, Case, Check
 from harness.case.forces import Control
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
-from harness.metrics.joint_gap import JOINT_GAP_MAX
-from harness.metrics.position import POSITION_MAX
+from harness.metrics.divergence import divergence
+from harness.metrics.inscribed_overlap import inscribed_overlap
+from harness.metrics.joint_gap import joint_gap_max
+from harness.metrics.position import position_error_max
 from harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
 from harness.trajectory import Floats, State, Trajectory
 
@@ -49,7 +49,7 @@ def scene(kind: str = "contact", n: float = COUNT, seed: int = 0) -> Scene:  # n
     if not touching:
         return Scene(bodies=tuple(cubes), gravity=(0.0, 0.0, 0.0))
     half = (edge * lattice + 5.0, edge * lattice + 5.0, 0.5)
-    floor = Body(name="floor", motion="static", collision=(PlacedShape(shape=Box(half_extents=half)),), p_WB=(0.0, 0.0, -0.5))
+    floor = Body.fixed("floor", Box(half_extents=half), p_WB=(0.0, 0.0, -0.5))
     law = Surface(static_friction=FRICTION, kinetic_friction=FRICTION)
     return Scene(bodies=(floor, *cubes), surfaces=(law,))
 
@@ -127,21 +127,21 @@ CASE = Case(
     duration=DURATION,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=1000),
-    headline=INSCRIBED_OVERLAP.name,
+    headline=inscribed_overlap.name,
     scale=HALF,
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="forces of half a weight move things by metres, no farther"),
+        Check(metric=divergence, at_most=0.0, because="forces of half a weight move things by metres, no farther"),
         Check(
-            metric=POSITION_MAX,
+            metric=position_error_max,
             at_most=lambda dt: 6 * PUSH / MASS * math.sqrt(DURATION * INTERVAL) * math.sqrt(3) * dt,
             because="a first-order method errs by dt/2 times the change of velocity, a sum of random pushes whose components "
             "spread by sigma sqrt(t T)/m; six of these are never exceeded, and a factor of 2 is left to spare",
         ),
         Check(
-            metric=INSCRIBED_OVERLAP,
+            metric=inscribed_overlap,
             at_most=HALF,
             because="the definition of broken: half the thinnest body",
         ),
-        Check(metric=JOINT_GAP_MAX, at_most=ROD[0], because="the definition of broken: half the thinnest body"),
+        Check(metric=joint_gap_max, at_most=ROD[0], because="the definition of broken: half the thinnest body"),
     ),
 )

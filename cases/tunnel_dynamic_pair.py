@@ -8,17 +8,17 @@ Source: Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.5 (two mo
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.momentum import MOMENTUM_MAX
+from harness.metrics.divergence import divergence
+from harness.metrics.momentum import momentum_drift_max
 from harness.metrics.passage import (
-    LATERAL_KICK,
-    PASSAGE_PROBABILITY,
-    PASSAGE_PROBABILITY_HIGH,
-    PASSAGE_PROBABILITY_LOW,
-    REST_SPEED,
-    SINK_DEPTH,
+    lateral_kick,
+    passage_probability,
+    passage_probability_high,
+    passage_probability_low,
+    rest_speed,
+    sink_depth,
 )
-from harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.scene import Body, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -45,12 +45,11 @@ def scene(speed: float = SPEED, phases: int = PHASES, continuous: bool = True, s
     for i, way in enumerate(_ways(speed, phases, seed)):
         for side, name in ((-1.0, "left"), (1.0, "right")):
             spheres.append(
-                Body(
-                    name=f"{name}_{i}",
+                Body.ball(
+                    f"{name}_{i}",
+                    RADIUS,
                     mass=MASS,
-                    inertia=sphere_inertia(MASS, RADIUS),
                     material=name,
-                    collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                     p_WB=(side * (RADIUS + float(way)), SPACING * i, 0.0),
                     v_WB=(-side * speed, 0.0, 0.0),
                 )
@@ -86,19 +85,19 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what has met without rebound rests"),
+        Check(metric=divergence, at_most=0.0, because="what has met without rebound rests"),
         Check(
-            metric=PASSAGE_PROBABILITY,
+            metric=passage_probability,
             at_most=0.0,
             because="two solid spheres stop each other, at any phase: no two centres change sides; 0 of 128 put the "
             "probability under 2.9 % (Wilson, 95 %)",
         ),
         Check(
-            metric=MOMENTUM_MAX,
+            metric=momentum_drift_max,
             at_most=lambda _dt, phases=PHASES, speed=SPEED: 1e-6 * 2 * phases * MASS * speed,
             because="a stop that is not an impulse on both makes momentum; 1e-6 of all there is, single precision",
         ),
     ),
-    observe=(PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, SINK_DEPTH, REST_SPEED, LATERAL_KICK),
-    headline=PASSAGE_PROBABILITY.name,
+    observe=(passage_probability_low, passage_probability_high, sink_depth, rest_speed, lateral_kick),
+    headline=passage_probability.name,
 )

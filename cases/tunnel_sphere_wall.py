@@ -9,9 +9,9 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.passage import SINK_DEPTH
-from harness.metrics.tunnelling import STOP_GAP, TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_HIGH, TUNNEL_PROBABILITY_LOW
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from harness.metrics.passage import sink_depth
+from harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
+from harness.scene import Body, Box, Effect, Scene, Surface
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -35,24 +35,19 @@ def scene(
     and says so, and with False every engine gives what its plain contacts give.
     """
     spheres = [
-        Body(
-            name=f"sphere_{i}",
+        Body.ball(
+            f"sphere_{i}",
+            RADIUS,
             mass=MASS,
-            inertia=sphere_inertia(MASS, RADIUS),
             material="sphere",
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             p_WB=(-float(way) - RADIUS, SPACING * i, 0.0),
             v_WB=(speed, 0.0, 0.0),
         )
         for i, way in enumerate(_starts(speed, phases, seed))
     ]
     middle = SPACING * (phases - 1) / 2
-    wall = Body(
-        name="wall",
-        motion="static",
-        material="wall",
-        collision=(PlacedShape(shape=Box(half_extents=(thickness / 2, middle + SPACING, 0.5))),),
-        p_WB=(thickness / 2, middle, 0.0),
+    wall = Body.fixed(
+        "wall", Box(half_extents=(thickness / 2, middle + SPACING, 0.5)), material="wall", p_WB=(thickness / 2, middle, 0.0)
     )
     return Scene(
         bodies=(wall, *spheres),
@@ -92,13 +87,13 @@ CASE = Case(
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            metric=TUNNEL_PROBABILITY,
+            metric=tunnel_probability,
             at_most=0.0,
             because="a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, SINK_DEPTH, STOP_GAP),
+    observe=(tunnel_probability_low, tunnel_probability_high, sink_depth, stop_gap),
     headline="tunnel_probability",
     eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

@@ -12,27 +12,16 @@ import math
 import numpy as np
 
 from harness.case import Axis, Case, Check
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.metrics.passage import (
-    LATERAL_KICK,
-    PASSAGE_PROBABILITY,
-    PASSAGE_PROBABILITY_HIGH,
-    PASSAGE_PROBABILITY_LOW,
-    REST_SPEED,
-    SINK_DEPTH,
+    lateral_kick,
+    passage_probability,
+    passage_probability_high,
+    passage_probability_low,
+    rest_speed,
+    sink_depth,
 )
-from harness.scene import (
-    EARTH_GRAVITY,
-    Body,
-    Box,
-    Effect,
-    PlacedShape,
-    Scene,
-    Sphere,
-    Surface,
-    TriangleMesh,
-    sphere_inertia,
-)
+from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, TriangleMesh
 from harness.trajectory import Floats, Trajectory
 from harness.truths.rest import at_rest
 
@@ -92,31 +81,23 @@ def scene(
         y = CELL * (row + (OFF_EDGE if row % 2 else 0.0)) + (2 * width if over_mesh else 0.0)
         height = speed * float(fall) + G * float(fall) ** 2 / 2
         balls.append(
-            Body(
-                name=f"ball_{i}",
+            Body.ball(
+                f"ball_{i}",
+                RADIUS,
                 mass=MASS,
-                inertia=sphere_inertia(MASS, RADIUS),
                 material="ball",
-                collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
                 p_WB=(float(draw.uniform(0.0, CELL)), y, RADIUS + height),
                 v_WB=(slide, 0.0, -speed),
             )
         )
     half_x, middle_x = CELL * (ALONG[1] - ALONG[0]) / 2, CELL * (ALONG[1] + ALONG[0]) / 2
-    plate = Body(
-        name="plate",
-        motion="static",
+    plate = Body.fixed(
+        "plate",
+        Box(half_extents=(half_x, width / 2, thickness / 2)),
         material="ground",
-        collision=(PlacedShape(shape=Box(half_extents=(half_x, width / 2, thickness / 2))),),
         p_WB=(middle_x, width / 2 - CELL, -thickness / 2),
     )
-    mesh = Body(
-        name="mesh",
-        motion="static",
-        material="ground",
-        collision=(PlacedShape(shape=_slab(rows, thickness)),),
-        p_WB=(0.0, 2 * width, 0.0),
-    )
+    mesh = Body.fixed("mesh", _slab(rows, thickness), material="ground", p_WB=(0.0, 2 * width, 0.0))
     return Scene(
         bodies=(plate, mesh, *balls),
         surfaces=(Surface(between=("ball", "ground")),),
@@ -164,25 +145,25 @@ CASE = Case(
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=300, lost=0.0),
     checks=(
-        Check(metric=DIVERGENCE, at_most=0.0, because="what has landed slides on"),
+        Check(metric=divergence, at_most=0.0, because="what has landed slides on"),
         Check(
-            metric=PASSAGE_PROBABILITY,
+            metric=passage_probability,
             at_most=0.0,
             because="a ground lets no ball through, at any phase: no centre ends below its middle; 0 of 64 put the probability "
             "under 5.7 % (Wilson, 95 %)",
         ),
         Check(
-            metric=LATERAL_KICK,
+            metric=lateral_kick,
             at_most=lambda _dt, speed=SPEED, slide=SLIDE: 1e-6 * math.hypot(speed, slide),
             because="level ground without friction has no force along it, inner edge or not; 1e-6 of the speed for single "
             "precision",
         ),
         Check(
-            metric=REST_SPEED,
+            metric=rest_speed,
             at_most=lambda dt: G * dt,
             because="a ball at rest on the ground is given g dt by gravity in each step before the ground takes it away",
         ),
     ),
-    observe=(PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, SINK_DEPTH),
-    headline=PASSAGE_PROBABILITY.name,
+    observe=(passage_probability_low, passage_probability_high, sink_depth),
+    headline=passage_probability.name,
 )

@@ -20,7 +20,7 @@ DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One difference. Terms: size: how it differs. torque, motion: its consequence, '' where it has none. bar: share of the
+    """One difference. Terms: size: how it differs. torque: its consequence, '' where it has none. bar: share of the
     worst torque of all sides, 0 to 1."""
 
     kind: str
@@ -31,7 +31,6 @@ class Row:
     unit: str
     size: str
     torque: str
-    motion: str
     words: str
     documented: str
     bar: float
@@ -84,7 +83,7 @@ def rendered(record: ParityRecord) -> str:
 
 
 def _panel(side: Side, most: float) -> Panel:
-    causes = sorted((row for row in side.rows if row["quantity"] not in DERIVED), key=_weight)
+    causes = sorted((row for row in side.rows if row["quantity"] not in DERIVED), key=lambda row: -(row["torque"] or 0.0))
     derived = [row for row in side.rows if row["quantity"] in DERIVED]
     return Panel(
         side=side,
@@ -94,21 +93,9 @@ def _panel(side: Side, most: float) -> Panel:
     )
 
 
-def _weight(row: Mapping[str, Any]) -> tuple[float, float]:
-    return -(row["torque"] or 0.0), -(row["motion"] or 0.0)
-
-
 def _worst(rows: Sequence[Mapping[str, Any]]) -> str:
-    torques = [row for row in rows if row["torque"]]
-    motions = [row for row in rows if row["motion"]]
-    phrases = []
-    if torques:
-        row = max(torques, key=lambda candidate: float(candidate["torque"]))
-        phrases.append(f"{amount(row['torque'])} {unit_text(row['torque_unit'])}")
-    if motions:
-        row = max(motions, key=lambda candidate: float(candidate["motion"]))
-        phrases.append(f"{amount(row['motion'])} {unit_text(row['motion_unit'])} after a second")
-    return ", ".join(phrases)
+    row = max(rows, key=lambda candidate: float(candidate["torque"] or 0.0), default=None)
+    return f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if row and row["torque"] else ""
 
 
 def _row(row: Mapping[str, Any], most: float) -> Row:
@@ -125,7 +112,6 @@ def _row(row: Mapping[str, Any], most: float) -> Row:
         unit=unit_text(row["unit"]),
         size=size,
         torque=f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if followed else "",
-        motion="" if row["motion"] is None else f"{amount(row['motion'])} {unit_text(row['motion_unit'])}",
         words="" if followed else row["words"],
         documented=row["documented"],
         bar=(row["torque"] or 0.0) / most if most > 0 else 0.0,

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from harness.intake.safe_text import LONGEST, one_line
-from harness.store.store import StoreError
+from harness.store.journal import StoreError
 from reports.contents import cases, engines
 from reports.motion import Line, Motion, motion_of
 from reports.motion_chart import Panel, apart, overview

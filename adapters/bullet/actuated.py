@@ -14,8 +14,6 @@ from harness.adapter import Notice, Unsupported
 from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
 
-__all__ = ["actuated"]
-
 SAME_POSE = 0.05
 """How far [rad] joints may turn, or slide in units of a radius of gyration, before their mobility counts as another."""
 MOTORS = (

@@ -9,8 +9,6 @@ from harness.adapter import Notice
 from harness.adapter.distance_springs import DistanceSprings
 from harness.trajectory import Floats
 
-__all__ = ["Assembly"]
-
 
 @dataclass(slots=True)
 class Assembly:

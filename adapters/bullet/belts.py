@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from adapters.bullet.vendor import Port
 from harness.scene import Vector3
 
-__all__ = ["Belt"]
-
 
 @dataclass(slots=True)
 class Belt:

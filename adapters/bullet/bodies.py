@@ -13,8 +13,6 @@ from adapters.bullet.vendor import LIFTED
 from harness.adapter import Notice, Unsupported
 from harness.scene import Effect
 
-__all__ = ["check_joined", "put_base", "put_free", "put_static", "renew_inertia", "tell_body", "tell_multibody"]
-
 
 def put_static(plan: Plan, made: Assembly, place: int, maximal: bool) -> None:
     """A body that never moves; without contact it is nothing at all.

@@ -24,8 +24,6 @@ from harness.adapter.rotations import conjugate
 from harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
 from harness.trajectory import State
 
-__all__ = ["build_world"]
-
 
 def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> BulletSimulation:
     """Exactly this scene in an empty world; the initial state is read back at the end. Raises: Unsupported, SettingsError."""

@@ -11,8 +11,6 @@ from harness.adapter import Unsupported
 from harness.adapter.rotations import IDENTITY, conjugate
 from harness.scene import Ball, Coupling, Fixed, Joint, Revolute, Vector3, rotate
 
-__all__ = ["close_loop", "couple"]
-
 
 def close_loop(plan: Plan, made: Assembly, joint: Joint) -> None:
     """A joint that closes a loop, as constraints between points of the two bodies."""

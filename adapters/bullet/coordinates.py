@@ -8,8 +8,6 @@ from adapters.bullet.straight import goes_straight
 from harness.adapter import Unsupported
 from harness.scene import Body, Effect
 
-__all__ = ["damping_of", "maximal"]
-
 FAST_TURN = 0.05
 """The angle [rad] a step beyond which a body of uneven inertia stays out of multibody coordinates: from 0.1 on it explodes."""
 

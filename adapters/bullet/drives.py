@@ -10,8 +10,6 @@ from adapters.bullet.vendor import LIFTED, Port
 from harness.scene import Drive, Spring, Vector3
 from harness.trajectory import Floats
 
-__all__ = ["Actuation", "Actuator"]
-
 
 @dataclass(slots=True)
 class Actuator:

@@ -5,8 +5,6 @@ import numpy as np
 from harness.scene import Quaternion, Vector3
 from harness.trajectory import Floats
 
-__all__ = ["matrices", "minus", "plus", "xyzw"]
-
 
 def xyzw(q: Quaternion) -> list[float]:
     """A quaternion (w, x, y, z) in Bullet's order."""

@@ -8,8 +8,6 @@ from adapters.bullet.plan import Plan
 from adapters.bullet.shapes import Placed
 from harness.scene import Body, Box, ConvexHull, Plane, Scene, Vector3, multiply, outer_radius, rotate
 
-__all__ = ["faced", "static_parts"]
-
 REACH = 1000.0
 """How far [m] the box that stands for a plane goes on to the sides and down beyond all that moves at the start."""
 

@@ -5,8 +5,6 @@ The figures are of `plumbline run dominance`, which tries every value in every c
 
 from harness.adapter import TradeOff
 
-__all__ = ["KNOB_TRADE_OFFS"]
-
 KNOB_TRADE_OFFS = (
     TradeOff(
         cases=("sensor_streams", "stack_card_house", "stack_pile", "stack_pyramid"),

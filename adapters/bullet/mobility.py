@@ -14,8 +14,6 @@ from harness.adapter.rotations import conjugate
 from harness.scene import Ball, Fixed, Prismatic, Quaternion, Scene, Vector3, multiply, rotate
 from harness.trajectory import Floats
 
-__all__ = ["Footing", "Held", "Skeleton"]
-
 TOUCHING = 1e-6
 """The gap [m] within which a foot stands at the start: scenes are built touching to rounding."""
 SINGULAR = 1e-4

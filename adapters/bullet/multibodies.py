@@ -17,8 +17,6 @@ from harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
 from harness.adapter.rotations import IDENTITY, conjugate
 from harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
 
-__all__ = ["put_multibody"]
-
 MOST_COORDINATES = 128
 """Of one multibody, base included (MAX_DEGREE_OF_FREEDOM of SharedMemoryCommands.h); beyond, states are cut in silence."""
 _KINDS = {"fixed": "JOINT_FIXED", "ball": "JOINT_SPHERICAL", "revolute": "JOINT_REVOLUTE", "prismatic": "JOINT_PRISMATIC"}

@@ -11,18 +11,6 @@ from harness.adapter import Settings, SettingsError
 from harness.adapter.fast_rotors import fast_rotors
 from harness.scene import Effect, Scene
 
-__all__ = [
-    "VENDOR_OPTIONS",
-    "VENDOR_STEP",
-    "checked",
-    "iterations_of",
-    "resolved_settings",
-    "set_parameters",
-    "substep",
-    "substeps_of",
-    "with_slop",
-]
-
 VENDOR_STEP = 1 / 240
 """The time step [s] that the Quickstart Guide says is best left as it is: solver iterations and ERPs are tuned to it."""
 TOP_STEP = 1 / 960

@@ -15,8 +15,6 @@ from harness.adapter.rotations import conjugate, principal_frame
 from harness.adapter.touching_kinds import Kind
 from harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply, rotate
 
-__all__ = ["Plan"]
-
 KINEMATIC_RATIO = 1e12
 """Mass of a kinematic body over the greatest mass of the scene."""
 

@@ -8,8 +8,6 @@ from harness.scene import Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
 
-__all__ = ["ReactionReader"]
-
 
 class ReactionReader:
     """Reads the sensors of joints, which are switched on at the first question: they cost a pass over all links each step.

@@ -13,8 +13,6 @@ from harness.adapter import Unsupported
 from harness.scene.parity.facts import FIXED, JointFacts
 from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
 
-__all__ = ["load"]
-
 _OPEN = 1e9
 """A bound beyond which pybullet means none."""
 

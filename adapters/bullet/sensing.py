@@ -14,8 +14,6 @@ from harness.adapter.rotations import IDENTITY
 from harness.scene import WORLD, Camera, ConvexHull, Quaternion, Scene, TriangleMesh, Vector3, multiply, rotate
 from harness.trajectory import Floats, Hits, Image, State
 
-__all__ = ["Twin"]
-
 RAY_BATCH = 16_000
 """Rays in one call; beyond 16383 the binding drops rays in silence."""
 RAY_MARGIN = 1e-6

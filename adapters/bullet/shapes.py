@@ -28,17 +28,6 @@ from harness.scene import (
     rotate,
 )
 
-__all__ = [
-    "Placed",
-    "check_shapes",
-    "collision_shape",
-    "inner_radius",
-    "padded",
-    "single_shape",
-    "unseen_shape",
-    "visual_shape",
-]
-
 Placed = tuple[Shape, Vector3, Quaternion]
 """A shape with its pose in the frame of a body or a link."""
 NO_ELLIPSOID = (

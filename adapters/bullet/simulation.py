@@ -18,8 +18,6 @@ from harness.scene import Camera, Scene, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
-__all__ = ["BulletSimulation"]
-
 Pushes = tuple[tuple[int, int, Any, Any], ...]
 """(number, link, force in W [N], torque in W [N m]) of bodies."""
 

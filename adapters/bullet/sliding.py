@@ -8,8 +8,6 @@ import numpy as np
 from harness.scene import Box, Capsule, Effect, Plane, Quaternion, Scene, Shape, Sphere, Vector3, multiply, rotate
 from harness.trajectory import Floats
 
-__all__ = ["may_slide"]
-
 SLOPE = 1e-6
 """The least cosine between a direction and gravity, and between it and the horizontal, that counts as a slope."""
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

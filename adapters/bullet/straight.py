@@ -8,8 +8,6 @@ import numpy as np
 from harness.scene import Body, Box, Effect, Plane, Scene, multiply, rotate
 from harness.trajectory import Floats
 
-__all__ = ["goes_straight"]
-
 ALIGNED = 1e-6
 """The greatest sine of an angle between two directions that count as one."""
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

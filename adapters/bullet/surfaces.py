@@ -10,8 +10,6 @@ from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import Kind, touching_kinds
 from harness.scene import Effect, Scene, Surface
 
-__all__ = ["Coefficients", "braked", "coefficients"]
-
 GREATEST_FRICTION = 10.0
 """btManifoldResult clamps every combined coefficient to this."""
 

@@ -14,8 +14,6 @@ from harness.adapter.fast_rotors import fast_rotors
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
 
-__all__ = ["Link", "Tree", "constrained_joints", "fast_tops", "joint_axis", "loaded", "spanning_trees"]
-
 
 @dataclass(frozen=True, slots=True)
 class Link:

@@ -11,8 +11,6 @@ from typing import Any
 
 from harness.adapter import Unavailable
 
-__all__ = ["CONTACT_BREAKING", "LIFTED", "Port", "break_contacts_at", "breaks", "connected", "pybullet_module", "silenced"]
-
 LIFTED = 1e30
 """A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""
 CONTACT_BREAKING = 0.02

@@ -25,8 +25,6 @@ from harness.scene import (
 )
 from harness.trajectory import Floats
 
-__all__ = ["Arrangement"]
-
 CLOSE = 0.01
 """Two bodies are near if their bounding balls meet, each larger by this share."""
 TOUCH = 1e-3

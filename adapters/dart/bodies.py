@@ -13,8 +13,6 @@ from adapters.dart.vendor import pose
 from harness.adapter.touching_kinds import Kind
 from harness.scene import Effect
 
-__all__ = ["add_bodies", "start"]
-
 
 def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tuple[float, float]]) -> None:
     """Skeletons, nodes, joints, masses and shapes; joint-free bodies first, in the order that `state` reads them.

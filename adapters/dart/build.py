@@ -21,8 +21,6 @@ from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from harness.adapter.fast_rotors import rotor_notices
 from harness.scene import Effect, Scene
 
-__all__ = ["build"]
-
 
 def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""

@@ -9,8 +9,6 @@ from harness.adapter.distance_springs import DistanceSprings
 from harness.scene import Effect, Scene
 from harness.trajectory import Floats
 
-__all__ = ["Built", "Loop"]
-
 Loop = tuple[tuple[int, Floats], ...]
 """One or two (place of the body, point in B [m]): what a constraint holds together, or to the world."""
 

@@ -9,8 +9,6 @@ from adapters.dart.built import Built
 from adapters.dart.vendor import body_of
 from harness.trajectory import Contacts, Floats
 
-__all__ = ["FIRST_STEPS", "MOST_CONTACTS", "SLOW", "LastSeen", "reported"]
-
 MOST_CONTACTS = 1000
 """CollisionOption::maxNumContacts; dartpy hands out a copy of the option, so that it cannot be raised.
 

@@ -8,8 +8,6 @@ from adapters.dart.surfaces import touching_bodies
 from harness.adapter import Notice, Unsupported
 from harness.scene import Effect, Scene
 
-__all__ = ["DETECTORS", "WRONG_PAIRS", "choose_detector", "keep_apart"]
-
 DETECTORS = ("fcl", "ode", "dart", "bullet")
 
 

@@ -11,8 +11,6 @@ from harness.adapter import Notice
 from harness.scene import Drive, Spring
 from harness.trajectory import Floats
 
-__all__ = ["AT_REST", "SERVO_NOTICE", "Laws", "Motor", "Pushes", "by_skeleton"]
-
 SERVO_NOTICE = Notice(
     "drives: DART's own servo holds the velocity (c u + k (target - x))/(c + dt k) by whatever force within the limit: another "
     "law than the scene's k (target - x) + c (u - x')"

@@ -8,8 +8,6 @@ from adapters.dart.built import Built
 from adapters.dart.drives import Pushes
 from harness.trajectory import Floats
 
-__all__ = ["Wrenches", "damp", "push"]
-
 Wrenches = tuple[Floats, Floats]
 """(f_B_W, tau_B_W), each (n, 3): N and N m on every body."""
 

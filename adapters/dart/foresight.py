@@ -10,8 +10,6 @@ from adapters.dart.drives import Laws, by_skeleton
 from adapters.dart.holds import Holds, Spans, Touch, islands
 from harness.trajectory import Floats, Integers
 
-__all__ = ["Foresight"]
-
 SHARED = 1e-10
 """Of the mobility of all mass at once: what makes redundant holds share a load, too little to give way."""
 

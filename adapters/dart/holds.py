@@ -12,8 +12,6 @@ from adapters.dart.surfaces import SMALLEST_COEFFICIENT
 from adapters.dart.vendor import body_of
 from harness.trajectory import Floats
 
-__all__ = ["Bearing", "Holds", "Spans", "Touch", "islands"]
-
 SLIDING = 0.999
 """From this share of its greatest friction on a contact slides rather than sticks."""
 Spans = Mapping[int, slice]

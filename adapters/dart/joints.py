@@ -12,8 +12,6 @@ from harness.adapter import Unsupported
 from harness.adapter.carried_laws import refuse_armature
 from harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Spring
 
-__all__ = ["add_constraints", "add_joint"]
-
 
 def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:
     """The joint of an edge and its body, placed so that DART's coordinate is the scene's."""

@@ -5,8 +5,6 @@ The figures are of `plumbline run dominance`, which tries every value in every c
 
 from harness.adapter import TradeOff
 
-__all__ = ["KNOB_TRADE_OFFS"]
-
 KNOB_TRADE_OFFS = (
     TradeOff(
         cases=("stack_tip_or_slide", "stand_hit", "system_far_origin"),

@@ -6,8 +6,6 @@ from adapters.dart.detectors import DETECTORS
 from adapters.dart.solvers import SOLVERS
 from harness.adapter import Settings, SettingsError
 
-__all__ = ["DRIVES", "INTEGRATOR", "JOINTS", "validated"]
-
 INTEGRATOR = "semi_implicit_euler"
 DRIVES = ("spring", "stable", "servo")
 """How springs and drives act: as DART's joint springs, or as torques of the velocity foreseen for the end of the step; or,

@@ -7,8 +7,6 @@ from harness.adapter.joint_reactions import about_the_anchor, turned_back
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["reactions"]
-
 
 def reactions(built: Built, present: State) -> Floats:
     """Forces [N] and torques [N m] of the scene's joints (j, 6) in the last (sub)step; NaN of those that are constraints.

@@ -11,8 +11,6 @@ from harness.adapter import Unsupported
 from harness.scene.parity.facts import FIXED, JointFacts, Law
 from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
 
-__all__ = ["load"]
-
 _KINDS = {"RevoluteJoint": "revolute", "PrismaticJoint": "prismatic", "BallJoint": "ball", "FreeJoint": "free"}
 
 

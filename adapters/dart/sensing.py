@@ -16,8 +16,6 @@ from harness.adapter.what_goes_in import check_rays
 from harness.scene import Ellipsoid
 from harness.trajectory import Floats, Hits, Integers
 
-__all__ = ["LONGEST_RAY", "Caster"]
-
 LONGEST_RAY = 1e9
 """A ray is a segment in DART [m]; beyond this its fraction loses the millimetre."""
 

@@ -15,8 +15,6 @@ from harness.adapter.touching_kinds import Kind
 from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from harness.trajectory import Floats, Integers
 
-__all__ = ["SLAB", "add_shapes"]
-
 SLAB = 1e3
 """Under the Bullet detector, which holds a solid on a plane at one point, a plane is a slab of these half extents [m]."""
 

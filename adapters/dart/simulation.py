@@ -22,8 +22,6 @@ from harness.scene import Camera, Effect, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
-__all__ = ["DartSimulation"]
-
 STEPS_UNCHECKED = 32
 """How many steps go by between two looks for NaN within one call of `step`."""
 LARGEST_SPEED = 1e100

@@ -8,8 +8,6 @@ from adapters.dart.arrangement import Arrangement
 from harness.adapter import Settings
 from harness.scene import Effect, Scene, Sphere
 
-__all__ = ["SOLVERS", "SolverInUse", "choose_solver", "set_solver"]
-
 SOLVERS = ("dantzig", "pgs", "matrix_free", "nsgs", "fbf")
 FAST, FINE_TOLERANCE = 0.08, 1e-6
 """Where gravity gives a body more speed [m/s] in a step than the first the conic solver of 'auto' stops at the second, else at

@@ -8,8 +8,6 @@ from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import Kind, kinds_of, touching_kinds
 from harness.scene import Body, Effect, Scene
 
-__all__ = ["SMALLEST_COEFFICIENT", "coefficients", "touching_bodies"]
-
 SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""
 

@@ -9,8 +9,6 @@ from harness.adapter.fast_rotors import fast_rotors
 from harness.scene import Body, Effect, Scene, Vector3, rotation_matrix
 from harness.trajectory import Floats
 
-__all__ = ["ROTOR_STEP", "SPUN", "spins", "substeps_of"]
-
 ROTOR_STEP = 1 / 960
 """The longest (sub)step [s] of a fast rotor on `joints` = "auto".
 

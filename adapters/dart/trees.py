@@ -13,8 +13,6 @@ from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats
 
-__all__ = ["WORLD_FRAME", "Edge", "check_velocities", "constrained_joints", "cuttable", "ends", "forest"]
-
 WORLD_FRAME = -1
 """The place of the world, and of every static body, in the graph of joints."""
 

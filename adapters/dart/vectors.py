@@ -4,8 +4,6 @@ import numpy as np
 
 from harness.trajectory import Floats
 
-__all__ = ["cross_matrix", "quaternions", "tangents"]
-
 
 def tangents(normal: Floats) -> Floats:
     """Two directions (2, 3) across a unit vector and each other."""

@@ -15,8 +15,6 @@ from harness.adapter import Unavailable
 from harness.scene import Quaternion, Vector3, rotation_matrix
 from harness.trajectory import Floats
 
-__all__ = ["body_of", "correcting", "load", "overheard", "pose"]
-
 
 def load() -> Any:
     """The module dartpy. Raises: Unavailable."""

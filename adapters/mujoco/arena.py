@@ -2,8 +2,6 @@
 
 from harness.scene import Scene
 
-__all__ = ["arena_for"]
-
 MANY = 1200
 """Bodies up to which the guess stands: it grows with their square, 1.8 GB for a thousand, 14 for three thousand."""
 PAIR, BODY = 8, 100_000

@@ -14,8 +14,6 @@ from harness.adapter.carried_laws import refuse_speed_limit
 from harness.adapter.rotations import conjugate
 from harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
 
-__all__ = ["add_body"]
-
 KINEMATIC_ARMATURE = 1e12
 """Inertia of a kinematic body over that of all movable ones: a force then changes its velocity by rounding."""
 

@@ -26,8 +26,6 @@ from adapters.mujoco.world import Hung, Indices, World
 from harness.adapter import Notice, Settings, Unsupported
 from harness.scene import Distance, Effect, Fixed, Joint, Prismatic, Revolute, Scene
 
-__all__ = ["build"]
-
 
 def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
     """Exactly this scene, compiled, in its initial state. Raises: Unsupported, SettingsError."""

@@ -13,8 +13,6 @@ from harness.adapter import Unsupported
 from harness.adapter.carried_laws import carried, followed
 from harness.scene import WORLD, Coupling, Distance, Fixed, Joint, Prismatic, Revolute
 
-__all__ = ["close_loop", "couple", "keep_distance"]
-
 
 def close_loop(plan: Plan, draft: Draft, joint: Joint) -> None:
     """An equality constraint for a joint that closes a loop. Raises: Unsupported."""

@@ -9,8 +9,6 @@ from adapters.mujoco.surfaces import Law, ranked, tell_surface
 from harness.adapter import Unsupported
 from harness.scene import WORLD, Effect, Scene
 
-__all__ = ["add_shapes"]
-
 
 def add_shapes(plan: Plan, draft: Draft, laws: Mapping[frozenset[str], Law]) -> None:
     """Geoms with their surfaces; whose pair's law no priority gives, an explicit pair does. Raises: Unsupported."""

@@ -8,8 +8,6 @@ from adapters.mujoco.plan import Plan
 from harness.adapter import Unsupported
 from harness.scene import Effect, Fixed, Prismatic, Revolute
 
-__all__ = ["dampen"]
-
 
 def dampen(plan: Plan, model: Any) -> None:
     """Q = -c J^T (m v, I w) as damping of coordinates, where a diagonal of coefficients can say it. Raises: Unsupported."""

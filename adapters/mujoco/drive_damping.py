@@ -10,8 +10,6 @@ from adapters.mujoco.vendor import flag
 from adapters.mujoco.world import World
 from harness.trajectory import Floats
 
-__all__ = ["damp_joints"]
-
 
 def damp_joints(draft: Draft, world: World, h: float) -> bool:
     """Give the joints the damping of their drives where Euler, by steps of h [s], would be unstable with it in the actuators.

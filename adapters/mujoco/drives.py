@@ -3,8 +3,6 @@
 from adapters.mujoco.draft import Draft
 from adapters.mujoco.plan import Plan
 
-__all__ = ["add_drives"]
-
 
 def add_drives(plan: Plan, draft: Draft) -> None:
     """PD drives: stiffness ctrl + damping target_velocity - stiffness x - damping x' + feedforward, cut off at the limit."""

@@ -6,8 +6,6 @@ from adapters.mujoco.plan import Plan
 from adapters.mujoco.vendor import flag
 from harness.scene import Effect
 
-__all__ = ["set_options"]
-
 
 def set_options(plan: Plan, draft: Draft) -> None:
     """Give the model its step, gravity, memory, solver, integrator, cone and Jacobian, and switch effects on and off."""

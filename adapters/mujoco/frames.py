@@ -6,8 +6,6 @@ from harness.adapter.rotations import principal_frame
 from harness.scene import Body, Quaternion, Vector3
 from harness.trajectory import Floats
 
-__all__ = ["cross", "principal", "upright"]
-
 
 def principal(body: Body) -> tuple[Vector3, Quaternion]:
     """Principal moments [kg m2] and q_BM; a tensor that is diagonal already is left as it stands."""

@@ -6,8 +6,6 @@ from harness.adapter.touching_kinds import Kind, touching_kinds
 from harness.scene import Scene
 from harness.scene.shape import width
 
-__all__ = ["FIRM", "FIRMEST", "impedance_for"]
-
 FIRM = 0.999
 """Impedance of contacts on tuned: what rests sinks by micrometres."""
 FIRMEST = 0.9999

@@ -13,8 +13,6 @@ from harness.adapter.rotations import matrix, products
 from harness.scene import WORLD, Camera
 from harness.trajectory import Floats, Image, Integers
 
-__all__ = ["Renderer"]
-
 SLICES = 192
 """Corners of a drawn circle: a sphere is off by up to (1 - cos(pi/192)) of its radius, about 1.3e-4."""
 

@@ -12,8 +12,6 @@ from harness.adapter.rotations import IDENTITY, conjugate, matrix
 from harness.scene import WORLD, Effect, Imu, multiply
 from harness.trajectory import Floats
 
-__all__ = ["Inertial", "add_inertial"]
-
 
 def add_inertial(plan: Plan, draft: Draft) -> None:
     """Sites with MuJoCo's accelerometer and gyroscope for the inertial sensors that ask for them."""

@@ -9,8 +9,6 @@ from adapters.mujoco.world import World
 from harness.scene import Prismatic, Revolute
 from harness.trajectory.joint_states import JointStates
 
-__all__ = ["JointReader"]
-
 
 class JointReader:
     """Reads the joints of a world; reactions are worked out on a copy of its state, which the world does not notice."""

@@ -5,8 +5,6 @@ The figures are of `plumbline run dominance`, which tries every value in every c
 
 from harness.adapter import TradeOff
 
-__all__ = ["KNOB_TRADE_OFFS"]
-
 FIRST_ORDER = (
     "one stage for four, of first order: what flies errs 98 times as much, a top 50 times, a double pendulum "
     "51 times; these scenes ask for what both have right, or for what Euler keeps"

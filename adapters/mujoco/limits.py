@@ -4,8 +4,6 @@ from adapters.mujoco.vendor import OPEN
 from harness.adapter import Unsupported
 from harness.scene import Joint, Limits
 
-__all__ = ["bounds_of"]
-
 
 def bounds_of(joint: Joint) -> list[float] | None:
     """Both bounds of a joint's coordinate, open ones beyond reach; None where it has none. Raises: Unsupported."""

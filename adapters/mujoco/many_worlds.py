@@ -8,8 +8,6 @@ from adapters.mujoco.simulation import MujocoSimulation
 from harness.adapter import Notice, Settings
 from harness.trajectory import State
 
-__all__ = ["MujocoWorlds"]
-
 
 class MujocoWorlds:
     """A batch: each world is a row of all that `mj_step` reads, warm start included, so that it goes as it would alone.

@@ -6,8 +6,6 @@ from typing import Any
 
 from harness.adapter import Settings, SettingsError
 
-__all__ = ["INTEGRATORS", "SOLVERS", "Options", "checked"]
-
 INTEGRATORS = ("discrete", "euler", "rk4", "implicitfast", "implicit")
 """A search that turns a knob to the next value meets the discrete one beside Euler, and RK4 where that is refused."""
 SOLVERS = ("pgs", "cg", "newton")

@@ -14,8 +14,6 @@ from harness.adapter.rotations import matrix
 from harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply
 from harness.trajectory import Floats
 
-__all__ = ["Plan"]
-
 
 @dataclass(frozen=True, slots=True)
 class Plan:

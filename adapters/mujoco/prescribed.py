@@ -8,8 +8,6 @@ from adapters.mujoco.world import World
 from harness.adapter.rotations import matrix
 from harness.scene import Vector3
 
-__all__ = ["prescribe"]
-
 
 def prescribe(world: World, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
     """Give kinematic bodies v_WB [m/s] and w_WB [rad/s].

@@ -12,8 +12,6 @@ from harness.scene import Body, Capsule, Cylinder, PlacedShape, Plane, Sphere, r
 from harness.scene.shape import outer_radius, width
 from harness.trajectory import Floats
 
-__all__ = ["give", "pressed_through"]
-
 
 def give(constant: float, ratio: float) -> float:
     """How far [m] a contact is pressed in by a body that comes with 1 m/s.

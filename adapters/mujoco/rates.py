@@ -9,8 +9,6 @@ import numpy as np
 from adapters.mujoco.vendor import flag, refuse
 from harness.trajectory import Floats, Integers
 
-__all__ = ["fastest", "resisted", "stiffest"]
-
 EXACT_ROWS = 200
 """Springs and dampers up to which their fastest mode is found exactly rather than bounded."""
 RATE_SAMPLES = 16

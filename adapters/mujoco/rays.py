@@ -12,8 +12,6 @@ from adapters.mujoco.world import World
 from harness.adapter.what_goes_in import check_rays
 from harness.trajectory import Floats, Hits
 
-__all__ = ["cast", "caster"]
-
 
 def cast(world: World, origins: Floats, directions: Floats, max_range: float) -> Hits:
     """First hit of each ray, one native call for each run of equal origins."""

@@ -7,8 +7,6 @@ import numpy as np
 
 from harness.adapter import Unsupported
 
-__all__ = ["elastic"]
-
 
 def _rebound(z: float, steps: int, fine: int) -> float:
     """Mean restitution over phases of a spring and damper that cannot pull, of damping ratio z, lasting `steps` steps.

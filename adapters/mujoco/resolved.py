@@ -7,8 +7,6 @@ from adapters.mujoco.plan import Plan
 from adapters.mujoco.softness import LEAST_STEPS, friction_constant, time_constant
 from harness.adapter import Settings
 
-__all__ = ["resolved_settings"]
-
 
 def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: float) -> Settings:
     """The settings that a compiled model has. Args: tolerance_scale: what its tolerance was multiplied by [1]."""

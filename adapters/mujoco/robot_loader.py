@@ -12,8 +12,6 @@ from harness.adapter import Unsupported
 from harness.scene.parity.facts import FIXED, JointFacts, Law
 from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, in_packages, matrix_gap
 
-__all__ = ["load"]
-
 
 def load(path: Path, request: Request) -> Loaded:
     """The compiled model.

@@ -13,8 +13,6 @@ from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotF
 from harness.scene.parity.parting import DT, Motion
 from harness.trajectory import Floats
 
-__all__ = ["moved"]
-
 
 def moved(robot: RobotFacts, motion: Motion) -> Floats:
     """Positions (samples, joints, 4): the coordinate and zeros, or a ball's or free joint's quaternion. Raises: Unsupported."""

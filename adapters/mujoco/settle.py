@@ -12,8 +12,6 @@ from adapters.mujoco.sparse_factor import may_err
 from adapters.mujoco.vendor import flag
 from harness.scene import Effect
 
-__all__ = ["settle"]
-
 RESOLVED_RATE = 0.1
 """Largest rate times step of a spring or damper that Euler is given in a scene with contacts: about 60 steps a period."""
 RK4_RATE = 2.0

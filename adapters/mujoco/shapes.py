@@ -26,8 +26,6 @@ from harness.scene import (
 )
 from harness.trajectory import Floats, Integers
 
-__all__ = ["BOTH_GROUP", "COLLISION_GROUP", "VISUAL_GROUP", "add_geom"]
-
 COLLISION_GROUP, BOTH_GROUP, VISUAL_GROUP = 1, 0, 2
 """Geom groups: rays see shapes that collide, images see shapes that are drawn."""
 

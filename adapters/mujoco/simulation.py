@@ -20,8 +20,6 @@ from harness.scene import Camera, Vector3
 from harness.trajectory import Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
-__all__ = ["MujocoSimulation"]
-
 
 class MujocoSimulation:
     """One scene in one `MjData`."""

@@ -5,8 +5,6 @@ from typing import Any
 
 from adapters.mujoco.options import Options
 
-__all__ = ["LEAST_STEPS", "VENDOR_TIME_CONSTANT", "friction_constant", "hold", "hold_dry", "impedance", "stop", "time_constant"]
-
 VENDOR_TIME_CONSTANT = 0.02
 """The time constant of MuJoCo's constraints [s] (solref[0])."""
 LEAST_STEPS = 2.0

@@ -9,8 +9,6 @@ from adapters.mujoco.vendor import flag
 from harness.adapter.touching_kinds import touching_kinds
 from harness.scene import Effect
 
-__all__ = ["may_err", "sparse"]
-
 FAULTY = "4.0.0"
 """The version whose sparse factor of the Newton solver its makers call wrong (release notes of 4.0.1, issue 3767)."""
 LEAST_SPARSE = 60

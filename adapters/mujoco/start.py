@@ -10,8 +10,6 @@ from harness.adapter import Simulation, Unsupported
 from harness.scene import Ball, Distance, Fixed, Revolute
 from harness.trajectory import State
 
-__all__ = ["check_start", "start"]
-
 
 def start(plan: Plan, draft: Draft, world: World) -> None:
     """Give the coordinates the velocities that those of the bodies mean, and the drives their targets. Raises: Unsupported."""

@@ -11,8 +11,6 @@ from harness.adapter import Unsupported
 from harness.adapter.touching_kinds import touching_kinds
 from harness.scene import Effect, Scene, Surface
 
-__all__ = ["Law", "contact_law", "contact_laws", "ranked", "tell_surface"]
-
 REBOUND_IMPEDANCE = 0.9999
 """Impedance of a contact that rebounds: its reference acceleration is taken as it is, with next to nothing of gravity."""
 

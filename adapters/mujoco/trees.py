@@ -7,8 +7,6 @@ from harness.adapter.carried_laws import carried, followed
 from harness.adapter.spanning_forest import spanning_forest
 from harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 
-__all__ = ["Link", "forest"]
-
 
 @dataclass(frozen=True, slots=True)
 class Link:

@@ -7,8 +7,6 @@ import numpy as np
 
 from harness.adapter import Unavailable, Unsupported
 
-__all__ = ["OPEN", "counters", "fatal", "flag", "linear_law", "mujoco_module", "refuse", "set_equality"]
-
 OPEN = 1e10
 """A bound that no coordinate reaches: MuJoCo calls a state above it diverged (mjMAXVAL)."""
 _FATAL = ("BADQPOS", "BADQVEL", "BADQACC")

@@ -7,8 +7,6 @@ from typing import Any
 from harness.scene import Scene
 from harness.trajectory import Floats, Integers
 
-__all__ = ["Hung", "Indices", "World"]
-
 
 @dataclass(frozen=True, slots=True)
 class Hung:

@@ -3,8 +3,6 @@
 from harness.adapter.contract import Unsupported
 from harness.scene import Joint, Scene
 
-__all__ = ["carried", "followed", "refuse_armature", "refuse_speed_limit"]
-
 LAWS = ("limits", "spring", "drive", "armature", "friction_loss", "speed_limit", "coupling")
 
 

@@ -64,18 +64,6 @@ if TYPE_CHECKING:
     from harness.scene.parity.loaded import Loaded, Request
     from harness.scene.parity.parting import Motion
 
-__all__ = [
-    "Adapter",
-    "Diverged",
-    "Emulation",
-    "Feature",
-    "Settings",
-    "SettingsError",
-    "Simulation",
-    "Unavailable",
-    "Unsupported",
-]
-
 
 class Feature(Flag):
     """What an engine can express; conformance builds a scene for each claimed one and expects `Unsupported` for the others."""

@@ -27,8 +27,6 @@ from harness.scene import WORLD, Distance, Effect, Joint, Scene
 from harness.trajectory import Floats, Integers, State
 from harness.trajectory.kinematics import rotate_back
 
-__all__ = ["DistanceSprings", "is_distance_spring"]
-
 
 def is_distance_spring(joint: Joint) -> bool:
     """Is the joint a force alone: a distance with a spring, and neither kept nor bounded?"""

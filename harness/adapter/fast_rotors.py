@@ -19,8 +19,6 @@ from harness.adapter.spanning_forest import Branch, spanning_forest
 from harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats
 
-__all__ = ["WOBBLE", "FastRotors", "fast_rotors", "rotor_notices"]
-
 WOBBLE = 20.0
 """The rate [rad/s] from which on a wobble counts: at 1/240 s it more than doubles each second, e^(W^2 h/2) = 2.3."""
 COARSE = 0.2

@@ -7,8 +7,6 @@ from harness.adapter.disjoint_sets import DisjointSets
 from harness.adapter.distance_springs import is_distance_spring
 from harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
 
-__all__ = ["features_of"]
-
 _DAMPING = {Effect.LINEAR_DAMPING: Feature.LINEAR_DAMPING, Effect.ANGULAR_DAMPING: Feature.ANGULAR_DAMPING}
 _CONTACT = {
     Effect.RESTITUTION: Feature.RESTITUTION,

@@ -6,8 +6,6 @@ from harness.scene import Joint, Scene
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import product, rotate, rotate_back
 
-__all__ = ["about_the_anchor", "turned_back"]
-
 
 def turned_back(state: State, time: float) -> State:
     """The state `time` [s] ago, for bodies that kept the velocities which they have: where a semi-implicit step began."""

@@ -9,8 +9,6 @@ from harness.scene import Scene
 from harness.trajectory import Floats, State
 from harness.trajectory.joint_states import JointStates, joint_states
 
-__all__ = ["joints_of"]
-
 
 def joints_of(simulation: Simulation, scene: Scene, near: Floats | None = None) -> JointStates:
     """Coordinates [rad or m], rates and reactions of the scene's joints at this instant.

@@ -11,8 +11,6 @@ from harness.trajectory import State
 if TYPE_CHECKING:
     from harness.adapter import Settings, Simulation
 
-__all__ = ["Batch", "Turns", "WorldOf", "spread"]
-
 
 class Batch(Protocol):
     """Several worlds of one scene under one group of settings."""

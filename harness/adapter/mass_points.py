@@ -18,8 +18,6 @@ from harness.adapter.what_goes_in import check_wrench
 from harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene, principal_inertia
 from harness.trajectory import Floats
 
-__all__ = ["POINTS_AS_BODIES", "built_with_points", "with_inertia"]
-
 POINTS_AS_BODIES = (
     "the engine has no word for a body without inertia; a point that nothing turns is told as a ball, one that is fixed to a "
     "body as a ball with a part of that body's inertia"

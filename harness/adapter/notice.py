@@ -5,8 +5,6 @@ from typing import Literal
 
 from harness.scene import Effect
 
-__all__ = ["Notice", "as_notices"]
-
 
 @dataclass(frozen=True, slots=True)
 class Notice:

@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["BITS", "OF_ONE_MACHINE", "only_here"]
-
 BITS, OF_ONE_MACHINE = "bits", "of one machine"
 """The option, and its value where a step asks a library whose last bits go with the processor, like LAPACK."""
 

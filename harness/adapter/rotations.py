@@ -11,8 +11,6 @@ import numpy as np
 from harness.scene import Body, Quaternion, Vector3, rotation_matrix
 from harness.trajectory import Floats
 
-__all__ = ["IDENTITY", "conjugate", "matrix", "principal_frame", "products"]
-
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 

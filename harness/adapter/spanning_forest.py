@@ -8,8 +8,6 @@ from typing import Generic, TypeVar
 
 from harness.adapter.disjoint_sets import DisjointSets
 
-__all__ = ["Branch", "Forest", "spanning_forest"]
-
 Node = TypeVar("Node", bound=Hashable)
 Edge = TypeVar("Edge")
 

@@ -2,8 +2,6 @@
 
 from harness.scene import Scene, Surface
 
-__all__ = ["Kind", "kinds_of", "touching_kinds"]
-
 Kind = tuple[str, bool]
 """A material, and whether the bodies of it move: what stands still may be given another number than what moves."""
 

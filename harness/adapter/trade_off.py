@@ -4,8 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-__all__ = ["TradeOff", "check_named"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TradeOff:

@@ -16,8 +16,6 @@ from harness.scene import Camera, Scene
 from harness.trajectory import UNSHARED, Contacts, Floats, Hits, Image, State
 from harness.trajectory.joint_states import JointStates
 
-__all__ = ["LARGEST", "Answering", "BrokenContract", "sane"]
-
 LARGEST = 1e100
 """What no position, velocity or force may exceed, in SI units; the square of a number beyond 1e154 is infinite."""
 _UNIT = 1e-3

@@ -14,8 +14,6 @@ import numpy as np
 from harness.scene import Prismatic, Revolute, Scene, Vector3
 from harness.trajectory import Floats, State
 
-__all__ = ["DIRECTION", "check_rays", "check_state", "check_targets", "check_velocities", "check_wrench"]
-
 DIRECTION = 1e-6
 """By how much the square of a direction's length may differ from 1: unit vectors that were rounded to single precision have
 |d|^2 within 6 * 2^-24 = 4e-7, and a range is wrong by half of it, less than a micrometre in a metre."""

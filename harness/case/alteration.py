@@ -12,10 +12,6 @@ from harness.case.starts import perturbed
 from harness.case.symmetries import Retelling, nudged, reordered, restored
 from harness.scene import Effect, Scene
 
-__all__ = [
-    "ALONE", "AS_IT_IS", "EVERYTHING", "FINER", "FINEST", "REFINED", "UNDROPPED", "Alteration", "Variables", "departures",
-]  # fmt: skip
-
 Variables: TypeAlias = tuple[tuple[str, str], ...]
 """Environment variables, each with its value."""
 

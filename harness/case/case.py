@@ -16,8 +16,6 @@ from harness.metric import Metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["Axis", "Case", "Check", "Clocks", "Converged", "Rays", "Unit"]
-
 Unit = Literal["step", "ray", "world-step", "read-step", "call", "sensing"]
 """What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds, one step with the state of
 all bodies read after it, one call that takes no step, one interval of a scene's sensors with all that they read in it."""

@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 from harness.case.forces import Control, Velocities
 from harness.scene import Effect, Prismatic, Revolute, Scene
 
-__all__ = ["acting", "targets_of", "velocities_of"]
-
 Targets = Callable[[float], Mapping[str, float]]
 
 

@@ -24,8 +24,6 @@ from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import product
 from harness.trajectory.pace import Pace
 
-__all__ = ["Control", "Controlled", "Velocities", "wrench_after"]
-
 Velocities = Callable[[float, float], Mapping[str, tuple[Vector3, Vector3]]]
 """(time, step) [s] to v_WB [m/s] and w_WB [rad/s] over that step, by the names of kinematic bodies."""
 

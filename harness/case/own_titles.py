@@ -2,8 +2,6 @@
 
 from pathlib import PurePath
 
-__all__ = ["OWN", "called", "title_of"]
-
 OWN = "scene:"
 """How the name of a case says that it lies in a file."""
 

@@ -18,8 +18,6 @@ from harness.scene.importers.companion import beside, load_companion
 from harness.scene.importers.reading import read
 from harness.sensors.recorder import steps_between_readings, steps_of_latency
 
-__all__ = ["HEADLINE", "LADDER", "OBSERVED", "own_case", "title_of"]
-
 HEADLINE = "distance_from_limit"
 """Not measured in a trial: how far it is from what all end at is known when all have run (`harness.findings.agreement`)."""
 LADDER = (1 / 240, 1 / 480, 1 / 960)
@@ -28,13 +26,21 @@ LADDER = (1 / 240, 1 / 480, 1 / 960)
 SAMPLED = 1 / 60
 """About how far apart samples are [s]."""
 OBSERVED = (
-    *energy.METRIC,
-    momentum.MOMENTUM_MAX,
-    momentum.ANGULAR_MOMENTUM_MAX,
-    joint_gap.JOINT_GAP_MAX,
-    limits.LIMIT_OVERSHOOT_MAX,
-    penetration.PENETRATION,
-    *contact_residuals.METRIC,
+    energy.energy_drift_max,
+    energy.energy_drift_final,
+    energy.energy_drift_staggered_max,
+    energy.energy_gain_max,
+    energy.energy_growth_rate,
+    energy.energy_rise_max,
+    energy.held_energy_gain_max,
+    momentum.momentum_drift_max,
+    momentum.angular_momentum_drift_max,
+    joint_gap.joint_gap_max,
+    limits.limit_overshoot_max,
+    penetration.penetration,
+    contact_residuals.signorini_residual,
+    contact_residuals.cone_residual,
+    contact_residuals.dissipation_residual,
 )
 
 
@@ -60,12 +66,12 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
         scene=lambda: scene,
         checks=(
             Check(
-                metric=divergence.METRIC,
+                metric=divergence.divergence,
                 at_most=0.0,
                 because="every number of every sampled state has to be finite; whether it is right, engines have to agree on",
             ),
         ),
-        observe=(*OBSERVED, *own_readings.METRIC) if scene.sensors else OBSERVED,
+        observe=(*OBSERVED, own_readings.gyroscope_off_motion, own_readings.range_off_geometry) if scene.sensors else OBSERVED,
         duration=duration,
         dt=dt,
         # Whole steps, so that the runs of all steps are sampled at the same instants.

@@ -28,8 +28,6 @@ from harness.scene import Scene, axis_angle, rotate, width
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.touching import touches
 
-__all__ = ["PRESSED", "TOLERANCE", "Member", "member", "perturbed"]
-
 TOLERANCE = 1e-4
 """Of a body's width: a tenth of a millimetre at a metre, what a machine shop holds (ISO 2768-1 fine, 0.1..0.15 mm at 1 m)."""
 PRESSED = 1e-9

@@ -19,8 +19,6 @@ from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, P
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import conjugate, product, rotate
 
-__all__ = ["Retelling", "in_motion", "moved", "nudged", "reordered", "repeated", "restored", "scaled", "turned"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Retelling:

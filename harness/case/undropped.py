@@ -10,8 +10,6 @@ from harness.scene import Prismatic, Revolute, Scene
 from harness.scene.importers.companion import Companion
 from harness.scene.importers.reading import read
 
-__all__ = ["beside", "kinds_left_out", "undropped_scene"]
-
 KINDS = {"armature": "armature", "friction_loss": "friction_loss", "coupling": "mimic"}
 """What `--drop` calls what a joint may lack, by the name of the joint's field."""
 

@@ -67,7 +67,7 @@ def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str
 
     study = load_study(name)
     _once("--case", globs)
-    for sentence in left_out("cases", "metrics", "pages"):
+    for sentence in left_out("cases", "pages"):
         say(sentence, err=True)
     names = plugins.names("cases")
     call_roll(study, names, plugins.names("adapters"))

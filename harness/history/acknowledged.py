@@ -10,8 +10,6 @@ from harness.history.identity import Named
 from harness.store import disk
 from harness.store.journal import DamagedFile
 
-__all__ = ["Acknowledgement", "acknowledge", "acknowledged", "silenced"]
-
 _WHAT = ("kind", "case", "engine", "sense", "since")
 """What a line says of the change beside its id; lines from before there were more say the id alone."""
 

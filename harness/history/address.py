@@ -22,8 +22,6 @@ from harness.store import disk
 from harness.store.journal import StoreError, read_journal
 from harness.store.record import digest
 
-__all__ = ["Elsewhere", "copy_of", "is_elsewhere"]
-
 _OWN = ("lock",)
 _GROWING = ("history.json", "acknowledged.jsonl")
 """Files that may be another without being longer or shorter."""

@@ -8,10 +8,6 @@ from harness.history.folder import Night
 from harness.store.record import digest
 from harness.study.trial import Trial
 
-__all__ = [
-    "LATELY", "Block", "Cell", "Key", "Seen", "Sight", "Unanswered", "blocks_of", "last_seen", "last_unanswered",
-]  # fmt: skip
-
 Key: TypeAlias = tuple[str, str]
 """Experiment and case."""
 

@@ -13,8 +13,6 @@ from harness.findings.tables.determinism import Agreement
 from harness.history.folder import Night
 from harness.history.night_readings import Answer, Answers, questions
 
-__all__ = ["ExactChanges"]
-
 _SILENT = ("unavailable", "interrupted")
 """Statuses that say nothing of an engine: the answer before still stands."""
 

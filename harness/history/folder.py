@@ -11,8 +11,6 @@ from harness.store import disk
 from harness.store.journal import DamagedFile, NoRun, StoreError
 from harness.store.store import Store, read_plain, write_json
 
-__all__ = ["NIGHT", "SCHEMA", "History", "Night", "created", "opened", "stamp_of", "when"]
-
 SCHEMA = 1
 """Of every file that a history adds to its run folders; one of a later schema is refused, an earlier one is read."""
 NIGHT = "night.json"

@@ -7,8 +7,6 @@ from typing import Any
 from harness.findings.changes import Change
 from harness.store.record import digest
 
-__all__ = ["NEAR", "Named", "change_id"]
-
 NEAR = 3
 """Nights by which the night of a step in a price may still move as more nights come."""
 

@@ -21,8 +21,6 @@ from harness.store.journal import StoreError
 from harness.store.seal import sealed_json
 from harness.store.store import TABLES, Store, read_plain
 
-__all__ = ["FOLDER", "KeptReadings"]
-
 FOLDER = "readings"
 """Of a history; what it holds may be deleted at any time."""
 _FILES = ("journal.jsonl", *(f"{name}.parquet" for name in TABLES))

@@ -7,8 +7,6 @@ from typing import Any
 from harness.findings.vendor.finding import Finding
 from harness.findings.vendor.still_there import SECONDS, Standing, ask
 
-__all__ = ["Turned", "asked_again", "turned"]
-
 _ANSWERS = ("still there", "gone")
 
 

@@ -22,8 +22,6 @@ from harness.store.record import Record
 from harness.store.store import Store
 from harness.study.trial import Trial
 
-__all__ = ["KnownSearches"]
-
 BESIDE = 2
 """Settings of an engine that are clocked beside a front, drawn anew each night."""
 Setting: TypeAlias = tuple[str, float]

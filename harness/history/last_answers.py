@@ -9,8 +9,6 @@ from harness.history.blocks import Key, Seen
 from harness.history.folder import Night
 from harness.study.trial import Trial
 
-__all__ = ["LastAnswers"]
-
 
 @dataclass(slots=True)
 class LastAnswers:

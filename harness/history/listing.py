@@ -6,8 +6,6 @@ from typing import Any
 from harness.history.folder import History, Night
 from harness.history.spending import bytes_of
 
-__all__ = ["COLUMNS", "rows"]
-
 COLUMNS = (
     "night", "state", "machine", "versions", "answers", "recalled", "computed", "again", "disagreements", "clocked", "left_out",
     "worse", "better", "seconds", "megabytes",

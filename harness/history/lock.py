@@ -13,8 +13,6 @@ from harness.history.folder import SCHEMA, History
 from harness.store import disk
 from harness.store.journal import StoreError
 
-__all__ = ["holder", "locked"]
-
 
 def holder() -> dict[str, Any]:
     """Who this process is, for others to read."""

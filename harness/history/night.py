@@ -30,8 +30,6 @@ from harness.store.record import Record, digest
 from harness.store.store import Store, write_json
 from harness.study.study import Study
 
-__all__ = ["Asked", "Done", "accounted", "carry_out_night", "close", "compared", "night_to_do"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:

@@ -18,8 +18,6 @@ from harness.store.journal import StoreError
 from harness.store.machine_fingerprint import machine_digest
 from harness.store.store import Store
 
-__all__ = ["Answer", "Answers", "Measured", "NightOf", "Numbers", "Reading", "Subject", "answers_of", "numbers_of", "questions"]
-
 Measured: TypeAlias = Literal["price", "error", "limit"]
 """What a series is of: seconds of a unit of work; the headline of a case, in its unit; the last value of an axis that held."""
 

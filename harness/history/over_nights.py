@@ -14,8 +14,6 @@ from harness.history.regressions import Dated, date, named_by, same_slope
 from harness.history.series import Readings
 from harness.store.store import Store
 
-__all__ = ["OverNights", "over_nights"]
-
 MOST = 90
 """Nights that are read: prices of a season ago are of another machine or version by now."""
 FEWEST = 16

@@ -13,8 +13,6 @@ from harness.history.series import Series
 from harness.statistics.change_points import Level, levelled, levels
 from harness.trajectory import Floats
 
-__all__ = ["Panel", "engine_panels", "panels"]
-
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Panel:

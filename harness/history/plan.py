@@ -9,8 +9,6 @@ from typing import Any, Literal, TypeAlias
 
 from harness.history.blocks import Block, Key, Seen
 
-__all__ = ["Left", "LeftOut", "Plan", "Why", "ranked"]
-
 Left: TypeAlias = Callable[[], float]
 """Seconds that are left, infinite without a budget."""
 TROUBLED_SHARE, KNOWN_SHARE = 1 / 3, 2 / 3

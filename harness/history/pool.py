@@ -17,8 +17,6 @@ from harness.store.record import SCHEMA_VERSION, Record
 from harness.store.seal import sealed_json
 from harness.store.store import read_plain
 
-__all__ = ["MACHINE_BOUND", "Answer", "Pool"]
-
 MACHINE_BOUND = ("timeout", "oom", "crashed")
 """Outcomes that a faster or a larger machine may not have: they are recalled on the machine that had them only."""
 POOLED = ("passed", "failed", "diverged", "unsupported", *MACHINE_BOUND)

@@ -18,8 +18,6 @@ from harness.history.yardsticks import over_segments
 from harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
 from harness.trajectory import Floats
 
-__all__ = ["CHANCE_OF_ALL", "PriceStep", "price_steps"]
-
 CHANCE_OF_ALL = 1e-3
 """Of a history: how often chance alone may look like a change in any of its series; each has its share."""
 FEWEST_CASES = 3

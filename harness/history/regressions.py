@@ -23,8 +23,6 @@ from harness.history.yardsticks import over_segments
 from harness.statistics.change_points import levelled
 from harness.statistics.drift import one_drift
 
-__all__ = ["Dated", "State", "Trends", "date", "named_by", "read_trends", "same_slope"]
-
 State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
 by now, on which nothing is known of it."""

@@ -14,8 +14,6 @@ from harness.history.spending import bytes_of
 from harness.store import disk
 from harness.store.journal import read_journal
 
-__all__ = ["Pruning", "prune", "pruning"]
-
 
 @dataclass(frozen=True, slots=True)
 class Pruning:

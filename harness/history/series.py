@@ -11,8 +11,6 @@ from harness.history.night_readings import Measured, NightOf, Numbers, Reading, 
 from harness.history.yardsticks import yardsticks
 from harness.trajectory import Floats
 
-__all__ = ["Readings", "Series"]
-
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Series:

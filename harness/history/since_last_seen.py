@@ -12,8 +12,6 @@ from harness.history.identity import Named, change_id
 from harness.history.over_nights import OverNights
 from harness.store.store import Store
 
-__all__ = ["News", "first_seen", "news_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class News:

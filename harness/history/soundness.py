@@ -15,8 +15,6 @@ from harness.store.journal import DamagedFile, StoreError
 from harness.store.seal import Damaged, check_seal
 from harness.store.trajectory_file import kept_hash
 
-__all__ = ["problems_of"]
-
 _AGAIN = "delete it; the next night computes it again"
 _KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER, "report")
 

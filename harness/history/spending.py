@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 import psutil
 
-__all__ = ["Budget", "Closings", "bytes_of", "memory_peaks"]
-
 CLOSING = 0.1
 """Share of a budget that is set aside for tables, report and upload, or more where a night has shown that they take it."""
 UNKNOWN = 0.15

@@ -21,8 +21,6 @@ from harness.store.journal import DamagedFile
 from harness.store.record import Record, digest
 from harness.study.trial import Trial
 
-__all__ = ["AGAIN", "Keep", "Steering", "computed_again"]
-
 AGAIN = 1 / 20
 """Share of the known answers that are computed again: digests do not see the C library, the processor, the compiler."""
 MOST_KEPT = 2**30

@@ -13,8 +13,6 @@ from harness.history.identity import Named, change_id
 from harness.history.since_last_seen import News
 from harness.intake.safe_text import markdown_cell
 
-__all__ = ["in_short", "left_out_in_short", "open_since", "summary", "told", "unanswered_in_short", "worse_in_short"]
-
 _FIRST = 8
 """Names that a line has room for."""
 _MOST = 25

@@ -15,8 +15,6 @@ from harness.findings.changes.values import Beside
 from harness.statistics.change_points import common_mode
 from harness.trajectory import Floats
 
-__all__ = ["over_segments", "yardsticks"]
-
 FEWEST = 2
 """Other engines: with the canary three votes, of which one may be wrong."""
 CLIP = 3.0

@@ -10,8 +10,6 @@ from functools import cache
 from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 
-__all__ = ["VARIABLE", "Allowance", "AllowanceError", "allowance", "allowing", "beyond", "raised"]
-
 VARIABLE = "PLUMBLINE_LIMITS"
 """The environment variable that sets limits, like 'bodies=200000,bytes=1e8'; processes that are started inherit it."""
 

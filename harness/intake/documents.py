@@ -17,8 +17,6 @@ from harness.intake.allowance import Allowance, AllowanceError, allowance, beyon
 from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted, readable
 
-__all__ = ["InputError", "document", "named", "parsed", "read", "regular"]
-
 _KINDS = {
     stat.S_IFDIR: "a folder",
     stat.S_IFIFO: "a pipe",

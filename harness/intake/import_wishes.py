@@ -8,8 +8,6 @@ from typing import Literal
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 
-__all__ = ["DROPPABLE", "SCENARIOS", "STARTS", "Drop", "Root", "Scenario", "Start", "Wishes", "package_roots"]
-
 Drop = Literal[
     "actuator",
     "adhesion",

@@ -2,8 +2,6 @@
 
 from typing import ClassVar, Literal
 
-__all__ = ["LiesIn", "Mendable"]
-
 LiesIn = Literal["usage", "machine"]
 
 

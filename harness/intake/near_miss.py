@@ -5,8 +5,6 @@ from collections.abc import Iterable
 
 from harness.intake.safe_text import one_line
 
-__all__ = ["did_you_mean"]
-
 
 def did_you_mean(name: str, known: Iterable[str], form: str = "{}") -> str:
     """The end of a sentence that refuses a name: '; did you mean mass?', or '' where none of the known ones is near.

@@ -3,8 +3,6 @@
 from harness.intake.mendable import Mendable
 from harness.intake.safe_text import quoted
 
-__all__ = ["RobotError", "listed"]
-
 
 class RobotError(Mendable, ValueError):
     """A robot file that is refused; the message names file, line, element, attribute, value and what mends it."""

@@ -6,8 +6,6 @@ from numbers import Number
 from reprlib import Repr
 from typing import Any
 
-__all__ = ["LONGEST", "LONGEST_TEXT", "csv_cell", "latex_cell", "markdown_cell", "one_line", "quoted", "readable", "visible"]
-
 LONGEST = 2000
 """Characters of one string that people are shown; a vendor's error text may be a megabyte, its beginning says what is wrong."""
 

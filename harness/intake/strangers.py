@@ -14,8 +14,6 @@ from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint, EntryPoints, entry_points
 from pathlib import Path
 
-__all__ = ["points", "trouble"]
-
 PATIENCE = 20.0
 """Seconds that a plug-in may take to load."""
 _LONGEST = 2000

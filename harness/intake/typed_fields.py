@@ -11,8 +11,6 @@ from harness.intake.near_miss import did_you_mean
 from harness.intake.safe_text import quoted, readable
 from harness.intake.valid_keys import valid_keys
 
-__all__ = ["FieldError", "filled"]
-
 MOST = 20
 """Troubles of one file that are told; the others are counted."""
 

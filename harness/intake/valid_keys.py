@@ -3,8 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-__all__ = ["valid_keys"]
-
 Schema = Mapping[str, Any]
 
 

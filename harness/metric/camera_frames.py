@@ -6,8 +6,6 @@ from harness.metric import NotMeasurable
 from harness.scene import Camera, DepthCamera, Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["beside_truth", "cameras", "frames", "noisy_cameras"]
-
 
 def cameras(scene: Scene) -> tuple[Camera | DepthCamera, ...]:
     """All cameras of a scene. Raises: NotMeasurable where it has none."""

@@ -9,8 +9,6 @@ import numpy as np
 from harness.metric.metric import NotMeasurable
 from harness.trajectory import Contacts, Floats, Trajectory
 
-__all__ = ["STAMPS", "forces_between", "forces_on", "impulses_of", "mean_forces"]
-
 PLACE = "contacts/"
 STAMPS = PLACE + "time"
 """The streams: 'contacts/<a>:<b>' (k, 3), what body number a gave body number b since the sample before, in W [N s], of all

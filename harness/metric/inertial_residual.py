@@ -9,8 +9,6 @@ from harness.metric import NotMeasurable
 from harness.scene import AxisNoise, Imu
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["inertial_residual"]
-
 SHARE = 1e-2
 """What the rounding of readings, q^2/12, may be of the variance of the white noise before it counts as a law of its own [1]."""
 

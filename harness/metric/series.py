@@ -7,14 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
+from harness.metric import Metric, NotMeasurable, Run
+from harness.statistics.proportion import wilson_interval
+from harness.trajectory import Floats
 
-__all__ = ["Series", "last", "matched", "maximum", "root_mean_square", "three"]
-
-Series = Callable[[Scene, Trajectory, Trajectory | None], Floats]
-"""(scene, actual, expected or None) to errors over time, (t,) or (t, n)."""
+Series = Callable[[Run], Floats]
+"""A run to errors over time, (t,) or (t, n)."""
 
 
 def _some(series: Floats) -> Floats:
@@ -46,28 +44,30 @@ def last(series: Floats) -> float:
     return float(np.max(values[-1]))
 
 
-def matched(actual: Trajectory, expected: Trajectory | None) -> Trajectory:
-    """The truth, checked to stand at the times of the answer.
-
-    Raises:
-        NotMeasurable: there is none, or it has other times or bodies.
-    """
-    if expected is None:
-        raise NotMeasurable("the case has no truth to compare with")
-    if expected.p_WB.shape != actual.p_WB.shape:
-        raise NotMeasurable(f"truth of shape {expected.p_WB.shape} against an answer of shape {actual.p_WB.shape}")
-    if np.size(actual.time) and not np.allclose(expected.time, actual.time, rtol=0.0, atol=1e-9):
-        raise NotMeasurable("truth and answer stand at different times")
-    return expected
-
-
 def three(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Metric, Metric]:
     """Three metrics of one series: '<name>_max', '<name>_rms' and '<name>_final'."""
 
     def reduced(suffix: str, reduce: Callable[[Floats], float]) -> Metric:
-        def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-            return reduce(series(scene, actual, expected))
-
-        return Metric(name=f"{name}_{suffix}", unit=unit, source=source, measure=measure)
+        return Metric(name=f"{name}_{suffix}", unit=unit, source=source, measure=lambda run: reduce(series(run)))
 
     return reduced("max", maximum), reduced("rms", root_mean_square), reduced("final", last)
+
+
+def proportion(name: str, source: str, verdict: str, count: Callable[[Run], tuple[int, int]]) -> tuple[Metric, Metric, Metric]:
+    """Three metrics of a share: '<name>', and the ends '<name>_low' and '<name>_high' of its interval. Args: count: k of n."""
+
+    def share(run: Run) -> float:
+        successes, trials = count(run)
+        return successes / trials
+
+    def end(suffix: str, side: str, index: int) -> Metric:
+        return Metric(
+            name=f"{name}_{suffix}",
+            unit="1",
+            source=f"{side} 95 % bound of Wilson (1927) on {name}",
+            measure=lambda run: wilson_interval(*count(run))[index],
+            verdict=verdict,
+        )
+
+    whole = Metric(name=name, unit="1", source=source, measure=share, verdict=verdict)
+    return whole, end("low", "lower", 0), end("high", "upper", 1)

@@ -1,7 +1,5 @@
 """What a metric is called in sentences and headings: its name says the quantity first and how it is summed up last."""
 
-__all__ = ["metric_title"]
-
 ADJECTIVES = {
     "max": "largest",
     "min": "smallest",

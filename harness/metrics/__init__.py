@@ -1,1 +1,1 @@
-"""Metrics, one quantity one file; each file ends in METRIC, a metric or a tuple of metrics of that quantity."""
+"""Metrics, one quantity one file, each a function below `@metric`."""

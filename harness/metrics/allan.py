@@ -12,14 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import Metric, NotMeasurable, Run
 from harness.metric.inertial_residual import inertial_residual
 from harness.metric.series import maximum
 from harness.scene import AxisNoise, Imu, Scene
 from harness.trajectory import Floats, Trajectory
-
-__all__ = ["ACCELEROMETER_SCORE", "GYROSCOPE_SCORE", "METRIC", "SLOPES", "Regime", "expected_variance", "octaves"]
-__all__ += ["overlapping_variance", "slope_bound", "windows"]
 
 Channel = Literal["gyroscope", "accelerometer"]
 Regime = Literal["white", "floor", "random_walk"]
@@ -101,11 +98,11 @@ def _noise(scene: Scene, actual: Trajectory, channel: Channel) -> list[tuple[Axi
 
 
 def _score(channel: Channel) -> Metric:
-    def measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    def measure(run: Run) -> float:
         from scipy import stats  # late: a listing must not pay for it
 
         scores = []
-        for law, noise, interval in _noise(scene, actual, channel):
+        for law, noise, interval in _noise(run.scene, run.actual, channel):
             total = _sums(noise)
             for m in octaves(len(noise)):
                 mean, freedom = expected_variance(law, m, len(noise), interval)
@@ -143,9 +140,9 @@ def slope_bound(law: AxisNoise, regime: Regime, count: int, interval: float, sco
 
 
 def _slope(channel: Channel, regime: Regime) -> Metric:
-    def measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+    def measure(run: Run) -> float:
         worst = []
-        for law, noise, interval in _noise(scene, actual, channel):
+        for law, noise, interval in _noise(run.scene, run.actual, channel):
             ends = windows(law, len(noise), interval).get(regime)
             if ends is not None:
                 low, high = (float(overlapping_variance(noise, m).mean()) for m in ends)
@@ -157,11 +154,9 @@ def _slope(channel: Channel, regime: Regime) -> Metric:
     return Metric(name=f"{channel}_allan_slope_{regime}_error", unit="1", source=SOURCE, measure=measure)
 
 
-GYROSCOPE_SCORE, ACCELEROMETER_SCORE = _score("gyroscope"), _score("accelerometer")
+gyroscope_allan_score, accelerometer_allan_score = _score("gyroscope"), _score("accelerometer")
 SLOPES: dict[tuple[Channel, Regime], Metric] = {
     (channel, regime): _slope(channel, regime)
     for channel in ("gyroscope", "accelerometer")
     for regime in ("white", "floor", "random_walk")
 }
-
-METRIC = (GYROSCOPE_SCORE, ACCELEROMETER_SCORE, *SLOPES.values())

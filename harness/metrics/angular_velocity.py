@@ -2,20 +2,17 @@
 
 import numpy as np
 
-from harness.metric.series import matched, three
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["ANGULAR_VELOCITY_FINAL", "ANGULAR_VELOCITY_MAX", "ANGULAR_VELOCITY_RMS", "METRIC"]
+from harness.metric import Run
+from harness.metric.series import three
+from harness.trajectory import Floats
 
 
-def _difference(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    truth, bodies = matched(actual, expected), movable(scene)
-    difference: Floats = np.linalg.norm(actual.w_WB[:, bodies] - truth.w_WB[:, bodies], axis=-1)
+def _difference(run: Run) -> Floats:
+    truth, bodies = run.truth, run.movable
+    difference: Floats = np.linalg.norm(run.actual.w_WB[:, bodies] - truth.w_WB[:, bodies], axis=-1)
     return difference
 
 
-METRIC = ANGULAR_VELOCITY_MAX, ANGULAR_VELOCITY_RMS, ANGULAR_VELOCITY_FINAL = three(
+angular_velocity_error_max, angular_velocity_error_rms, angular_velocity_error_final = three(
     "angular_velocity_error", "rad/s", "definition: |w_WB - w_WB of the truth|", _difference
 )

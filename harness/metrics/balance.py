@@ -8,12 +8,9 @@ alike in answer and truth.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene, Sphere
 from harness.trajectory import Floats, Trajectory
-
-__all__ = ["EXIT_TIME_SPREAD", "GROWTH_EXPONENT_ERROR", "LOST_STARTS", "METRIC", "SMALLEST_FOLLOWED"]
 
 GROWN, LINEAR = 0.1, 20.0
 TENFOLD = float(np.log(10.0))
@@ -74,23 +71,23 @@ def _exponents(time: Floats, tilts: Floats) -> Floats:
     return exponents
 
 
-def _growth(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = matched(actual, expected)
-    here, there = (_exponents(run.time, _tilts(scene, run)[0]) for run in (actual, truth))
+@metric("1", SOURCE)
+def growth_exponent_error(run: Run) -> float:
+    """over the truth's, less 1, median of the starts"""
+    truth = run.truth
+    here, there = (_exponents(motion.time, _tilts(run.scene, motion)[0]) for motion in (run.actual, truth))
     usable = np.isfinite(there)
     if not usable.any():
         raise NotMeasurable("no start of the truth grows twentyfold before it is out")
-    if not actual.finite:
-        return float("nan")
     # One that has no growth of its own to fit is off by all of it.
     return float(np.median(np.abs(np.nan_to_num(here[usable], nan=0.0) / there[usable] - 1)))
 
 
-def _followed(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Floats, Floats]:
+def _followed(run: Run) -> tuple[Floats, Floats]:
     """Which of the starts whose truth leaves in time are followed, and how large these starts are [rad]."""
-    truth = matched(actual, expected)
-    (tilts, sides), (true_tilts, true_sides) = _tilts(scene, actual), _tilts(scene, truth)
-    left, due = _exits(actual.time, tilts), _exits(truth.time, true_tilts)
+    truth = run.truth
+    (tilts, sides), (true_tilts, true_sides) = _tilts(run.scene, run.actual), _tilts(run.scene, truth)
+    left, due = _exits(run.actual.time, tilts), _exits(truth.time, true_tilts)
     rate = np.nanmedian(_exponents(truth.time, true_tilts))
     judged = np.flatnonzero(due + TENFOLD / rate <= truth.time[-1])
     if len(judged) == 0:
@@ -98,52 +95,37 @@ def _followed(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> 
     fine = np.zeros(len(judged))
     for k, place in enumerate(judged):
         if abs(left[place] - due[place]) <= TENFOLD / rate:
-            here, there = (int(np.searchsorted(run.time, at)) for run, at in ((actual, left[place]), (truth, due[place])))
+            here, there = (
+                int(np.searchsorted(motion.time, at)) for motion, at in ((run.actual, left[place]), (truth, due[place]))
+            )
             fine[k] = float(sides[here, place] @ true_sides[there, place] >= 0.5)
     return fine, true_tilts[0, judged]
 
 
-def _lost(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    followed, _ = _followed(scene, actual, expected)
-    return float(1 - followed.mean()) if actual.finite else float("nan")
+@metric("1", verdict="a ball leaves to another side, or at another time, than its start says")
+def lost_start_share(run: Run) -> float:
+    """definition: share of the starts that are not followed"""
+    followed, _ = _followed(run)
+    return float(1 - followed.mean())
 
 
-def _smallest(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    followed, sizes = _followed(scene, actual, expected)
-    if not actual.finite or not followed.any():
+@metric("rad", finite=False)
+def smallest_followed_start(run: Run) -> float:
+    """definition: start from which on all are followed"""
+    followed, sizes = _followed(run)
+    if not run.actual.finite or not followed.any():
         return float("inf")
     # The smallest above which none is lost.
     lost = sizes[followed == 0]
     return float(sizes[sizes > lost.max(initial=0.0)].min(initial=np.inf))
 
 
-def _spread(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = matched(actual, expected)
-    left, due = (_exits(run.time, _tilts(scene, run)[0]) for run in (actual, truth))
+@metric("s")
+def exit_time_error_rms(run: Run) -> float:
+    """definition: time at which the tilt passes 0.1 rad, less the truth's"""
+    truth = run.truth
+    left, due = (_exits(motion.time, _tilts(run.scene, motion)[0]) for motion in (run.actual, truth))
     judged = np.isfinite(due)
     if not judged.any():
         raise NotMeasurable("no start of the truth leaves before the end")
-    return float(np.sqrt(np.mean(np.square(left[judged] - due[judged])))) if actual.finite else float("nan")
-
-
-GROWTH_EXPONENT_ERROR = Metric(
-    name="growth_exponent_error", unit="1", source=f"{SOURCE}; over the truth's, less 1, median of the starts", measure=_growth
-)
-LOST_STARTS = Metric(
-    name="lost_start_share",
-    unit="1",
-    source="definition: share of the starts that are not followed",
-    measure=_lost,
-    verdict="a ball leaves to another side, or at another time, than its start says",
-)
-SMALLEST_FOLLOWED = Metric(
-    name="smallest_followed_start", unit="rad", source="definition: start from which on all are followed", measure=_smallest
-)
-EXIT_TIME_SPREAD = Metric(
-    name="exit_time_error_rms",
-    unit="s",
-    source="definition: time at which the tilt passes 0.1 rad, less the truth's",
-    measure=_spread,
-)
-
-METRIC = (GROWTH_EXPONENT_ERROR, LOST_STARTS, SMALLEST_FOLLOWED, EXIT_TIME_SPREAD)
+    return float(np.sqrt(np.mean(np.square(left[judged] - due[judged]))))

@@ -1,16 +1,12 @@
 """How well followers keep touch with the cams that they ride on, from poses and shapes alone."""
 
-import math
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Plane, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Body, Plane
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import rotate_back
 from harness.trajectory.touching import reach_of
-
-__all__ = ["CAM_FOLLOWER_GAP", "METRIC"]
 
 
 def _outermost(body: Body, up_B: Floats) -> Floats:
@@ -23,36 +19,28 @@ def _outermost(body: Body, up_B: Floats) -> Floats:
     return outermost
 
 
-def _gap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    places = {body.name: place for place, body in enumerate(scene.bodies)}
-    cams = [place for place, body in enumerate(scene.bodies) if body.motion == "kinematic"]
-    rails = [joint for joint in scene.joints if joint.type == "prismatic"]
-    if not cams or not rails or len(actual) == 0:
-        raise NotMeasurable(f"{len(cams)} cams, {len(rails)} followers on rails, {len(actual)} samples, expected some of each")
-    if not actual.finite:
-        return math.nan
+@metric("m")
+def cam_follower_gap(run: Run) -> float:
+    """definition: greatest distance, or depth, between the highest point of a cam and the lowest of the follower on it, along
+    its rail"""
+    places = {body.name: place for place, body in enumerate(run.scene.bodies)}
+    cams = [place for place, body in enumerate(run.scene.bodies) if body.motion == "kinematic"]
+    rails = [joint for joint in run.scene.joints if joint.type == "prismatic"]
+    if not cams or not rails or len(run.actual) == 0:
+        raise NotMeasurable(
+            f"{len(cams)} cams, {len(rails)} followers on rails, {len(run.actual)} samples, expected some of each"
+        )
     worst = 0.0
     for rail in rails:
         follower, up = places[rail.child], np.array(rail.axis_W)
         # Each rides on the cam that its rail leads to.
-        off = [np.linalg.norm(np.cross(np.array(scene.bodies[cam].p_WB) - rail.anchor_W, up)) for cam in cams]
+        off = [np.linalg.norm(np.cross(np.array(run.scene.bodies[cam].p_WB) - rail.anchor_W, up)) for cam in cams]
         cam = cams[int(np.argmin(off))]
         ways = [
-            rotate_back(actual.q_WB[:, place], np.broadcast_to(way, (len(actual), 3)))
+            rotate_back(run.actual.q_WB[:, place], np.broadcast_to(way, (len(run.actual), 3)))
             for place, way in ((cam, up), (follower, -up))
         ]
-        apart = (actual.p_WB[:, follower] - actual.p_WB[:, cam]) @ up
-        gap = apart - _outermost(scene.bodies[cam], ways[0]) - _outermost(scene.bodies[follower], ways[1])
+        apart = (run.actual.p_WB[:, follower] - run.actual.p_WB[:, cam]) @ up
+        gap = apart - _outermost(run.scene.bodies[cam], ways[0]) - _outermost(run.scene.bodies[follower], ways[1])
         worst = max(worst, float(np.max(np.abs(gap))))
     return worst
-
-
-CAM_FOLLOWER_GAP = Metric(
-    name="cam_follower_gap",
-    unit="m",
-    source="definition: greatest distance, or depth, between the highest point of a cam and the lowest of the follower on it, "
-    "along its rail",
-    measure=_gap,
-)
-
-METRIC = CAM_FOLLOWER_GAP

@@ -18,13 +18,11 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Body, Drive, Revolute, Scene, width
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.depths import pair_depths
 from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
-
-__all__ = ["COLLAPSE_TIME", "METRIC", "SIGNS", "first_break"]
 
 SIGNS = ("energy", "penetration", "height", "drive")
 ENERGY_FACTOR = 1e3
@@ -129,20 +127,14 @@ def first_break(scene: Scene, actual: Trajectory, signs: Collection[str] = SIGNS
     return min(breaks, default=(float(actual.time[-1]), ""))
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    time, _ = first_break(scene, actual)
-    return time if actual.finite else math.nan
-
-
-COLLAPSE_TIME = Metric(
-    name="collapse_time",
-    unit="s",
-    source="definition: the first time at which a sign of a broken run shows (energy, penetration, height, drive); the end of "
-    "the run where none does",
-    measure=_measure,
+@metric(
+    "s",
     better="higher",
     verdict="where bodies should stand, a highest sinks below half its height, a drive is half a radian off, one is in another "
     "by half of the thinner, or energy is a thousandfold",
 )
-
-METRIC = COLLAPSE_TIME
+def collapse_time(run: Run) -> float:
+    """definition: the first time at which a sign of a broken run shows (energy, penetration, height, drive); the end of the run
+    where none does"""
+    time, _ = first_break(run.scene, run.actual)
+    return time

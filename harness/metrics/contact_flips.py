@@ -6,11 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
-from harness.trajectory import Contacts, Trajectory
-
-__all__ = ["CONTACT_FLIPS", "METRIC"]
+from harness.metric import NotMeasurable, Run, metric
+from harness.trajectory import Contacts
 
 
 def _bearing(contacts: Contacts) -> Counter[tuple[int, int]]:
@@ -20,31 +17,22 @@ def _bearing(contacts: Contacts) -> Counter[tuple[int, int]]:
     return Counter(pairs)
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if actual.contacts is None:
+@metric("1/step", verdict="a point begins or ceases to carry force")
+def contact_flips(run: Run) -> float:
+    """points that begin or cease to carry force, per step: sum over pairs of bodies of the change of their number"""
+    if run.actual.contacts is None:
         raise NotMeasurable("no contacts were recorded")
-    if len(actual) < 2:
+    if len(run.actual) < 2:
         raise NotMeasurable("fewer than two samples")
-    spacing = np.diff(actual.time)
-    if actual.dt > 0 and np.any(np.abs(spacing - actual.dt) > 1e-6 * actual.dt):
-        raise NotMeasurable(f"samples {spacing.max():g} s apart, expected one every step of {actual.dt:g} s")
-    if not actual.finite or not all(np.isfinite(c.force_W).all() for c in actual.contacts):
+    spacing = np.diff(run.actual.time)
+    if run.actual.dt > 0 and np.any(np.abs(spacing - run.actual.dt) > 1e-6 * run.actual.dt):
+        raise NotMeasurable(f"samples {spacing.max():g} s apart, expected one every step of {run.actual.dt:g} s")
+    if not all(np.isfinite(c.force_W).all() for c in run.actual.contacts):
         return math.nan
-    counts = [_bearing(c) for c in actual.contacts]
+    counts = [_bearing(c) for c in run.actual.contacts]
     if not any(counts):
         return math.nan
     flips = 0
     for before, after in pairwise(counts):
         flips += sum(abs(after[pair] - before[pair]) for pair in before.keys() | after.keys())
     return flips / (len(counts) - 1)
-
-
-CONTACT_FLIPS = Metric(
-    name="contact_flips",
-    unit="1/step",
-    source="points that begin or cease to carry force, per step: sum over pairs of bodies of the change of their number",
-    measure=_measure,
-    verdict="a point begins or ceases to carry force",
-)
-
-METRIC = CONTACT_FLIPS

@@ -24,11 +24,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Effect, Scene
 from harness.trajectory import Contacts, Floats, Integers, Trajectory
-
-__all__ = ["CONE_RESIDUAL", "DISSIPATION_RESIDUAL", "METRIC", "SIGNORINI_RESIDUAL"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,40 +100,40 @@ def _recorded(scene: Scene, actual: Trajectory, sample: Integers, contacts: Cont
     )
 
 
-def _worst(law: Callable[[_Recorded, float], Floats]) -> Callable[[Scene, Trajectory, Trajectory | None], float]:
-    """A measure: the largest sum over the contacts of an instant of what breaks a law [N], over the weight.
+def _worst(run: Run, law: Callable[[_Recorded, float], Floats]) -> float:
+    """The largest sum over the contacts of an instant of what breaks a law [N], over the weight.
 
     Args: law: (contacts, slowest slip that counts [m/s]) to (k,) N.
     """
-
-    def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-        if actual.contacts is None:
-            raise NotMeasurable("no contacts were recorded")
-        if len(actual) == 0:
-            raise NotMeasurable("no samples")
-        g = float(np.linalg.norm(scene.gravity))
-        weight = g * sum(body.mass for body in scene.bodies if body.movable)
-        if weight == 0:
-            raise NotMeasurable("nothing has weight")
-        sample, contacts = _joined(actual.contacts)
-        numbers = (contacts.force_W, contacts.normal_W, contacts.point_W, contacts.gap)
-        if not actual.finite or not all(np.isfinite(array).all() for array in numbers):
-            return math.nan
-        recorded = _recorded(scene, actual, sample, contacts)
-        sums = np.bincount(recorded.sample, weights=law(recorded, g * actual.dt))
-        return float(sums.max(initial=0.0)) / weight
-
-    return measure
+    if run.actual.contacts is None:
+        raise NotMeasurable("no contacts were recorded")
+    if len(run.actual) == 0:
+        raise NotMeasurable("no samples")
+    g = float(np.linalg.norm(run.scene.gravity))
+    weight = g * sum(body.mass for body in run.scene.bodies if body.movable)
+    if weight == 0:
+        raise NotMeasurable("nothing has weight")
+    sample, contacts = _joined(run.actual.contacts)
+    numbers = (contacts.force_W, contacts.normal_W, contacts.point_W, contacts.gap)
+    if not all(np.isfinite(array).all() for array in numbers):
+        return math.nan
+    recorded = _recorded(run.scene, run.actual, sample, contacts)
+    sums = np.bincount(recorded.sample, weights=law(recorded, g * run.actual.dt))
+    return float(sums.max(initial=0.0)) / weight
 
 
-def _signorini(at: _Recorded, slow: float) -> Floats:
-    residual: Floats = np.maximum(-at.normal, 0.0) + np.where(at.open > 0.0, np.maximum(at.normal, 0.0), 0.0)
-    return residual
+@metric("1", even=True)
+def signorini_residual(run: Run) -> float:
+    """Moreau 1988: normal forces that pull, or act across a gap that the step cannot close, over the weight, at worst"""
+    return _worst(run, lambda at, _: np.maximum(-at.normal, 0.0) + np.where(at.open > 0.0, np.maximum(at.normal, 0.0), 0.0))
 
 
-def _cone(at: _Recorded, slow: float) -> Floats:
-    residual: Floats = np.maximum(np.linalg.norm(at.tangent, axis=1) - at.static * np.maximum(at.normal, 0.0), 0.0)
-    return residual
+@metric("1", even=True)
+def cone_residual(run: Run) -> float:
+    """Moreau 1988: tangential forces beyond mu_s N, over the weight, at worst"""
+    return _worst(
+        run, lambda at, _: np.maximum(np.linalg.norm(at.tangent, axis=1) - at.static * np.maximum(at.normal, 0.0), 0.0)
+    )
 
 
 def _dissipation(at: _Recorded, slow: float) -> Floats:
@@ -152,26 +150,7 @@ def _dissipation(at: _Recorded, slow: float) -> Floats:
     return np.where(slips, np.hypot(rubs - nearest, 2.0 * np.sqrt(rubs * nearest) * np.sin(askew / 2)), 0.0)
 
 
-SIGNORINI_RESIDUAL = Metric(
-    even=True,
-    name="signorini_residual",
-    unit="1",
-    source="Moreau 1988: normal forces that pull, or act across a gap that the step cannot close, over the weight, at worst",
-    measure=_worst(_signorini),
-)
-CONE_RESIDUAL = Metric(
-    even=True,
-    name="cone_residual",
-    unit="1",
-    source="Moreau 1988: tangential forces beyond mu_s N, over the weight, at worst",
-    measure=_worst(_cone),
-)
-DISSIPATION_RESIDUAL = Metric(
-    even=True,
-    name="dissipation_residual",
-    unit="1",
-    source="Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, over the weight, at worst",
-    measure=_worst(_dissipation),
-)
-
-METRIC = (SIGNORINI_RESIDUAL, CONE_RESIDUAL, DISSIPATION_RESIDUAL)
+@metric("1", even=True)
+def dissipation_residual(run: Run) -> float:
+    """Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, over the weight, at worst"""
+    return _worst(run, _dissipation)

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Box, Scene, Sphere, rotation_matrix
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable, rotate_back
-
-__all__ = ["ESCAPED_SHARE", "METRIC"]
+from harness.trajectory import Floats
+from harness.trajectory.kinematics import rotate_back
 
 
 def _container(scene: Scene) -> tuple[int, Floats]:
@@ -23,28 +21,19 @@ def _container(scene: Scene) -> tuple[int, Floats]:
     raise NotMeasurable("no container: a body of at least six boxes")
 
 
-def _escaped(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    place, reach = _container(scene)
+@metric("1", verdict="a centre ends outside the outer faces of the walls")
+def escaped_share(run: Run) -> float:
+    """definition: share of spheres whose centre ends outside the box that bounds the container's walls"""
+    place, reach = _container(run.scene)
     kept = [
         i
-        for i in movable(scene)
-        if i != place and scene.bodies[i].collision and all(isinstance(p.shape, Sphere) for p in scene.bodies[i].collision)
+        for i in run.movable
+        if i != place
+        and run.scene.bodies[i].collision
+        and all(isinstance(p.shape, Sphere) for p in run.scene.bodies[i].collision)
     ]
-    if not kept or len(actual) == 0:
+    if not kept or len(run.actual) == 0:
         raise NotMeasurable("no sphere is contained, or no sample lies in the time that is judged")
-    if not actual.finite:
-        return float("nan")
-    away = actual.p_WB[-1, kept] - actual.p_WB[-1, place]
-    inside = rotate_back(np.broadcast_to(actual.q_WB[-1, place], (len(kept), 4)), away)
+    away = run.actual.p_WB[-1, kept] - run.actual.p_WB[-1, place]
+    inside = rotate_back(np.broadcast_to(run.actual.q_WB[-1, place], (len(kept), 4)), away)
     return float(np.mean((np.abs(inside) > reach).any(axis=1)))
-
-
-ESCAPED_SHARE = Metric(
-    name="escaped_share",
-    unit="1",
-    source="definition: share of spheres whose centre ends outside the box that bounds the container's walls",
-    measure=_escaped,
-    verdict="a centre ends outside the outer faces of the walls",
-)
-
-METRIC = ESCAPED_SHARE

@@ -8,13 +8,10 @@ about the observed rate, holds the law's.
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.camera_frames import beside_truth, frames, noisy_cameras
 from harness.metric.series import maximum
-from harness.scene import Scene
 from harness.trajectory import Trajectory
-
-__all__ = ["DEPTH_LOST_ANSWERED", "DEPTH_MISSING_SCORE", "METRIC"]
 
 Mask = NDArray[np.bool_]
 
@@ -31,11 +28,13 @@ def _pixels(actual: Trajectory, expected: Trajectory | None, sensor: str) -> tup
     return np.isnan(depth), lost > 0.5, np.isfinite(ideal) & np.isfinite(true_depth)
 
 
-def _score(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+@metric("1")
+def depth_missing_score(run: Run) -> float:
+    """Wilson, Probable inference, the law of succession, and statistical inference (1927)"""
     scores = []
-    for camera in noisy_cameras(scene):
+    for camera in noisy_cameras(run.scene):
         assert camera.noise is not None
-        pixels = _pixels(actual, expected, camera.name)
+        pixels = _pixels(run.actual, run.expected, camera.name)
         if pixels is None:
             return float("nan")
         silent, lost, seen = pixels
@@ -48,10 +47,12 @@ def _score(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> flo
     return maximum(np.array(scores))
 
 
-def _answered(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+@metric("1")
+def depth_lost_but_answered_share(run: Run) -> float:
+    """definition: share of the pixels without a second view, light or texture that read a depth all the same"""
     shares = []
-    for camera in noisy_cameras(scene):
-        pixels = _pixels(actual, expected, camera.name)
+    for camera in noisy_cameras(run.scene):
+        pixels = _pixels(run.actual, run.expected, camera.name)
         if pixels is None:
             return float("nan")
         silent, lost, seen = pixels
@@ -60,19 +61,3 @@ def _answered(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> 
     if not shares:
         raise NotMeasurable("the truth takes no pixel away")
     return maximum(np.array(shares))
-
-
-DEPTH_MISSING_SCORE = Metric(
-    name="depth_missing_score",
-    unit="1",
-    source="Wilson, Probable inference, the law of succession, and statistical inference (1927)",
-    measure=_score,
-)
-DEPTH_LOST_ANSWERED = Metric(
-    name="depth_lost_but_answered_share",
-    unit="1",
-    source="definition: share of the pixels without a second view, light or texture that read a depth all the same",
-    measure=_answered,
-)
-
-METRIC = (DEPTH_MISSING_SCORE, DEPTH_LOST_ANSWERED)

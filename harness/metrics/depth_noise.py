@@ -9,13 +9,10 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.camera_frames import frames, noisy_cameras
-from harness.metric.series import maximum
-from harness.scene import DepthCamera, Scene, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["BANDS", "DEPTH_CORRELATION", "DEPTH_MEAN_SCORE", "DEPTH_SPREAD_SCORE", "METRIC", "deviations"]
+from harness.scene import DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from harness.trajectory import Floats
 
 BANDS = 8
 LEAST = 100
@@ -48,15 +45,15 @@ def _slant(camera: DepthCamera) -> Floats:
     return slant
 
 
-def deviations(scene: Scene, actual: Trajectory) -> list[tuple[DepthCamera, Floats, Floats]]:
+def deviations(run: Run) -> list[tuple[DepthCamera, Floats, Floats]]:
     """Of each noisy depth camera the ideal depths [m] and the deviations [1], each (k, height, width); inf where invalid.
 
     Raises:
         NotMeasurable: no camera has a law with a spread, or one's is not of this kind.
     """
     measured = []
-    for camera in noisy_cameras(scene):
-        depth, ideal = frames(actual, camera.name, "depth"), frames(actual, camera.name, "depth_ideal")
+    for camera in noisy_cameras(run.scene):
+        depth, ideal = frames(run.actual, camera.name, "depth"), frames(run.actual, camera.name, "depth_ideal")
         valid = ~np.isinf(ideal) & (~np.isnan(depth) | np.isnan(ideal))
         slant = np.broadcast_to(_slant(camera), depth.shape)[valid]
         deviation = np.full(depth.shape, np.inf)
@@ -73,10 +70,10 @@ def deviations(scene: Scene, actual: Trajectory) -> list[tuple[DepthCamera, Floa
     return measured
 
 
-def _bands(scene: Scene, actual: Trajectory) -> list[Floats]:
+def _bands(run: Run) -> list[Floats]:
     """The deviations of each band of each camera, from near to far."""
     bands = []
-    for camera, depths, all_deviations in deviations(scene, actual):
+    for camera, depths, all_deviations in deviations(run):
         valid = ~np.isinf(all_deviations)
         ideal, deviation = depths[valid], all_deviations[valid]
         if len(ideal) < BANDS * LEAST:
@@ -86,46 +83,33 @@ def _bands(scene: Scene, actual: Trajectory) -> list[Floats]:
     return bands
 
 
-def _mean(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-    return maximum(np.array([abs(band.mean()) * np.sqrt(len(band)) for band in _bands(scene, actual)]))
+@metric("1")
+def depth_mean_score(run: Run) -> list[float]:
+    """standard error of a mean, worst band of depth"""
+    return [abs(band.mean()) * np.sqrt(len(band)) for band in _bands(run)]
 
 
-def _spread(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-    """Wilson and Hilferty's cube root makes the chi-squared sum of squares normal to one part in n."""
+@metric("1")
+def depth_spread_score(run: Run) -> list[float]:
+    """Wilson, Hilferty (1931): chi^2 of squares, worst band of depth"""
+    # Wilson and Hilferty's cube root makes the chi-squared sum of squares normal to one part in n.
     scores = []
-    for band in _bands(scene, actual):
+    for band in _bands(run):
         third = 2.0 / (9.0 * len(band))
         scores.append(abs(np.mean(np.square(band)) ** (1 / 3) - (1 - third)) / np.sqrt(third))
-    return maximum(np.array(scores))
+    return scores
 
 
-def _correlation(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-    """Largest over neighbours in time, row and column: the mean product of deviations is 1/sqrt(n) wide."""
+@metric("1", empty=f"fewer than {LEAST} pairs of neighbouring pixels are valid")
+def depth_correlation_score(run: Run) -> list[float]:
+    """correlation of neighbouring pixels and frames"""
+    # Largest over neighbours in time, row and column: the mean product of deviations is 1/sqrt(n) wide.
     scores = []
-    for _, _, deviation in deviations(scene, actual):
+    for _, _, deviation in deviations(run):
         for axis in range(3):
             count = deviation.shape[axis]
             a, b = (deviation.take(np.arange(start, count - 1 + start), axis=axis).ravel() for start in (0, 1))
             both = ~np.isinf(a) & ~np.isinf(b)
             if both.sum() >= LEAST:
                 scores.append(abs(np.mean(a[both] * b[both])) * np.sqrt(both.sum()))
-    if not scores:
-        raise NotMeasurable(f"fewer than {LEAST} pairs of neighbouring pixels are valid")
-    return maximum(np.array(scores))
-
-
-DEPTH_MEAN_SCORE = Metric(
-    name="depth_mean_score", unit="1", source="standard error of a mean, worst band of depth", measure=_mean
-)
-DEPTH_SPREAD_SCORE = Metric(
-    name="depth_spread_score",
-    unit="1",
-    source="Wilson, Hilferty (1931): chi^2 of squares, worst band of depth",
-    measure=_spread,
-)
-
-DEPTH_CORRELATION = Metric(
-    name="depth_correlation_score", unit="1", source="correlation of neighbouring pixels and frames", measure=_correlation
-)
-
-METRIC = (DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE, DEPTH_CORRELATION)
+    return scores

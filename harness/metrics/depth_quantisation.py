@@ -2,23 +2,22 @@
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.camera_frames import frames, noisy_cameras
 from harness.metric.series import maximum
-from harness.scene import Scene, StereoNoise, StructuredLightNoise
-from harness.trajectory import Trajectory
-
-__all__ = ["DISPARITY_STEP_ERROR", "METRIC"]
+from harness.scene import StereoNoise, StructuredLightNoise
 
 
-def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-    """The larger of both, in steps: a step twice too fine leaves the lattice, one twice too coarse skips a neighbour."""
+@metric("1")
+def disparity_step_error(run: Run) -> float:
+    """Khoshelham, Elberink, Sensors 12 (2012) 1437, section 3: f b / z is a multiple of the step; error in steps"""
+    # The larger of both, in steps: a step twice too fine leaves the lattice, one twice too coarse skips a neighbour.
     errors = []
-    for camera in noisy_cameras(scene):
+    for camera in noisy_cameras(run.scene):
         law = camera.noise
         if not isinstance(law, StereoNoise | StructuredLightNoise) or law.disparity_step == 0:
             continue
-        depth, ideal = frames(actual, camera.name, "depth"), frames(actual, camera.name, "depth_ideal")
+        depth, ideal = frames(run.actual, camera.name, "depth"), frames(run.actual, camera.name, "depth_ideal")
         if np.isnan(ideal).any():
             return float("nan")
         steps = camera.focal_x * law.baseline / depth[np.isfinite(depth)] / law.disparity_step
@@ -29,11 +28,3 @@ def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
     if not errors:
         raise NotMeasurable("no depth camera of the scene quantises disparities")
     return maximum(np.array(errors))
-
-
-METRIC = DISPARITY_STEP_ERROR = Metric(
-    name="disparity_step_error",
-    unit="1",
-    source="Khoshelham, Elberink, Sensors 12 (2012) 1437, section 3: f b / z is a multiple of the step; error in steps",
-    measure=_error,
-)

@@ -5,21 +5,19 @@ A score below z says that Wilson's interval for confidence z, drawn about the ob
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Lidar, Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["DROPOUT_SCORE", "METRIC"]
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Lidar
 
 SOURCE = "Wilson, Probable inference, the law of succession, and statistical inference (1927)"
 
 
-def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("1", SOURCE)
+def dropout_score(run: Run) -> float:
     scores = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Lidar) or sensor.noise is None:
             continue
-        noisy, ideal = (actual.streams.get(f"{sensor.name}/{channel}") for channel in ("range", "range_ideal"))
+        noisy, ideal = (run.actual.streams.get(f"{sensor.name}/{channel}") for channel in ("range", "range_ideal"))
         if noisy is None or ideal is None:
             raise NotMeasurable(f"ranges of sensor '{sensor.name}' were not recorded")
         if np.isnan(noisy).any() or np.isnan(ideal).any():
@@ -37,6 +35,3 @@ def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
     if not scores:
         raise NotMeasurable("no range finder of the scene has a noise model")
     return float(np.max(scores))
-
-
-METRIC = DROPOUT_SCORE = Metric(name="dropout_score", unit="1", source=SOURCE, measure=_score)

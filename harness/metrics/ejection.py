@@ -4,31 +4,16 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
-from harness.scene import Scene
-from harness.trajectory import Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["EJECTION_SPEED", "METRIC"]
+from harness.metric import NotMeasurable, Run, metric
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth, places = matched(actual, expected), movable(scene)
-    pull = np.array(scene.gravity)
+@metric("m/s", verdict="a centre rises over where the truth has it at rest")
+def ejection_speed(run: Run) -> float:
+    """energy of a throw: sqrt(2 g h) of the greatest height h of a centre of mass over where the truth has it at rest"""
+    truth, places = run.truth, run.movable
+    pull = np.array(run.scene.gravity)
     g = float(np.linalg.norm(pull))
-    if len(places) == 0 or len(actual) == 0 or g == 0:
+    if len(places) == 0 or len(run.actual) == 0 or g == 0:
         raise NotMeasurable("no movable body, no samples or no gravity to turn a speed into a height")
-    if not actual.finite:
-        return math.nan
-    rise = -(actual.p_WB[:, places] - truth.p_WB[:, places]) @ pull / g
+    rise = -(run.actual.p_WB[:, places] - truth.p_WB[:, places]) @ pull / g
     return math.sqrt(2 * g * max(0.0, float(np.max(rise))))
-
-
-METRIC = EJECTION_SPEED = Metric(
-    name="ejection_speed",
-    unit="m/s",
-    source="energy of a throw: sqrt(2 g h) of the greatest height h of a centre of mass over where the truth has it at rest",
-    measure=_measure,
-    verdict="a centre rises over where the truth has it at rest",
-)

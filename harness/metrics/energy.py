@@ -10,23 +10,11 @@ them. For an integrator that does not stagger the raw figure is the right one; b
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import last, maximum
+from harness.metric import NotMeasurable, Run, metric
+from harness.metric.series import last
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
-
-__all__ = [
-    "ENERGY_FINAL",
-    "ENERGY_GAIN",
-    "ENERGY_GROWTH",
-    "ENERGY_MAX",
-    "ENERGY_RISE",
-    "ENERGY_STAGGERED",
-    "HELD_ENERGY_GAIN",
-    "METRIC",
-    "energy_change",
-]
 
 SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
 
@@ -98,21 +86,21 @@ def energy_change(scene: Scene, actual: Trajectory, expected: Trajectory | None)
     return change
 
 
-def _held_change(scene: Scene, actual: Trajectory) -> Floats:
+def _held_change(run: Run) -> Floats:
     """Energy won since the start, drives' springs included, over the mass, (t,) J/kg."""
-    held = np.zeros(len(actual))
-    for joint in scene.joints:
+    held = np.zeros(len(run.actual))
+    for joint in run.scene.joints:
         drive = getattr(joint, "drive", None)
         if drive is None:
             continue
         if drive.target_velocity != 0 or drive.limit is not None or drive.motion is not None or drive.feedforward:
             raise NotMeasurable(f"joint '{joint.name}': its drive moves, pushes or has a limit, so that it is no spring")
-        held += 0.5 * drive.stiffness * np.square(joint_coordinate(scene, joint, actual) - drive.target)
-    _check_led(scene)
-    if len(actual) == 0:
+        held += 0.5 * drive.stiffness * np.square(joint_coordinate(run.scene, joint, run.actual) - drive.target)
+    _check_led(run.scene)
+    if len(run.actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
-    energy = _kinetic(scene, actual, actual.v_WB, actual.w_WB) + _potential(scene, actual) + held
-    change: Floats = (energy - energy[0]) / sum(scene.bodies[place].mass for place in movable(scene))
+    energy = _kinetic(run.scene, run.actual, run.actual.v_WB, run.actual.w_WB) + _potential(run.scene, run.actual) + held
+    change: Floats = (energy - energy[0]) / sum(run.scene.bodies[place].mass for place in run.movable)
     return change
 
 
@@ -122,67 +110,67 @@ def _rise(energy: Floats) -> Floats:
     return rise
 
 
-def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    return np.abs(energy_change(scene, actual, expected))
+def _drift(run: Run) -> Floats:
+    return np.abs(energy_change(run.scene, run.actual, run.expected))
 
 
-def _growth(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+def _growth(run: Run) -> float:
     """Slope [1/s] of a straight line through the energy, by least squares; not finite where one sample is not."""
-    change = energy_change(scene, actual, expected)
+    change = energy_change(run.scene, run.actual, run.expected)
     if len(change) < 3:
         raise NotMeasurable(f"{len(change)} samples, at least 3 are needed for a slope")
-    since = actual.time - actual.time.mean()
+    since = run.actual.time - run.actual.time.mean()
     return float(since @ change / (since @ since))
 
 
-def _staggered_drift(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+def _staggered_drift(run: Run) -> Floats:
     from scipy.interpolate import CubicSpline  # late: a listing must not pay for it
 
-    _check(scene, actual)
-    if len(actual) < 4:
-        raise NotMeasurable(f"{len(actual)} samples, at least 4 are needed to differentiate velocities")
-    if not actual.finite:
-        return np.full(len(actual), np.nan)
-    half = actual.dt / 2
-    v_WB = actual.v_WB + half * CubicSpline(actual.time, actual.v_WB).derivative()(actual.time)
-    w_WB = actual.w_WB + half * CubicSpline(actual.time, actual.w_WB).derivative()(actual.time)
-    energy = _kinetic(scene, actual, v_WB, w_WB) + _potential(scene, actual)
-    drift: Floats = np.abs(energy - energy[0]) / _scale(scene, actual, expected)
+    _check(run.scene, run.actual)
+    if len(run.actual) < 4:
+        raise NotMeasurable(f"{len(run.actual)} samples, at least 4 are needed to differentiate velocities")
+    half = run.actual.dt / 2
+    v_WB = run.actual.v_WB + half * CubicSpline(run.actual.time, run.actual.v_WB).derivative()(run.actual.time)
+    w_WB = run.actual.w_WB + half * CubicSpline(run.actual.time, run.actual.w_WB).derivative()(run.actual.time)
+    energy = _kinetic(run.scene, run.actual, v_WB, w_WB) + _potential(run.scene, run.actual)
+    drift: Floats = np.abs(energy - energy[0]) / _scale(run.scene, run.actual, run.expected)
     return drift
 
 
-ENERGY_MAX = Metric(name="energy_drift_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_drift(s, a, e)))
-ENERGY_FINAL = Metric(name="energy_drift_final", unit="1", source=SOURCE, measure=lambda s, a, e: last(_drift(s, a, e)))
-ENERGY_STAGGERED = Metric(
-    name="energy_drift_staggered_max",
-    unit="1",
-    source=SOURCE,
-    even=True,
-    measure=lambda s, a, e: maximum(_staggered_drift(s, a, e)),
-)
-ENERGY_GAIN = Metric(
-    name="energy_gain_max",
-    unit="1",
-    source="conservation of energy: energy won since the start, as a share of the energy in play; 0 where it only falls",
-    measure=lambda s, a, e: maximum(energy_change(s, a, e)),
-)
-ENERGY_GROWTH = Metric(
-    name="energy_growth_rate",
-    unit="1/s",
-    source="conservation of energy: magnitude of the slope of a straight line through the energy over that in play",
-    measure=lambda s, a, e: abs(_growth(s, a, e)),
-)
-HELD_ENERGY_GAIN = Metric(
-    name="held_energy_gain_max",
-    unit="J/kg",
-    source="dissipation: kinetic energy, and that of weight, springs and drives, won since the start, over the movable mass",
-    measure=lambda s, a, _e: maximum(_held_change(s, a)),
-)
-ENERGY_RISE = Metric(
-    name="energy_rise_max",
-    unit="J/kg",
-    source="dissipation: kinetic energy, and that of weight, springs and drives, over its least so far, over the movable mass",
-    measure=lambda s, a, _e: maximum(_rise(_held_change(s, a))),
-)
+@metric("1", SOURCE)
+def energy_drift_max(run: Run) -> Floats:
+    return _drift(run)
 
-METRIC = (ENERGY_MAX, ENERGY_FINAL, ENERGY_STAGGERED, ENERGY_GAIN, ENERGY_GROWTH, ENERGY_RISE, HELD_ENERGY_GAIN)
+
+@metric("1", SOURCE)
+def energy_drift_final(run: Run) -> float:
+    return last(_drift(run))
+
+
+@metric("1", SOURCE, even=True)
+def energy_drift_staggered_max(run: Run) -> Floats:
+    return _staggered_drift(run)
+
+
+@metric("1")
+def energy_gain_max(run: Run) -> Floats:
+    """conservation of energy: energy won since the start, as a share of the energy in play; 0 where it only falls"""
+    return energy_change(run.scene, run.actual, run.expected)
+
+
+@metric("1/s")
+def energy_growth_rate(run: Run) -> float:
+    """conservation of energy: magnitude of the slope of a straight line through the energy over that in play"""
+    return abs(_growth(run))
+
+
+@metric("J/kg")
+def held_energy_gain_max(run: Run) -> Floats:
+    """dissipation: kinetic energy, and that of weight, springs and drives, won since the start, over the movable mass"""
+    return _held_change(run)
+
+
+@metric("J/kg")
+def energy_rise_max(run: Run) -> Floats:
+    """dissipation: kinetic energy, and that of weight, springs and drives, over its least so far, over the movable mass"""
+    return _rise(_held_change(run))

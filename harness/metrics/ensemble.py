@@ -8,13 +8,10 @@ import re
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
-
-__all__ = ["ENSEMBLE_ENERGY_ERROR", "ENSEMBLE_SPREAD", "METRIC", "kinetic_energies"]
 
 
 def _members(scene: Scene) -> list[list[int]]:
@@ -45,30 +42,18 @@ def kinetic_energies(scene: Scene, run: Trajectory) -> Floats:
     return means
 
 
-def _energy(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    here, there = (kinetic_energies(scene, run).mean() for run in (actual, matched(actual, expected)))
+@metric("1")
+def ensemble_energy_error(run: Run) -> float:
+    """definition: mean kinetic energy over members and time, over the truth's, less 1"""
+    here, there = (kinetic_energies(run.scene, motion).mean() for motion in (run.actual, run.truth))
     return float(abs(here / there - 1))
 
 
-def _spread(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    members = np.array(_members(scene))
-    if len(actual) == 0:
+@metric("m")
+def ensemble_spread(run: Run) -> float:
+    """definition: root mean square distance, at the end, of a body from the mean of its kind over the members"""
+    members = np.array(_members(run.scene))
+    if len(run.actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
-    p_WB = actual.p_WB[-1][members]
+    p_WB = run.actual.p_WB[-1][members]
     return float(np.sqrt(np.mean(np.sum(np.square(p_WB - p_WB.mean(axis=0)), axis=-1))))
-
-
-ENSEMBLE_ENERGY_ERROR = Metric(
-    name="ensemble_energy_error",
-    unit="1",
-    source="definition: mean kinetic energy over members and time, over the truth's, less 1",
-    measure=_energy,
-)
-ENSEMBLE_SPREAD = Metric(
-    name="ensemble_spread",
-    unit="m",
-    source="definition: root mean square distance, at the end, of a body from the mean of its kind over the members",
-    measure=_spread,
-)
-
-METRIC = (ENSEMBLE_ENERGY_ERROR, ENSEMBLE_SPREAD)

@@ -4,16 +4,14 @@ Its motion stands in the streams '<name>/...'. Equal bits are a difference of ze
 """
 
 from collections.abc import Callable
+from functools import partial
+from typing import Literal
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import maximum
-from harness.scene import Scene
+from harness.metric import Metric, NotMeasurable, Run
 from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import angle_between, movable
-
-__all__ = ["AGREEING_SAMPLES", "ATTITUDE_DIFFERENCE", "DIFFERENCE", "METRIC", "POSITION_DIFFERENCE"]
+from harness.trajectory.kinematics import angle_between
 
 NAMES = ("repeated", "restored", "reordered", "moved", "turned", "in_motion", "shrunk", "grown")
 
@@ -39,23 +37,24 @@ def _numbers(state: State) -> Floats:
     return np.concatenate([array.reshape(len(array), -1) for array in (state.p_WB, state.q_WB, state.v_WB, state.w_WB)], axis=1)
 
 
-def _difference(scene: Scene, actual: Trajectory, name: str) -> float:
-    here, there = _both(actual, name)
-    return maximum(np.abs(_numbers(here) - _numbers(there)))
+def _difference(name: str, run: Run) -> Floats:
+    here, there = _both(run.actual, name)
+    return np.abs(_numbers(here) - _numbers(there))
 
 
-def _position(scene: Scene, actual: Trajectory, name: str) -> float:
-    (here, there), bodies = _both(actual, name), movable(scene)
-    return maximum(np.linalg.norm(here.p_WB[:, bodies] - there.p_WB[:, bodies], axis=-1))
+def _position(name: str, run: Run) -> Floats:
+    here, there = _both(run.actual, name)
+    distance: Floats = np.linalg.norm(here.p_WB[:, run.movable] - there.p_WB[:, run.movable], axis=-1)
+    return distance
 
 
-def _attitude(scene: Scene, actual: Trajectory, name: str) -> float:
-    (here, there), bodies = _both(actual, name), movable(scene)
-    return maximum(angle_between(here.q_WB[:, bodies], there.q_WB[:, bodies]))
+def _attitude(name: str, run: Run) -> Floats:
+    here, there = _both(run.actual, name)
+    return angle_between(here.q_WB[:, run.movable], there.q_WB[:, run.movable])
 
 
-def _agreeing(scene: Scene, actual: Trajectory, name: str) -> float:
-    here, there = _both(actual, name)
+def _agreeing(name: str, run: Run) -> float:
+    here, there = _both(run.actual, name)
     if not (here.finite and there.finite):
         return float("nan")
     differs = (_numbers(here).view(np.int64) != _numbers(there).view(np.int64)).any(axis=1)
@@ -63,20 +62,17 @@ def _agreeing(scene: Scene, actual: Trajectory, name: str) -> float:
 
 
 def _of_each(
-    kind: str, unit: str, source: str, measure: Callable[[Scene, Trajectory, str], float], better: bool = False
+    kind: str,
+    unit: str,
+    source: str,
+    measure: Callable[[str, Run], float | Floats],
+    better: Literal["lower", "higher"] = "lower",
 ) -> dict[str, Metric]:
     """The metric '<name>_<kind>' for each retelling."""
-
-    def metric(name: str) -> Metric:
-        return Metric(
-            name=f"{name}_{kind}",
-            unit=unit,
-            source=source,
-            measure=lambda scene, actual, _expected: measure(scene, actual, name),
-            better="higher" if better else "lower",
-        )
-
-    return {name: metric(name) for name in NAMES}
+    return {
+        name: Metric(name=f"{name}_{kind}", unit=unit, source=source, measure=partial(measure, name), better=better)
+        for name in NAMES
+    }
 
 
 DIFFERENCE = _of_each("difference", "1", "definition: largest difference of any number of any state, in SI units", _difference)
@@ -85,9 +81,5 @@ POSITION_DIFFERENCE = _of_each(
 )
 ATTITUDE_DIFFERENCE = _of_each("attitude_difference", "rad", "definition: largest angle of a body to itself, retold", _attitude)
 AGREEING_SAMPLES = _of_each(
-    "agreeing_samples", "1", "definition: samples before the first that differs in a bit", _agreeing, True
-)
-
-METRIC = tuple(
-    metric for kind in (DIFFERENCE, POSITION_DIFFERENCE, ATTITUDE_DIFFERENCE, AGREEING_SAMPLES) for metric in kind.values()
+    "agreeing_samples", "1", "definition: samples before the first that differs in a bit", _agreeing, "higher"
 )

@@ -6,15 +6,13 @@ angle is no measure here: near the separatrix it is at the mercy of rounding.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate_back
 
-__all__ = ["FLIP_COUNT_ERROR", "FLIP_PERIOD_ERROR", "METRIC"]
-
 SOURCE = "definition: instants at which the component of w along the middle principal axis passes zero"
+VERDICT = "the spin's component along the middle axis changes its sign"
 
 
 def _flips(scene: Scene, trajectory: Trajectory) -> Floats:
@@ -35,29 +33,18 @@ def _flips(scene: Scene, trajectory: Trajectory) -> Floats:
     return instants
 
 
-def _count(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = matched(actual, expected)
-    if not actual.finite:
-        return float("nan")
-    return float(abs(len(_flips(scene, actual)) - len(_flips(scene, truth))))
+@metric("1", SOURCE, verdict=VERDICT)
+def flip_count_error(run: Run) -> float:
+    return float(abs(len(_flips(run.scene, run.actual)) - len(_flips(run.scene, run.truth))))
 
 
-def _period(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = _flips(scene, matched(actual, expected))
-    if not actual.finite:
-        return float("nan")
+@metric("1", SOURCE, verdict=VERDICT)
+def flip_period_error(run: Run) -> float:
+    """mean distance over the truth's"""
+    truth = _flips(run.scene, run.truth)
     if len(truth) < 2:
         raise NotMeasurable(f"the truth flips {len(truth)} times, a period needs 2")
-    answer = _flips(scene, actual)
+    answer = _flips(run.scene, run.actual)
     if len(answer) < 2:
         return float("inf")
     return float(abs((answer[-1] - answer[0]) / (len(answer) - 1) * (len(truth) - 1) / (truth[-1] - truth[0]) - 1))
-
-
-VERDICT = "the spin's component along the middle axis changes its sign"
-FLIP_COUNT_ERROR = Metric(name="flip_count_error", unit="1", source=SOURCE, measure=_count, verdict=VERDICT)
-FLIP_PERIOD_ERROR = Metric(
-    name="flip_period_error", unit="1", source=f"{SOURCE}; mean distance over the truth's", measure=_period, verdict=VERDICT
-)
-
-METRIC = (FLIP_COUNT_ERROR, FLIP_PERIOD_ERROR)

@@ -4,12 +4,9 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
+from harness.metric import NotMeasurable, Run, metric
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate, rotate_back
-
-__all__ = ["FOOT_SLIP", "METRIC"]
 
 
 def _carried(actual: Trajectory, place: int, point_W: Floats) -> Floats:
@@ -19,32 +16,22 @@ def _carried(actual: Trajectory, place: int, point_W: Floats) -> Floats:
     return carried
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if actual.contacts is None:
+@metric("m")
+def foot_slip(run: Run) -> float:
+    """static friction holds: greatest way along the ground of the material points that bear on it when the window begins"""
+    if run.actual.contacts is None:
         raise NotMeasurable("no contacts were recorded")
-    if len(actual) == 0:
+    if len(run.actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
-    if not actual.finite:
-        return math.nan
-    movable = [body.movable for body in scene.bodies]
+    movable = [body.movable for body in run.scene.bodies]
     ways = []
-    first = actual.contacts[0]
+    first = run.actual.contacts[0]
     for a, b, point, normal, force in zip(
         first.body_A, first.body_B, first.point_W, first.normal_W, first.force_W, strict=True
     ):
         # A near miss that an engine lists bears nothing.
         if movable[a] != movable[b] and force.any():
-            way = _carried(actual, a if movable[a] else b, point) - point
+            way = _carried(run.actual, a if movable[a] else b, point) - point
             ways.append(np.linalg.norm(way - np.outer(way @ normal, normal), axis=1).max())
     # A machine that hangs in the air has no foot on the ground that could hold.
     return float(np.max(ways)) if ways else math.inf
-
-
-FOOT_SLIP = Metric(
-    name="foot_slip",
-    unit="m",
-    source="static friction holds: greatest way along the ground of the material points that bear on it when the window begins",
-    measure=_measure,
-)
-
-METRIC = FOOT_SLIP

@@ -15,11 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Body, Box, Scene, rotate
-from harness.trajectory import Trajectory
-
-__all__ = ["FRAME_FRICTION_ERROR", "FRAME_STANDING_TIME", "METRIC", "critical_friction"]
 
 SOURCE = "statics of an A-frame: stands iff mu >= (tan a - c/l)/2"
 
@@ -44,30 +41,30 @@ def _friction(scene: Scene, card: Body) -> float:
     raise NotMeasurable(f"body '{card.name}' has nothing to stand on")
 
 
-def _frames(scene: Scene, actual: Trajectory) -> list[_Frame]:
+def _frames(run: Run) -> list[_Frame]:
     """All frames; a card stands along the z axis of its body, its thickness along x."""
-    cards = [place for place, body in enumerate(scene.bodies) if body.movable]
-    if len(cards) < 2 or len(cards) % 2 or len(actual) == 0:
-        raise NotMeasurable(f"{len(cards)} cards and {len(actual)} samples, expected pairs and at least one")
+    cards = [place for place, body in enumerate(run.scene.bodies) if body.movable]
+    if len(cards) < 2 or len(cards) % 2 or len(run.actual) == 0:
+        raise NotMeasurable(f"{len(cards)} cards and {len(run.actual)} samples, expected pairs and at least one")
     frames = []
     for pair in zip(cards[::2], cards[1::2], strict=True):
-        card = scene.bodies[pair[0]]
+        card = run.scene.bodies[pair[0]]
         shape = card.collision[0].shape if len(card.collision) == 1 else None
         if not isinstance(shape, Box):
             raise NotMeasurable(f"body '{card.name}' is no single box")
         angle = math.acos(rotate(card.q_WB, (0.0, 0.0, 1.0))[2])
         critical = critical_friction(angle, shape.half_extents[2], shape.half_extents[0])
-        start = np.array([scene.bodies[i].p_WB[2] for i in pair])
-        sunk = np.any(actual.p_WB[:, pair, 2] < start / 2, axis=1)
-        stood = float(actual.time[np.argmax(sunk)] if sunk.any() else math.inf)
-        frames.append(_Frame(_friction(scene, card) / critical, stood))
+        start = np.array([run.scene.bodies[i].p_WB[2] for i in pair])
+        sunk = np.any(run.actual.p_WB[:, pair, 2] < start / 2, axis=1)
+        stood = float(run.actual.time[np.argmax(sunk)] if sunk.any() else math.inf)
+        frames.append(_Frame(_friction(run.scene, card) / critical, stood))
     return frames
 
 
-def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    frames = _frames(scene, actual)
-    if not actual.finite:
-        return math.nan
+@metric("1", SOURCE, verdict="a card of a frame sinks below half of its height")
+def frame_friction_error(run: Run) -> float:
+    """middle between the greatest friction that falls and the least above it that stands, over the critical, less 1"""
+    frames = _frames(run)
     # Where all stand the threshold is taken for half of the least friction's; where all fall, for twice the greatest.
     falls = max([0.0, *(frame.friction for frame in frames if math.isfinite(frame.stood))])
     most = 2 * max(frame.friction for frame in frames)
@@ -76,28 +73,10 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
     return abs((falls + stands) / 2 - 1)
 
 
-def _standing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    times = [min(frame.stood, float(actual.time[-1])) for frame in _frames(scene, actual) if frame.friction >= 1]
+@metric("s", SOURCE, better="higher", verdict="a card of a frame that has the friction to stand sinks below half of its height")
+def frame_standing_time(run: Run) -> float:
+    """the least time for which a frame stands that should; the run's length where all do"""
+    times = [min(frame.stood, float(run.actual.time[-1])) for frame in _frames(run) if frame.friction >= 1]
     if not times:
         raise NotMeasurable("no frame has the friction to stand")
-    return min(times) if actual.finite else math.nan
-
-
-FRAME_FRICTION_ERROR = Metric(
-    name="frame_friction_error",
-    unit="1",
-    source=f"{SOURCE}; middle between the greatest friction that falls and the least above it that stands, over the "
-    "critical, less 1",
-    measure=_threshold,
-    verdict="a card of a frame sinks below half of its height",
-)
-FRAME_STANDING_TIME = Metric(
-    name="frame_standing_time",
-    unit="s",
-    source=f"{SOURCE}; the least time for which a frame stands that should; the run's length where all do",
-    measure=_standing,
-    better="higher",
-    verdict="a card of a frame that has the friction to stand sinks below half of its height",
-)
-
-METRIC = (FRAME_FRICTION_ERROR, FRAME_STANDING_TIME)
+    return min(times)

@@ -9,13 +9,11 @@ and Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2 (the
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.series import maximum
-from harness.scene import Imu, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.scene import Imu
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import angle_between
-
-__all__ = ["GYROSCOPE_ATTITUDE", "METRIC"]
 
 
 def _integrated(rates_B: Floats, interval: float, q_WB: Floats) -> Floats:
@@ -32,34 +30,31 @@ def _integrated(rates_B: Floats, interval: float, q_WB: Floats) -> Floats:
     return np.array(attitudes)
 
 
-def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("rad")
+def gyroscope_attitude_error(run: Run) -> float:
+    """Magnus expansion: Iserles et al. (2000)"""
     from scipy.spatial.transform import Rotation
 
     worst = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Imu):
             continue
         name = f"{sensor.name}/gyroscope_ideal"
-        if name not in actual.streams or len(actual.streams[name]) == 0:
+        if name not in run.actual.streams or len(run.actual.streams[name]) == 0:
             raise NotMeasurable(f"stream '{name}' was not recorded")
         if sensor.latency > 0:
             raise NotMeasurable(f"sensor '{sensor.name}' has a latency; its rates are of other instants than the attitudes")
-        stamps, place = actual.streams[f"{sensor.name}/time"], scene.index(sensor.body)
-        rows = np.searchsorted(actual.time, stamps - 1e-9)
-        if rows[-1] >= len(actual) or not np.all(np.abs(actual.time[rows] - stamps) < 1e-9):
+        stamps, place = run.actual.streams[f"{sensor.name}/time"], run.scene.index(sensor.body)
+        rows = np.searchsorted(run.actual.time, stamps - 1e-9)
+        if rows[-1] >= len(run.actual) or not np.all(np.abs(run.actual.time[rows] - stamps) < 1e-9):
             raise NotMeasurable(f"the states were not recorded at the stamps of '{sensor.name}'")
-        if not (np.isfinite(actual.streams[name]).all() and actual.finite):
+        if not np.isfinite(run.actual.streams[name]).all():
             return float("nan")
-        rates_B = Rotation.from_quat(sensor.q_BS, scalar_first=True).apply(actual.streams[name])
-        q_WB = actual.q_WB[:, place]
-        first = Rotation.from_quat(q_WB[0], scalar_first=True).inv().apply(actual.w_WB[0, place])
+        rates_B = Rotation.from_quat(sensor.q_BS, scalar_first=True).apply(run.actual.streams[name])
+        q_WB = run.actual.q_WB[:, place]
+        first = Rotation.from_quat(q_WB[0], scalar_first=True).inv().apply(run.actual.w_WB[0, place])
         integral = _integrated(np.concatenate([first[None], rates_B]), 1.0 / sensor.rate, q_WB[0])
         worst.append(angle_between(integral[1:], q_WB[rows]))
     if not worst:
         raise NotMeasurable("the scene has no inertial sensor")
     return maximum(np.concatenate(worst))
-
-
-METRIC = GYROSCOPE_ATTITUDE = Metric(
-    name="gyroscope_attitude_error", unit="rad", source="Magnus expansion: Iserles et al. (2000)", measure=_measure
-)

@@ -2,34 +2,20 @@
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.contact_impulses import forces_on
-from harness.scene import Scene
-from harness.trajectory import Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["IMPULSE_MAX", "METRIC"]
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if actual.contacts is None:
+@metric("N s", even=True)
+def impulse_max(run: Run) -> float:
+    """definition: greatest |sum of the contact forces on a body|, averaged over a step, times the step"""
+    if run.actual.contacts is None:
         raise NotMeasurable("the run has no contacts")
-    if actual.dt <= 0.0:
+    if run.actual.dt <= 0.0:
         raise NotMeasurable("a truth has no steps")
     largest = 0.0
-    for contacts in actual.contacts:
-        total = forces_on(contacts, len(scene.bodies))
+    for contacts in run.actual.contacts:
+        total = forces_on(contacts, len(run.scene.bodies))
         # max() of Python would drop a NaN.
-        largest = float(np.max([largest, *np.linalg.norm(total[movable(scene)], axis=1)]))
-    return largest * actual.dt
-
-
-IMPULSE_MAX = Metric(
-    name="impulse_max",
-    unit="N s",
-    even=True,
-    source="definition: greatest |sum of the contact forces on a body|, averaged over a step, times the step",
-    measure=_measure,
-)
-
-METRIC = IMPULSE_MAX
+        largest = float(np.max([largest, *np.linalg.norm(total[run.movable], axis=1)]))
+    return largest * run.actual.dt

@@ -8,12 +8,10 @@ Source: IEEE Std 1293-2018 (misalignment, scale factor, full scale, resolution);
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.series import maximum
-from harness.scene import AxisNoise, Imu, Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["METRIC", "READOUT_ERROR"]
+from harness.scene import AxisNoise, Imu
+from harness.trajectory import Floats
 
 TIE = 1e-9
 """Distance from half way between two levels, in steps, within which roundings decide."""
@@ -33,9 +31,11 @@ def _wrong_by(law: AxisNoise, reading: Floats, ideal: Floats) -> Floats:
     return error
 
 
-def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("1", empty="no inertial channel of the scene has digits and no noise")
+def inertial_readout_error(run: Run) -> list[float]:
+    """IEEE Std 1293-2018: |reading - nearest level|, in steps"""
     worst = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
         for channel in ("accelerometer", "gyroscope"):
@@ -43,14 +43,7 @@ def _error(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
             random = law.density > 0 or law.instability > 0 or law.random_walk > 0 or law.bias != 0
             if law.quantisation == 0 or random:
                 continue
-            if len(actual.streams.get(name, ())) == 0:
+            if len(run.actual.streams.get(name, ())) == 0:
                 raise NotMeasurable(f"stream '{name}' was not recorded")
-            worst.append(maximum(_wrong_by(law, actual.streams[name], actual.streams[f"{name}_ideal"])))
-    if not worst:
-        raise NotMeasurable("no inertial channel of the scene has digits and no noise")
-    return maximum(np.array(worst))
-
-
-METRIC = READOUT_ERROR = Metric(
-    name="inertial_readout_error", unit="1", source="IEEE Std 1293-2018: |reading - nearest level|, in steps", measure=_error
-)
+            worst.append(maximum(_wrong_by(law, run.actual.streams[name], run.actual.streams[f"{name}_ideal"])))
+    return worst

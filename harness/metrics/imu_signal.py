@@ -6,29 +6,26 @@ within a nanosecond makes the error infinite.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import Metric, NotMeasurable, Run
 from harness.metric.series import maximum
-from harness.scene import Imu, Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["ACCELEROMETER_ERROR", "GYROSCOPE_ERROR", "METRIC"]
+from harness.scene import Imu
 
 
 def _error(channel: str, unit: str) -> Metric:
-    def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    def measure(run: Run) -> float:
         worst = []
-        for sensor in scene.sensors:
+        for sensor in run.scene.sensors:
             if not isinstance(sensor, Imu):
                 continue
             name, stamps = f"{sensor.name}/{channel}_ideal", f"{sensor.name}/time"
-            if expected is None or name not in expected.streams:
+            if run.expected is None or name not in run.expected.streams:
                 raise NotMeasurable(f"the truth has no stream '{name}'")
-            if name not in actual.streams or len(actual.streams[name]) == 0:
+            if name not in run.actual.streams or len(run.actual.streams[name]) == 0:
                 raise NotMeasurable(f"stream '{name}' was not recorded")
-            here, there = actual.streams[stamps], expected.streams[stamps]
+            here, there = run.actual.streams[stamps], run.expected.streams[stamps]
             if here.shape != there.shape or not np.all(np.abs(here - there) < 1e-9):
                 return float("inf")
-            worst.append(maximum(np.linalg.norm(actual.streams[name] - expected.streams[name], axis=1)))
+            worst.append(maximum(np.linalg.norm(run.actual.streams[name] - run.expected.streams[name], axis=1)))
         if not worst:
             raise NotMeasurable("the scene has no inertial sensor")
         return maximum(np.array(worst))
@@ -38,4 +35,4 @@ def _error(channel: str, unit: str) -> Metric:
     )
 
 
-METRIC = ACCELEROMETER_ERROR, GYROSCOPE_ERROR = _error("accelerometer", "m/s2"), _error("gyroscope", "rad/s")
+accelerometer_ideal_error, gyroscope_ideal_error = _error("accelerometer", "m/s2"), _error("gyroscope", "rad/s")

@@ -11,12 +11,9 @@ Splines, chapter IV.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import maximum
-from harness.scene import Imu, Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["ACCELEROMETER_LAG", "GYROSCOPE_LAG", "METRIC", "delay"]
+from harness.metric import Metric, NotMeasurable, Run
+from harness.scene import Imu
+from harness.trajectory import Floats
 
 REACH = 3.0
 """How far beyond the expected delay it is looked for, in intervals."""
@@ -51,28 +48,27 @@ def delay(time: Floats, reading: Floats, signal: Floats, reach: float) -> float:
 
 
 def _lag(channel: str) -> Metric:
-    def measure(_scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+    def measure(run: Run) -> list[float]:
         worst = []
-        for sensor in _scene.sensors:
+        for sensor in run.scene.sensors:
             if not isinstance(sensor, Imu):
                 continue
             name, interval = f"{sensor.name}/{channel}", 1.0 / sensor.rate
-            if expected is None or f"{name}_instant" not in expected.streams:
+            if run.expected is None or f"{name}_instant" not in run.expected.streams:
                 raise NotMeasurable(f"the truth has no stream '{name}_instant'")
-            if name not in actual.streams:
+            if name not in run.actual.streams:
                 raise NotMeasurable(f"stream '{name}' was not recorded")
-            time, stamps = actual.streams[f"{sensor.name}/time"], expected.streams[f"{sensor.name}/time"]
+            time, stamps = run.actual.streams[f"{sensor.name}/time"], run.expected.streams[f"{sensor.name}/time"]
             if time.shape != stamps.shape or not np.all(np.abs(time - stamps) < 1e-9):
                 raise NotMeasurable(f"the truth of '{name}' stands at other times than the readings")
-            own = bool(np.all(actual.streams[f"{sensor.name}/native"] == 1.0))
+            own = bool(np.all(run.actual.streams[f"{sensor.name}/native"] == 1.0))
             due = sensor.latency + (0.5 * interval if channel == "accelerometer" and not own else 0.0)
-            signal = expected.streams[f"{name}_instant"]
-            worst.append(abs(delay(time, actual.streams[name], signal, due + REACH * interval) - due))
-        if not worst:
-            raise NotMeasurable("the scene has no inertial sensor")
-        return maximum(np.array(worst))
+            signal = run.expected.streams[f"{name}_instant"]
+            worst.append(abs(delay(time, run.actual.streams[name], signal, due + REACH * interval) - due))
+        return worst
 
-    return Metric(name=f"{channel}_lag_error", unit="s", source="cross-correlation: Knapp, Carter (1976)", measure=measure)
+    name, source = f"{channel}_lag_error", "cross-correlation: Knapp, Carter (1976)"
+    return Metric(name=name, unit="s", source=source, measure=measure, empty="the scene has no inertial sensor")
 
 
-METRIC = ACCELEROMETER_LAG, GYROSCOPE_LAG = _lag("accelerometer"), _lag("gyroscope")
+accelerometer_lag_error, gyroscope_lag_error = _lag("accelerometer"), _lag("gyroscope")

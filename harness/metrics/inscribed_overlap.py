@@ -7,12 +7,9 @@ engine's own contacts.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Scene, Sphere
-from harness.trajectory import Trajectory
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Sphere
 from harness.trajectory.kinematics import rotate
-
-__all__ = ["INSCRIBED_OVERLAP", "METRIC"]
 
 
 def _inscribed(body: Body) -> float | None:
@@ -30,38 +27,30 @@ def _inscribed(body: Body) -> float | None:
             return None
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if len(actual) == 0:
+@metric("m")
+def inscribed_overlap(run: Run) -> float:
+    """definition: greatest overlap, at any sample, of the balls inscribed in two bodies that can touch; 0 where none"""
+    if len(run.actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
-    radii = [_inscribed(body) for body in scene.bodies]
+    radii = [_inscribed(body) for body in run.scene.bodies]
     deepest, pairs = -np.inf, 0
     for a, r_a in enumerate(radii):
         for b in range(a + 1, len(radii)):
             r_b = radii[b]
-            if r_a is None or r_b is None or not scene.collides(scene.bodies[a], scene.bodies[b]):
+            if r_a is None or r_b is None or not run.scene.collides(run.scene.bodies[a], run.scene.bodies[b]):
                 continue
             pairs += 1
-            distance = np.linalg.norm(actual.p_WB[:, a] - actual.p_WB[:, b], axis=-1)
+            distance = np.linalg.norm(run.actual.p_WB[:, a] - run.actual.p_WB[:, b], axis=-1)
             deepest = np.maximum(deepest, np.max(r_a + r_b - distance))
-        for b, other in enumerate(scene.bodies):
-            if r_a is None or other.motion != "static" or not scene.collides(scene.bodies[a], other):
+        for b, other in enumerate(run.scene.bodies):
+            if r_a is None or other.motion != "static" or not run.scene.collides(run.scene.bodies[a], other):
                 continue
             for placed in other.collision:
                 if isinstance(placed.shape, Plane):
                     normal = rotate(np.array(other.q_WB), rotate(np.array(placed.q_BS), np.array(placed.shape.normal)))
-                    within = actual.p_WB[:, b] + rotate(np.array(other.q_WB), np.array(placed.p_BS))
+                    within = run.actual.p_WB[:, b] + rotate(np.array(other.q_WB), np.array(placed.p_BS))
                     pairs += 1
-                    deepest = np.maximum(deepest, np.max(r_a - (actual.p_WB[:, a] - within) @ normal))
+                    deepest = np.maximum(deepest, np.max(r_a - (run.actual.p_WB[:, a] - within) @ normal))
     if pairs == 0:
         raise NotMeasurable("no two bodies of one convex shape can touch")
-    return float(np.maximum(deepest, 0.0)) if actual.finite else float("nan")
-
-
-INSCRIBED_OVERLAP = Metric(
-    name="inscribed_overlap",
-    unit="m",
-    source="definition: greatest overlap, at any sample, of the balls inscribed in two bodies that can touch; 0 where none",
-    measure=_measure,
-)
-
-METRIC = INSCRIBED_OVERLAP
+    return float(np.maximum(deepest, 0.0))

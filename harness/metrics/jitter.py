@@ -1,27 +1,18 @@
 """Jitter: what still moves where everything should rest."""
 
-import math
-from collections.abc import Callable
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["HEIGHT_SPREAD", "METRIC", "REST_DRIFT", "RMS_SECOND_DIFFERENCE", "RMS_SPEED", "RMS_SPIN"]
+from harness.metric import NotMeasurable, Run, metric
+from harness.trajectory import Floats, Integers
 
 
-def _worst(law: Callable[[Trajectory, list[int]], Floats], samples: int) -> Callable[..., float]:
-    """A measure that takes the worst of a law's values, one a movable body."""
-
-    def measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-        movable = [place for place, body in enumerate(scene.bodies) if body.movable]
-        if not movable or len(actual) < samples:
-            raise NotMeasurable(f"{len(movable)} movable bodies and {len(actual)} samples, expected at least 1 and {samples}")
-        return float(np.max(law(actual, movable))) if actual.finite else math.nan
-
-    return measure
+def _movable(run: Run, samples: int) -> Integers:
+    """The movable bodies. Raises: NotMeasurable, without any or with fewer samples than these."""
+    if not len(run.movable) or len(run.actual) < samples:
+        raise NotMeasurable(
+            f"{len(run.movable)} movable bodies and {len(run.actual)} samples, expected at least 1 and {samples}"
+        )
+    return run.movable
 
 
 def _root_mean_square(vectors: Floats) -> Floats:
@@ -30,51 +21,37 @@ def _root_mean_square(vectors: Floats) -> Floats:
     return rms
 
 
-def _speed(run: Trajectory, movable: list[int]) -> Floats:
-    return _root_mean_square(run.v_WB[:, movable])
+@metric("m/s")
+def rms_speed(run: Run) -> Floats:
+    """root mean square of |v_WB| over the window, worst body"""
+    return _root_mean_square(run.actual.v_WB[:, _movable(run, 1)])
 
 
-def _spin(run: Trajectory, movable: list[int]) -> Floats:
-    return _root_mean_square(run.w_WB[:, movable])
+@metric("rad/s")
+def rms_spin(run: Run) -> Floats:
+    """root mean square of |w_WB| over the window, worst body"""
+    return _root_mean_square(run.actual.w_WB[:, _movable(run, 1)])
 
 
-def _second_difference(run: Trajectory, movable: list[int]) -> Floats:
-    spacing = np.diff(run.time)
-    if run.dt > 0 and np.any(np.abs(spacing - run.dt) > 1e-6 * run.dt):
-        raise NotMeasurable(f"samples {spacing.max():g} s apart, expected one every step of {run.dt:g} s")
-    return _root_mean_square(np.diff(run.p_WB[:, movable], n=2, axis=0))
+@metric("m")
+def rms_second_difference(run: Run) -> Floats:
+    """root mean square of |p(t+dt) - 2 p(t) + p(t-dt)| over the window, worst body; dt^2 times an accelerometer's noise"""
+    bodies, dt, spacing = _movable(run, 3), run.actual.dt, np.diff(run.actual.time)
+    if dt > 0 and np.any(np.abs(spacing - dt) > 1e-6 * dt):
+        raise NotMeasurable(f"samples {spacing.max():g} s apart, expected one every step of {dt:g} s")
+    return _root_mean_square(np.diff(run.actual.p_WB[:, bodies], n=2, axis=0))
 
 
-def _height(run: Trajectory, movable: list[int]) -> Floats:
-    span: Floats = np.ptp(np.percentile(run.p_WB[:, movable, 2], [1, 99], axis=0), axis=0)
+@metric("m")
+def height_spread(run: Run) -> Floats:
+    """99th less 1st percentile of the height over the window, worst body"""
+    span: Floats = np.ptp(np.percentile(run.actual.p_WB[:, _movable(run, 2), 2], [1, 99], axis=0), axis=0)
     return span
 
 
-def _drift(run: Trajectory, movable: list[int]) -> Floats:
-    drift: Floats = np.linalg.norm(run.p_WB[-1, movable] - run.p_WB[0, movable], axis=1)
+@metric("m")
+def rest_drift(run: Run) -> Floats:
+    """way from the window's start to its end, worst body"""
+    bodies = _movable(run, 2)
+    drift: Floats = np.linalg.norm(run.actual.p_WB[-1, bodies] - run.actual.p_WB[0, bodies], axis=1)
     return drift
-
-
-RMS_SPEED = Metric(
-    name="rms_speed", unit="m/s", source="root mean square of |v_WB| over the window, worst body", measure=_worst(_speed, 1)
-)
-RMS_SPIN = Metric(
-    name="rms_spin", unit="rad/s", source="root mean square of |w_WB| over the window, worst body", measure=_worst(_spin, 1)
-)
-RMS_SECOND_DIFFERENCE = Metric(
-    name="rms_second_difference",
-    unit="m",
-    source="root mean square of |p(t+dt) - 2 p(t) + p(t-dt)| over the window, worst body; dt^2 times an accelerometer's noise",
-    measure=_worst(_second_difference, 3),
-)
-HEIGHT_SPREAD = Metric(
-    name="height_spread",
-    unit="m",
-    source="99th less 1st percentile of the height over the window, worst body",
-    measure=_worst(_height, 2),
-)
-REST_DRIFT = Metric(
-    name="rest_drift", unit="m", source="way from the window's start to its end, worst body", measure=_worst(_drift, 2)
-)
-
-METRIC = (RMS_SPEED, RMS_SPIN, RMS_SECOND_DIFFERENCE, HEIGHT_SPREAD, REST_DRIFT)

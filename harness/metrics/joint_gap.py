@@ -2,20 +2,18 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable
+from harness.metric import NotMeasurable, Run
 from harness.metric.series import three
-from harness.scene import Distance, Prismatic, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.scene import Distance, Prismatic
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import across_axis, anchors
 
-__all__ = ["JOINT_GAP_FINAL", "JOINT_GAP_MAX", "JOINT_GAP_RMS", "METRIC"]
 
-
-def _gap(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floats:
+def _gap(run: Run) -> Floats:
     """Gap of every joint, (t, joints) m."""
     gaps: list[Floats] = []
-    for joint in scene.joints:
-        on_parent, on_child = anchors(scene, joint, actual)
+    for joint in run.scene.joints:
+        on_parent, on_child = anchors(run.scene, joint, run.actual)
         offset: Floats = np.linalg.norm(on_child - on_parent, axis=-1)
         if isinstance(joint, Distance):
             if joint.limits is not None:
@@ -25,7 +23,7 @@ def _gap(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floa
             elif joint.spring is None:
                 gaps.append(np.abs(offset - np.linalg.norm(np.subtract(joint.child_anchor_W, joint.anchor_W))))
         elif isinstance(joint, Prismatic):
-            gaps.append(across_axis(scene, joint, actual))
+            gaps.append(across_axis(run.scene, joint, run.actual))
         else:
             gaps.append(offset)
     if not gaps:
@@ -33,6 +31,6 @@ def _gap(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floa
     return np.stack(gaps, axis=1)
 
 
-METRIC = JOINT_GAP_MAX, JOINT_GAP_RMS, JOINT_GAP_FINAL = three(
+joint_gap_max, joint_gap_rms, joint_gap_final = three(
     "joint_gap", "m", "definition: distance between the anchors on parent and child", _gap
 )

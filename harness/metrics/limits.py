@@ -2,21 +2,19 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable
+from harness.metric import NotMeasurable, Run
 from harness.metric.series import three
-from harness.scene import Distance, Prismatic, Revolute, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.scene import Distance, Prismatic, Revolute
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import joint_coordinate
 
-__all__ = ["LIMIT_OVERSHOOT_FINAL", "LIMIT_OVERSHOOT_MAX", "LIMIT_OVERSHOOT_RMS", "METRIC"]
 
-
-def _overshoot(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> Floats:
+def _overshoot(run: Run) -> Floats:
     """Excess of every joint with limits, (t, joints), rad or m."""
     overshoots: list[Floats] = []
-    for joint in scene.joints:
+    for joint in run.scene.joints:
         if isinstance(joint, Revolute | Prismatic | Distance) and joint.limits is not None:
-            x = joint_coordinate(scene, joint, actual)
+            x = joint_coordinate(run.scene, joint, run.actual)
             lower = -np.inf if joint.limits.lower is None else joint.limits.lower
             upper = np.inf if joint.limits.upper is None else joint.limits.upper
             # Adding 0 x keeps what is not a number from hiding behind a maximum with 0.
@@ -26,6 +24,6 @@ def _overshoot(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -
     return np.stack(overshoots, axis=1)
 
 
-METRIC = LIMIT_OVERSHOOT_MAX, LIMIT_OVERSHOOT_RMS, LIMIT_OVERSHOOT_FINAL = three(
+limit_overshoot_max, limit_overshoot_rms, limit_overshoot_final = three(
     "limit_overshoot", "rad or m", "definition: joint coordinate beyond its limit", _overshoot
 )

@@ -3,17 +3,13 @@
 The load is the heaviest movable body, the highest of them where several are; all other movable bodies are its supports.
 """
 
-import math
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.contact_impulses import mean_forces
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
-
-__all__ = ["LOAD_SPLIT_ERROR", "METRIC", "load_shares"]
 
 
 def load_shares(scene: Scene, actual: Trajectory) -> Floats:
@@ -32,19 +28,8 @@ def load_shares(scene: Scene, actual: Trajectory) -> Floats:
     return shares
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    shares = load_shares(scene, actual)
-    if not actual.finite:
-        return math.nan
+@metric("1", impulses=True)
+def load_split_error(run: Run) -> float:
+    """statics: mean share of each support in the weight of the load against an equal share, worst support"""
+    shares = load_shares(run.scene, run.actual)
     return float(np.max(np.abs(shares - 1 / len(shares))))
-
-
-LOAD_SPLIT_ERROR = Metric(
-    name="load_split_error",
-    unit="1",
-    source="statics: mean share of each support in the weight of the load against an equal share, worst support",
-    measure=_measure,
-    impulses=True,
-)
-
-METRIC = LOAD_SPLIT_ERROR

@@ -2,32 +2,18 @@
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["METRIC", "PAIRS_MET"]
+from harness.metric import NotMeasurable, Run, metric
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if actual.contacts is None:
+@metric("1", better="higher", verdict="two bodies overlap in a point or push each other")
+def pairs_met(run: Run) -> float:
+    """definition: pairs of bodies with a point of contact, at some sample, that overlaps or carries a force"""
+    if run.actual.contacts is None:
         raise NotMeasurable("no contacts were recorded")
-    if not actual.finite:
-        return float("nan")
     met = set()
-    for contacts in actual.contacts:
+    for contacts in run.actual.contacts:
         # Engines list pairs that are near too; those neither overlap nor push.
         touch = (contacts.gap <= 0) | (np.linalg.norm(contacts.force_W, axis=1) > 0)
         pairs = np.sort(np.stack([contacts.body_A, contacts.body_B], axis=1)[touch], axis=1)
         met |= {(int(a), int(b)) for a, b in pairs}
     return float(len(met))
-
-
-METRIC = PAIRS_MET = Metric(
-    name="pairs_met",
-    unit="1",
-    source="definition: pairs of bodies with a point of contact, at some sample, that overlaps or carries a force",
-    measure=_measure,
-    better="higher",
-    verdict="two bodies overlap in a point or push each other",
-)

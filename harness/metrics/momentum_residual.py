@@ -9,44 +9,30 @@ counts, over the greatest m |v_k - v_{k-1}| of the record, so that 1 is a force 
 Source: Newton's second law in its integral form; Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 1988.
 """
 
-import math
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.contact_impulses import forces_on
-from harness.scene import Effect, Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["METRIC", "MOMENTUM_RESIDUAL"]
+from harness.scene import Effect
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if actual.contacts is None:
+@metric("1", even=True)
+def momentum_residual(run: Run) -> float:
+    """Newton's second law over a step: |m dv - (F + m g) dt| at worst, over the greatest m |dv|"""
+    if run.actual.contacts is None:
         raise NotMeasurable("no contacts were recorded")
-    steps = np.flatnonzero(np.abs(np.diff(actual.time) - actual.dt) < 1e-6 * actual.dt) + 1
+    steps = np.flatnonzero(np.abs(np.diff(run.actual.time) - run.actual.dt) < 1e-6 * run.actual.dt) + 1
     if len(steps) == 0:
         raise NotMeasurable("no two samples are one step apart, so that forces went unrecorded")
-    jointed = {name for joint in scene.joints for name in (joint.parent, joint.child)}
-    bodies = [k for k, b in enumerate(scene.bodies) if b.movable and b.name not in jointed and b.linear_damping == 0]
+    jointed = {name for joint in run.scene.joints for name in (joint.parent, joint.child)}
+    bodies = [k for k, b in enumerate(run.scene.bodies) if b.movable and b.name not in jointed and b.linear_damping == 0]
     if not bodies:
         raise NotMeasurable("no body moves under contacts and gravity alone")
-    if not actual.finite:
-        return math.nan
-    mass = np.array([scene.bodies[k].mass for k in bodies])[:, None]
-    gravity = np.array(scene.gravity) * (Effect.GRAVITY in scene.effects)
-    gained = mass * (actual.v_WB[steps][:, bodies] - actual.v_WB[steps - 1][:, bodies])
-    force = np.array([forces_on(actual.contacts[k], len(scene.bodies))[bodies] for k in steps])
+    mass = np.array([run.scene.bodies[k].mass for k in bodies])[:, None]
+    gravity = np.array(run.scene.gravity) * (Effect.GRAVITY in run.scene.effects)
+    gained = mass * (run.actual.v_WB[steps][:, bodies] - run.actual.v_WB[steps - 1][:, bodies])
+    force = np.array([forces_on(run.actual.contacts[k], len(run.scene.bodies))[bodies] for k in steps])
     greatest = float(np.linalg.norm(gained, axis=-1).max())
     if greatest == 0.0:
         raise NotMeasurable("nothing changes its momentum")
-    return float(np.linalg.norm(gained - (force + mass * gravity) * actual.dt, axis=-1).max()) / greatest
-
-
-METRIC = MOMENTUM_RESIDUAL = Metric(
-    even=True,
-    name="momentum_residual",
-    unit="1",
-    source="Newton's second law over a step: |m dv - (F + m g) dt| at worst, over the greatest m |dv|",
-    measure=_measure,
-)
+    return float(np.linalg.norm(gained - (force + mass * gravity) * run.actual.dt, axis=-1).max()) / greatest

@@ -6,13 +6,10 @@ sigma^2/n for white noise, the sum of memory^|i-j| for a Markov process, K^2 dt 
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.inertial_residual import inertial_residual
-from harness.metric.series import maximum
-from harness.scene import AxisNoise, Imu, Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["BIAS_SCORE", "METRIC", "variance_of_mean"]
+from harness.scene import AxisNoise, Imu
+from harness.trajectory import Floats
 
 MARKOV_PEAK = 0.617364
 """Largest Allan deviation of a Gauss-Markov process over its standard deviation (IEEE Std 952, annex C)."""
@@ -29,27 +26,22 @@ def variance_of_mean(law: AxisNoise, count: Floats, interval: float) -> Floats:
     return variance
 
 
-def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("1", empty="no inertial sensor of the scene has noise")
+def inertial_bias_score(run: Run) -> list[float]:
+    """definition: |mean - bias| over its standard deviation"""
     scores = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
         for channel in ("accelerometer", "gyroscope"):
             law: AxisNoise = getattr(sensor.noise, channel)
             name = f"{sensor.name}/{channel}"
-            noise = inertial_residual(sensor, channel, actual)
+            noise = inertial_residual(sensor, channel, run.actual)
             if len(noise) == 0:
                 raise NotMeasurable(f"stream '{name}' has no reading")
             variances = variance_of_mean(law, np.arange(1.0, len(noise) + 1.0), 1.0 / sensor.rate)
             count = int(np.argmin(variances)) + 1
             # A law without randomness leaves the rounding of the signal, which enters when noise and signal are parted again.
-            rounding = 4 * np.finfo(np.float64).eps * (1 + np.abs(actual.streams[name]).max())
+            rounding = 4 * np.finfo(np.float64).eps * (1 + np.abs(run.actual.streams[name]).max())
             scores.append(np.abs(noise[:count].mean(axis=0) - law.bias) / (np.sqrt(variances[count - 1]) + rounding))
-    if not scores:
-        raise NotMeasurable("no inertial sensor of the scene has noise")
-    return maximum(np.array(scores))
-
-
-METRIC = BIAS_SCORE = Metric(
-    name="inertial_bias_score", unit="1", source="definition: |mean - bias| over its standard deviation", measure=_score
-)
+    return scores

@@ -7,17 +7,12 @@ Source: Kolmogorov (1933), sqrt(n) D; Pearson (1900), with cells of equal probab
 of class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi-squared variable normal.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.inertial_residual import inertial_residual
-from harness.metric.series import maximum
-from harness.scene import AxisNoise, Imu, Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["HISTOGRAM_SCORE", "METRIC", "NORMAL_DISTANCE", "histogram_score", "kolmogorov_distance"]
+from harness.scene import AxisNoise, Imu
+from harness.trajectory import Floats
 
 CELLS = 64
 FEWEST = 20 * CELLS
@@ -50,10 +45,10 @@ def histogram_score(deviations: Floats) -> float:
     return float(abs(level ** (1 / 3) - (1 - third)) / np.sqrt(third))
 
 
-def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
+def _deviations(run: Run) -> list[Floats]:
     """Of each noisy axis, (n,)."""
     deviations: list[Floats] = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
         for channel in ("accelerometer", "gyroscope"):
@@ -65,7 +60,7 @@ def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
                 raise NotMeasurable(
                     f"the {channel} of sensor '{sensor.name}' has bias instability, whose samples are correlated"
                 )
-            change = np.diff(inertial_residual(sensor, channel, actual), axis=0)[::2]
+            change = np.diff(inertial_residual(sensor, channel, run.actual), axis=0)[::2]
             if len(change) < FEWEST:
                 raise NotMeasurable(f"stream '{sensor.name}/{channel}' has {len(change)} differences, {FEWEST} are needed")
             deviations.extend((change / np.sqrt(variance)).T)
@@ -74,21 +69,13 @@ def _deviations(scene: Scene, actual: Trajectory) -> list[Floats]:
     return deviations
 
 
-def _largest(judge: Callable[[Floats], float]) -> Callable[[Scene, Trajectory, Trajectory | None], float]:
-    def measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-        return maximum(np.array([judge(deviation) for deviation in _deviations(scene, actual)]))
+@metric("1")
+def inertial_distribution_distance(run: Run) -> list[float]:
+    """Kolmogorov (1933): sqrt(n) D"""
+    return [kolmogorov_distance(deviation) for deviation in _deviations(run)]
 
-    return measure
 
-
-NORMAL_DISTANCE = Metric(
-    name="inertial_distribution_distance",
-    unit="1",
-    source="Kolmogorov (1933): sqrt(n) D",
-    measure=_largest(kolmogorov_distance),
-)
-HISTOGRAM_SCORE = Metric(
-    name="inertial_histogram_score", unit="1", source="Pearson (1900); Mann, Wald (1942)", measure=_largest(histogram_score)
-)
-
-METRIC = (NORMAL_DISTANCE, HISTOGRAM_SCORE)
+@metric("1")
+def inertial_histogram_score(run: Run) -> list[float]:
+    """Pearson (1900); Mann, Wald (1942)"""
+    return [histogram_score(deviation) for deviation in _deviations(run)]

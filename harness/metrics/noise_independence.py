@@ -9,25 +9,23 @@ import itertools
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import Run, metric
 from harness.metric.inertial_residual import inertial_residual
-from harness.metric.series import maximum
-from harness.scene import Imu, Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["INDEPENDENCE_SCORE", "METRIC"]
+from harness.scene import Imu
+from harness.trajectory import Floats
 
 SOURCE = "Bartlett, Some aspects of the time-correlation problem (1935)"
 
 
-def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("1", SOURCE, empty="fewer than two noisy axes of one rate with at least 31 samples")
+def inertial_correlation_score(run: Run) -> list[float]:
     columns: list[tuple[float, Floats]] = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
         for channel in ("accelerometer", "gyroscope"):
             law = getattr(sensor.noise, channel)
-            noise = inertial_residual(sensor, channel, actual)
+            noise = inertial_residual(sensor, channel, run.actual)
             if law.density > 0 or law.instability > 0 or law.random_walk > 0:
                 columns.extend((sensor.rate, column) for column in np.diff(noise, axis=0).T)
     scores = []
@@ -36,9 +34,4 @@ def _score(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
         count = min(len(a), len(b))
         if rate_a == rate_b and count >= 30:
             scores.append(abs(np.corrcoef(a[:count], b[:count])[0, 1]) * np.sqrt(count / 1.5))
-    if not scores:
-        raise NotMeasurable("fewer than two noisy axes of one rate with at least 31 samples")
-    return maximum(np.array(scores))
-
-
-METRIC = INDEPENDENCE_SCORE = Metric(name="inertial_correlation_score", unit="1", source=SOURCE, measure=_score)
+    return scores

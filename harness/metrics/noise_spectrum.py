@@ -12,13 +12,10 @@ for Physical Applications (1993), section 6.3 (window correlations); IEEE Std 95
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.inertial_residual import inertial_residual
-from harness.metric.series import maximum
-from harness.scene import AxisNoise, Imu, Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["METRIC", "SPECTRUM_SCORE", "difference_spectrum"]
+from harness.scene import AxisNoise, Imu
+from harness.trajectory import Floats
 
 SEGMENT = 256
 """Differences a segment."""
@@ -58,16 +55,18 @@ def _scores(law: AxisNoise, noise: Floats, interval: float) -> Floats:
     return np.concatenate(scores)
 
 
-def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("1")
+def inertial_spectrum_score(run: Run) -> Floats:
+    """Welch (1967); IEEE Std 952-1997, annex C"""
     scores = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
         for channel in ("accelerometer", "gyroscope"):
             law: AxisNoise = getattr(sensor.noise, channel)
             if law.density == law.instability == law.random_walk == 0:
                 continue
-            noise = inertial_residual(sensor, channel, actual)
+            noise = inertial_residual(sensor, channel, run.actual)
             if len(noise) <= 8 * SEGMENT:
                 raise NotMeasurable(
                     f"stream '{sensor.name}/{channel}' has {len(noise)} samples, more than {8 * SEGMENT} are needed"
@@ -75,10 +74,7 @@ def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> 
             scores.append(_scores(law, noise, 1.0 / sensor.rate))
     if not scores:
         raise NotMeasurable("no inertial sensor of the scene has random noise")
-    return maximum(np.concatenate(scores))
+    return np.concatenate(scores)
 
 
-METRIC = SPECTRUM_SCORE = Metric(
-    name="inertial_spectrum_score", unit="1", source="Welch (1967); IEEE Std 952-1997, annex C", measure=_measure
-)
 """Of six axes and seven octaves the largest."""

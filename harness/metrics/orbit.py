@@ -7,13 +7,9 @@ step before their positions. For an integrator that does not stagger the raw fig
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import last, matched, maximum
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["METRIC", "ORBIT_ENERGY_FINAL", "ORBIT_ENERGY_MAX", "ORBIT_ENERGY_STAGGERED"]
+from harness.metric import NotMeasurable, Run, metric
+from harness.metric.series import last
+from harness.trajectory import Floats
 
 SOURCE = (
     "vis-viva: v^2/2 - k/r is constant (Goldstein, Classical Mechanics, 3rd ed., section 3.7); half-step correction: Hairer, "
@@ -31,9 +27,9 @@ def _strength(p_WB: Floats, v_WB: Floats) -> tuple[float, float]:
     return float(k), float(energy)
 
 
-def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None, half_steps: float) -> Floats:
+def _drift(run: Run, half_steps: float) -> Floats:
     """|E(t) - E(0)| over the magnitude of the truth's E, (t, n)."""
-    truth, bodies = matched(actual, expected), movable(scene)
+    actual, truth, bodies = run.actual, run.truth, run.movable
     if len(bodies) == 0 or len(truth) < 2:
         raise NotMeasurable("an orbit needs a body that moves and at least 2 samples")
     k, scale = _strength(truth.p_WB[:, bodies], truth.v_WB[:, bodies])
@@ -45,18 +41,16 @@ def _drift(scene: Scene, actual: Trajectory, expected: Trajectory | None, half_s
     return drift
 
 
-ORBIT_ENERGY_MAX = Metric(
-    name="orbit_energy_drift_max", unit="1", source=SOURCE, measure=lambda s, a, e: maximum(_drift(s, a, e, 0.0))
-)
-ORBIT_ENERGY_FINAL = Metric(
-    name="orbit_energy_drift_final", unit="1", source=SOURCE, measure=lambda s, a, e: last(_drift(s, a, e, 0.0))
-)
-ORBIT_ENERGY_STAGGERED = Metric(
-    name="orbit_energy_drift_staggered_max",
-    unit="1",
-    source=SOURCE,
-    even=True,
-    measure=lambda s, a, e: maximum(_drift(s, a, e, 1.0)),
-)
+@metric("1", SOURCE)
+def orbit_energy_drift_max(run: Run) -> Floats:
+    return _drift(run, 0.0)
 
-METRIC = (ORBIT_ENERGY_MAX, ORBIT_ENERGY_FINAL, ORBIT_ENERGY_STAGGERED)
+
+@metric("1", SOURCE)
+def orbit_energy_drift_final(run: Run) -> float:
+    return last(_drift(run, 0.0))
+
+
+@metric("1", SOURCE, even=True)
+def orbit_energy_drift_staggered_max(run: Run) -> Floats:
+    return _drift(run, 1.0)

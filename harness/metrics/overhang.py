@@ -9,15 +9,10 @@ of it; n bricks reach at most
 Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107; Paterson, Zwick, Overhang, Am. Math. Monthly 116 (2009) 19.
 """
 
-import math
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Body, Box, Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["METRIC", "OVERHANG_LIMIT_ERROR", "harmonic_overhang"]
 
 
 def harmonic_overhang(n: int) -> float:
@@ -48,32 +43,23 @@ def _stacks(scene: Scene) -> list[tuple[float, list[int]]]:
     return stacks
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    stacks = _stacks(scene)
-    if len(actual) == 0:
+@metric("1", verdict="a brick ends lower by more than its half thickness")
+def overhang_limit_error(run: Run) -> float:
+    """Hall 2005; middle between the shortest overhang that falls and the longest below it that stands, over the limit, less
+    1"""
+    stacks = _stacks(run.scene)
+    if len(run.actual) == 0:
         raise NotMeasurable("no samples")
-    if not actual.finite:
-        return math.nan
     # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest. What stands
     # beyond the first that falls is no limit: else short ones that fall and long ones that stand would make up for each other.
     stood, falling = [0.0], 2 * max(overhang for overhang, _ in stacks)
     for overhang, bricks in stacks:
-        start = np.array([scene.bodies[i].p_WB[2] for i in bricks])
+        start = np.array([run.scene.bodies[i].p_WB[2] for i in bricks])
         # A brick has fallen when it has sunk by its own half thickness: what tips over the edge below does.
-        thick = np.array([_half_extents(scene.bodies[i])[2] for i in bricks])
-        if np.any(start - actual.p_WB[-1, bricks, 2] > thick):
+        thick = np.array([_half_extents(run.scene.bodies[i])[2] for i in bricks])
+        if np.any(start - run.actual.p_WB[-1, bricks, 2] > thick):
             falling = min(falling, overhang)
         else:
             stood.append(overhang)
     standing = max(overhang for overhang in stood if overhang < falling)
     return abs((standing + falling) / 2 - 1)
-
-
-METRIC = OVERHANG_LIMIT_ERROR = Metric(
-    name="overhang_limit_error",
-    unit="1",
-    source="Hall 2005; middle between the shortest overhang that falls and the longest below it that stands, over the limit, "
-    "less 1",
-    measure=_measure,
-    verdict="a brick ends lower by more than its half thickness",
-)

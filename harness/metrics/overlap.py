@@ -3,17 +3,14 @@
 An engine's own report of contacts may be cut short or hold margins; positions cannot.
 """
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Plane, Scene, Sphere
-from harness.trajectory import Floats, Trajectory
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import rotate
-
-__all__ = ["METRIC", "OVERLAP"]
 
 
 def _balls(scene: Scene) -> tuple[list[int], Floats]:
@@ -41,17 +38,17 @@ def _planes(scene: Scene) -> Iterator[tuple[Floats, Floats]]:
             yield np.array(body.p_WB) + rotate(q_WB, np.array(placed.p_BS)), normal
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
+@metric("m")
+def overlap(run: Run) -> float:
+    """impenetrability: greatest r_i + r_j - |p_i - p_j| of two balls, and r - n . (p - p_plane) of a ball and a plane"""
     from scipy.spatial import cKDTree  # late: a listing must not pay for it
 
-    places, radii = _balls(scene)
-    planes = list(_planes(scene))
-    if len(actual) == 0:
+    places, radii = _balls(run.scene)
+    planes = list(_planes(run.scene))
+    if len(run.actual) == 0:
         raise NotMeasurable("no samples")
-    if not actual.finite:
-        return math.nan
     deepest, reach = 0.0, 2.0 * float(radii.max())
-    for centres in actual.p_WB[:, places]:
+    for centres in run.actual.p_WB[:, places]:
         pairs = cKDTree(centres).query_pairs(reach, output_type="ndarray")
         if len(pairs):
             apart = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1)
@@ -59,13 +56,3 @@ def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> f
         for point, normal in planes:
             deepest = max(deepest, float(np.max(radii - (centres - point) @ normal)))
     return deepest
-
-
-OVERLAP = Metric(
-    name="overlap",
-    unit="m",
-    source="impenetrability: greatest r_i + r_j - |p_i - p_j| of two balls, and r - n . (p - p_plane) of a ball and a plane",
-    measure=_measure,
-)
-
-METRIC = OVERLAP

@@ -6,12 +6,9 @@ readings, NaN where no state was recorded at a reading's instant.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import maximum
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
-
-__all__ = ["GYROSCOPE_OFF", "METRIC", "RANGE_OFF"]
 
 OTHER_SURFACE = 0.1
 """Of a range: what is farther off has met another surface, at an edge, and is no error of the range."""
@@ -30,15 +27,19 @@ def _pairs(scene: Scene, actual: Trajectory, channel: str) -> list[tuple[Floats,
     return pairs
 
 
-def _gyroscope(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
-    return maximum(
-        np.concatenate([np.linalg.norm(reading - due, axis=1) for reading, due in _pairs(scene, actual, "gyroscope")])
+@metric("rad/s")
+def gyroscope_off_motion(run: Run) -> Floats:
+    """definition: |ideal reading - angular velocity of the recorded state in the sensor's frame|"""
+    return np.concatenate(
+        [np.linalg.norm(reading - due, axis=1) for reading, due in _pairs(run.scene, run.actual, "gyroscope")]
     )
 
 
-def _range(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("m")
+def range_off_geometry(run: Run) -> Floats:
+    """closed-form intersection of rays and shapes at the recorded state, of beams that meet the same surface"""
     off = []
-    for reading, due in _pairs(scene, actual, "range"):
+    for reading, due in _pairs(run.scene, run.actual, "range"):
         both = np.isfinite(due) & ~np.isinf(reading)
         with np.errstate(invalid="ignore"):
             same = both & ~(np.abs(reading - due) > OTHER_SURFACE * due)
@@ -46,19 +47,4 @@ def _range(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
     errors = np.concatenate(off)
     if len(errors) == 0:
         raise NotMeasurable("no beam meets the surface that it has to meet")
-    return maximum(errors)
-
-
-GYROSCOPE_OFF = Metric(
-    name="gyroscope_off_motion",
-    unit="rad/s",
-    source="definition: |ideal reading - angular velocity of the recorded state in the sensor's frame|",
-    measure=_gyroscope,
-)
-RANGE_OFF = Metric(
-    name="range_off_geometry",
-    unit="m",
-    source="closed-form intersection of rays and shapes at the recorded state, of beams that meet the same surface",
-    measure=_range,
-)
-METRIC = (GYROSCOPE_OFF, RANGE_OFF)
+    return errors

@@ -6,42 +6,30 @@ law has one solution. Negative: it has none or two, which is the regime of the p
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene, Sphere
-from harness.trajectory import Trajectory
-from harness.trajectory.kinematics import movable, rotate
-
-__all__ = ["METRIC", "PAINLEVE_COEFFICIENT"]
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Sphere
+from harness.trajectory.kinematics import rotate
 
 
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    bodies = movable(scene)
-    if len(bodies) != 1 or len(actual) == 0:
+@metric("1", better="higher")
+def painleve_coefficient(run: Run) -> float:
+    """Genot, Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653, with a rounded foot: least value over the run; below 0 Coulomb's
+    law and rigidity contradict each other"""
+    bodies = run.movable
+    if len(bodies) != 1 or len(run.actual) == 0:
         raise NotMeasurable("one movable body, and a sample of it, is needed")
-    rod = scene.bodies[bodies[0]]
+    rod = run.scene.bodies[bodies[0]]
     feet = [placed for placed in rod.collision if isinstance(placed.shape, Sphere)]
-    grounds = [body for body in scene.bodies if scene.collides(rod, body)]
+    grounds = [body for body in run.scene.bodies if run.scene.collides(rod, body)]
     if len(feet) != 2 or len(feet) != len(rod.collision) or len(grounds) != 1:
         raise NotMeasurable(f"body '{rod.name}' is no rod with two round ends on one ground")
-    friction = scene.surface(rod, grounds[0]).kinetic_friction
+    friction = run.scene.surface(rod, grounds[0]).kinetic_friction
     smallest = np.inf
     for foot in feet:
-        arm = -rotate(actual.q_WB[:, bodies[0]], np.broadcast_to(foot.p_BS, (len(actual), 3)))
+        arm = -rotate(run.actual.q_WB[:, bodies[0]], np.broadcast_to(foot.p_BS, (len(run.actual), 3)))
         along, above = np.hypot(arm[:, 0], arm[:, 1]), arm[:, 2] + getattr(foot.shape, "radius", 0.0)
         inertia = float(np.linalg.eigvalsh(np.array(rod.inertia))[-1])
         coefficient = 1 + rod.mass / inertia * along * (along - friction * above)
         # The end that is up has its arm downwards, and a coefficient that is never small.
         smallest = np.minimum(smallest, np.min(coefficient))
     return float(smallest)
-
-
-PAINLEVE_COEFFICIENT = Metric(
-    name="painleve_coefficient",
-    unit="1",
-    source="Genot, Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653, with a rounded foot: least value over the run; below 0 "
-    "Coulomb's law and rigidity contradict each other",
-    better="higher",
-    measure=_measure,
-)
-
-METRIC = PAINLEVE_COEFFICIENT

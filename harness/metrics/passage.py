@@ -15,23 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
+from harness.metric import NotMeasurable, Run, metric
+from harness.metric.series import proportion
 from harness.scene import Body, Scene, width
-from harness.statistics.proportion import wilson_interval
 from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable, rotate, rotate_back
+from harness.trajectory.kinematics import rotate, rotate_back
 from harness.trajectory.touching import reach
-
-__all__ = [
-    "LATERAL_KICK",
-    "METRIC",
-    "PASSAGE_PROBABILITY",
-    "PASSAGE_PROBABILITY_HIGH",
-    "PASSAGE_PROBABILITY_LOW",
-    "REST_SPEED",
-    "SINK_DEPTH",
-]
 
 SOURCE = "share of bodies whose centre ends beyond the middle of what the truth stops them at"
 
@@ -52,14 +41,14 @@ def _half_width(body: Body) -> float:
     return min((width(placed.shape) for placed in body.collision), default=math.inf) / 2
 
 
-def _stopped_ways(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Trajectory, list[tuple[int, Floats]]]:
+def _stopped_ways(run: Run) -> tuple[Trajectory, list[tuple[int, Floats]]]:
     """The truth, and of each body that it stops the place and the unit way (3,) along which it does."""
-    truth = matched(actual, expected)
-    if len(actual) == 0:
+    truth = run.truth
+    if len(run.actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
     ways = []
-    for place in movable(scene):
-        lost = np.array(scene.bodies[place].v_WB) - truth.v_WB[-1, place]
+    for place in run.movable:
+        lost = np.array(run.scene.bodies[place].v_WB) - truth.v_WB[-1, place]
         speed = float(np.linalg.norm(lost))
         if speed > 0.0:
             ways.append((int(place), lost / speed))
@@ -82,23 +71,23 @@ def _beyond(scene: Scene, actual: Trajectory, truth: Trajectory, place: int, way
     return bool(actual.p_WB[-1, place] @ way > ((near + far) / 2 if math.isfinite(far) else near))
 
 
-def _shots(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> list[_Shot]:
+def _shots(run: Run) -> list[_Shot]:
     """Each body that the truth stops; of a spin, on the way that its stops are off its axis."""
-    truth, ways = _stopped_ways(scene, actual, expected)
+    truth, ways = _stopped_ways(run)
     shots = []
     for k, way in ways:
-        sunk = float((actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) / _half_width(scene.bodies[k])
-        shots.append(_Shot(_beyond(scene, actual, truth, k, ways), sunk))
-    stops = [] if shots else [body for body in scene.bodies if not body.movable and body.collision]
-    for place in movable(scene) if stops else ():
-        body = scene.bodies[place]
+        sunk = float((run.actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) / _half_width(run.scene.bodies[k])
+        shots.append(_Shot(_beyond(run.scene, run.actual, truth, k, ways), sunk))
+    stops = [] if shots else [body for body in run.scene.bodies if not body.movable and body.collision]
+    for place in run.movable if stops else ():
+        body = run.scene.bodies[place]
         spin = np.array(body.w_WB)
         if not spin.any() or truth.w_WB[-1, place].any():
             continue
         axis = spin / np.linalg.norm(spin)
         levers = [float(np.linalg.norm(np.cross(axis, np.array(stop.p_WB) - np.array(body.p_WB)))) for stop in stops]
         lever, stop = min(zip(levers, stops, strict=True), key=lambda pair: pair[0])
-        turned = _turned(actual, place, axis) - _turned(truth, place, axis)
+        turned = _turned(run.actual, place, axis) - _turned(truth, place, axis)
         # Where the truth leaves it, its middle is off the stop's by both half widths.
         between = math.asin(min(1.0, (_half_width(body) + _half_width(stop)) / lever))
         shots.append(_Shot(turned > between, lever * turned / _half_width(body)))
@@ -118,86 +107,42 @@ def _turned(trajectory: Trajectory, place: int, axis_W: Floats) -> float:
     return float(angle[-1] - angle[0])
 
 
-def _count(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[int, int]:
+def _count(run: Run) -> tuple[int, int]:
     """How many got through, of how many."""
-    shots = _shots(scene, actual, expected)
+    shots = _shots(run)
     return sum(shot.passed for shot in shots), len(shots)
 
 
-def _sink(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    sunk = [shot.sunk for shot in _shots(scene, actual, expected) if not shot.passed]
-    if not actual.finite:
-        return math.nan
-    if not sunk:
-        raise NotMeasurable("no body is stopped")
-    return max(0.0, *sunk)
+@metric("1", empty="no body is stopped")
+def sink_depth(run: Run) -> list[float]:
+    """definition: greatest way by which a stopped body ends beyond where the truth stops it, in half its thinnest width"""
+    return [max(0.0, shot.sunk) for shot in _shots(run) if not shot.passed]
 
 
-def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    passed, shot = _count(scene, actual, expected)
-    return passed / shot if actual.finite else float("nan")
-
-
-def _bounds(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[float, float]:
-    bounds = wilson_interval(*_count(scene, actual, expected))
-    return bounds if actual.finite else (float("nan"), float("nan"))
-
-
-def _speeds(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> list[tuple[Floats, Floats]]:
+def _speeds(run: Run) -> list[tuple[Floats, Floats]]:
     """Of each body that was stopped: the way (3,), and by how much its final velocity misses the truth's (3,) m/s."""
-    truth, ways = _stopped_ways(scene, actual, expected)
-    if not actual.finite:
-        return [(np.full(3, np.nan), np.full(3, np.nan))]
+    truth, ways = _stopped_ways(run)
     errors = []
     for place, way in ways:
-        if not _beyond(scene, actual, truth, place, ways):
-            errors.append((way, actual.v_WB[-1, place] - truth.v_WB[-1, place]))
+        if not _beyond(run.scene, run.actual, truth, place, ways):
+            errors.append((way, run.actual.v_WB[-1, place] - truth.v_WB[-1, place]))
     if not errors:
         raise NotMeasurable("no body is stopped")
     return errors
 
 
-def _kick(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    return float(np.max([np.linalg.norm(miss - (miss @ way) * way) for way, miss in _speeds(scene, actual, expected)]))
+@metric("m/s")
+def lateral_kick(run: Run) -> float:
+    """definition: by how much a stopped body's final velocity misses the truth's across the way on which it is stopped"""
+    return float(np.max([np.linalg.norm(miss - (miss @ way) * way) for way, miss in _speeds(run)]))
 
 
-def _rest(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    return float(np.max([abs(miss @ way) for way, miss in _speeds(scene, actual, expected)]))
+@metric("m/s")
+def rest_speed(run: Run) -> float:
+    """definition: by how much a stopped body's final velocity misses the truth's along the way on which it is stopped"""
+    return float(np.max([abs(miss @ way) for way, miss in _speeds(run)]))
 
 
-VERDICT = "a centre ends beyond the middle of what should stop it"
-PASSAGE_PROBABILITY = Metric(name="passage_probability", unit="1", source=SOURCE, measure=_probability, verdict=VERDICT)
-PASSAGE_PROBABILITY_LOW = Metric(
-    name="passage_probability_low",
-    unit="1",
-    source="lower 95 % bound of Wilson (1927) on passage_probability",
-    measure=lambda s, a, e: _bounds(s, a, e)[0],
-    verdict=VERDICT,
+passage_probability, passage_probability_low, passage_probability_high = proportion(
+    "passage_probability", SOURCE, "a centre ends beyond the middle of what should stop it", _count
 )
-PASSAGE_PROBABILITY_HIGH = Metric(
-    name="passage_probability_high",
-    unit="1",
-    source="upper 95 % bound of Wilson (1927) on passage_probability",
-    measure=lambda s, a, e: _bounds(s, a, e)[1],
-    verdict=VERDICT,
-)
-SINK_DEPTH = Metric(
-    name="sink_depth",
-    unit="1",
-    source="definition: greatest way by which a stopped body ends beyond where the truth stops it, in half its thinnest width",
-    measure=_sink,
-)
-LATERAL_KICK = Metric(
-    name="lateral_kick",
-    unit="m/s",
-    source="definition: by how much a stopped body's final velocity misses the truth's across the way on which it is stopped",
-    measure=_kick,
-)
-REST_SPEED = Metric(
-    name="rest_speed",
-    unit="m/s",
-    source="definition: by how much a stopped body's final velocity misses the truth's along the way on which it is stopped",
-    measure=_rest,
-)
-
-METRIC = (PASSAGE_PROBABILITY, PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH, SINK_DEPTH, LATERAL_KICK, REST_SPEED)

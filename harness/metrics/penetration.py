@@ -7,54 +7,34 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
-from harness.trajectory import Trajectory
+from harness.metric import NotMeasurable, Run, metric
 from harness.trajectory.depths import pair_depths
 
-__all__ = ["METRIC", "PENETRATION", "REPORTED_PENETRATION"]
 
-
-def _measure(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if len(actual) == 0:
+@metric("m", verdict="two bodies share space, by where they are and what shapes they have")
+def penetration(run: Run) -> float:
+    """impenetrability: the shortest way that would part two bodies (Ericson, Real-Time Collision Detection, section 4.4), from
+    their poses and shapes, greatest of all pairs and samples; 0 where nothing overlaps"""
+    if len(run.actual) == 0:
         raise NotMeasurable("no samples")
-    if not actual.finite:
-        return math.nan
-    if not any(scene.collides(a, b) for i, a in enumerate(scene.bodies) for b in scene.bodies[:i]):
+    if not any(run.scene.collides(a, b) for i, a in enumerate(run.scene.bodies) for b in run.scene.bodies[:i]):
         raise NotMeasurable("no two bodies can touch")
     deepest = 0.0
-    for a, b, deep in pair_depths(scene, actual):
+    for a, b, deep in pair_depths(run.scene, run.actual):
         if deep is None:
-            raise NotMeasurable(f"no exact depth is known of '{scene.bodies[a].name}' in '{scene.bodies[b].name}'")
+            raise NotMeasurable(f"no exact depth is known of '{run.scene.bodies[a].name}' in '{run.scene.bodies[b].name}'")
         deepest = max(deepest, float(np.max(deep)))
     return deepest
 
 
-def _reported(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if actual.contacts is None:
+@metric("m", verdict="the engine lists a point of contact with a negative gap")
+def reported_penetration(run: Run) -> float:
+    """definition: greatest depth (negative gap) of any point of contact that the engine reports, 0 where none is deep"""
+    if run.actual.contacts is None:
         raise NotMeasurable("no contacts were recorded")
-    if len(actual) == 0:
+    if len(run.actual) == 0:
         raise NotMeasurable("no samples")
-    gaps = np.concatenate([c.gap for c in actual.contacts])
-    if not actual.finite or not np.isfinite(gaps).all():
+    gaps = np.concatenate([c.gap for c in run.actual.contacts])
+    if not np.isfinite(gaps).all():
         return math.nan
     return max(0.0, -float(gaps.min())) if len(gaps) else 0.0
-
-
-PENETRATION = Metric(
-    name="penetration",
-    unit="m",
-    source="impenetrability: the shortest way that would part two bodies (Ericson, Real-Time Collision Detection, section "
-    "4.4), from their poses and shapes, greatest of all pairs and samples; 0 where nothing overlaps",
-    measure=_measure,
-    verdict="two bodies share space, by where they are and what shapes they have",
-)
-REPORTED_PENETRATION = Metric(
-    name="reported_penetration",
-    unit="m",
-    source="definition: greatest depth (negative gap) of any point of contact that the engine reports, 0 where none is deep",
-    measure=_reported,
-    verdict="the engine lists a point of contact with a negative gap",
-)
-
-METRIC = (PENETRATION, REPORTED_PENETRATION)

@@ -6,13 +6,8 @@ cubic through four samples, alike in answer and truth, so that the interpolation
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["METRIC", "PERIOD", "PHASE"]
+from harness.metric import NotMeasurable, Run, metric
+from harness.trajectory import Floats
 
 SOURCE = "definition: instants of upward passage through the middle of the path"
 
@@ -31,10 +26,10 @@ def _passages(time: Floats, x: Floats) -> Floats:
     return np.array(instants)
 
 
-def _both(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tuple[Floats, Floats]:
+def _both(run: Run) -> tuple[Floats, Floats]:
     """Passages of answer and truth."""
-    truth, bodies = matched(actual, expected), movable(scene)
-    if len(bodies) == 0 or len(actual) < 4:
+    truth, bodies = run.truth, run.movable
+    if len(bodies) == 0 or len(run.actual) < 4:
         raise NotMeasurable("a passage needs a body that moves and at least 4 samples")
     path = truth.p_WB[:, bodies[0]]
     centre = (path.max(axis=0) + path.min(axis=0)) / 2
@@ -42,13 +37,12 @@ def _both(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> tupl
     of_truth = _passages(truth.time, (path - centre) @ direction)
     if len(of_truth) < 2:
         raise NotMeasurable(f"the truth passes the middle of its path {len(of_truth)} times, a period needs 2")
-    return _passages(actual.time, (actual.p_WB[:, bodies[0]] - centre) @ direction), of_truth
+    return _passages(run.actual.time, (run.actual.p_WB[:, bodies[0]] - centre) @ direction), of_truth
 
 
-def _phase(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return float("nan")
-    answer, truth = _both(scene, actual, expected)
+@metric("rad", SOURCE)
+def phase_error(run: Run) -> float:
+    answer, truth = _both(run)
     if len(answer) == 0:
         return float("inf")
     # The last passage that both have; whole passages lost or won since count as whole turns.
@@ -58,16 +52,9 @@ def _phase(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> flo
     return float(2 * np.pi * (abs(answer[count - 1] - truth[count - 1]) / period + turns))
 
 
-def _period(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return float("nan")
-    answer, truth = _both(scene, actual, expected)
+@metric("1", SOURCE)
+def period_error(run: Run) -> float:
+    answer, truth = _both(run)
     if len(answer) < 2:
         return float("inf")
     return float(abs((answer[-1] - answer[0]) / (len(answer) - 1) * (len(truth) - 1) / (truth[-1] - truth[0]) - 1))
-
-
-PHASE = Metric(name="phase_error", unit="rad", source=SOURCE, measure=_phase)
-PERIOD = Metric(name="period_error", unit="1", source=SOURCE, measure=_period)
-
-METRIC = (PHASE, PERIOD)

@@ -3,13 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import Run, metric
 from harness.metric.camera_frames import beside_truth, cameras
-from harness.metric.series import maximum
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-
-__all__ = ["METRIC", "PIXEL_ERROR"]
+from harness.trajectory import Floats
 
 
 def _centroid(mask: NDArray[np.bool_]) -> Floats:
@@ -18,19 +14,14 @@ def _centroid(mask: NDArray[np.bool_]) -> Floats:
     return np.array([np.mean(u + 0.5), np.mean(v + 0.5)]) if len(u) else np.full(2, np.nan)
 
 
-def _error(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    """A body that the picture does not show makes it NaN."""
+@metric("px", empty="the truth shows no body")
+def pixel_error(run: Run) -> list[float]:
+    """definition: distance of centroids of a body's pixels"""
+    # A body that the picture does not show makes it NaN.
     errors = []
-    for camera in cameras(scene):
-        body, owner = beside_truth(actual, expected, camera.name, "body")
+    for camera in cameras(run.scene):
+        body, owner = beside_truth(run.actual, run.expected, camera.name, "body")
         for shown, due in zip(body, owner, strict=True):
             for place in np.unique(due[due >= 0]):
-                errors.append(np.linalg.norm(_centroid(shown == place) - _centroid(due == place)))
-    if not errors:
-        raise NotMeasurable("the truth shows no body")
-    return maximum(np.array(errors))
-
-
-METRIC = PIXEL_ERROR = Metric(
-    name="pixel_error", unit="px", source="definition: distance of centroids of a body's pixels", measure=_error
-)
+                errors.append(float(np.linalg.norm(_centroid(shown == place) - _centroid(due == place))))
+    return errors

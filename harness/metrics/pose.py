@@ -2,28 +2,28 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable
-from harness.metric.series import matched, three
-from harness.scene import Revolute, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.metric import NotMeasurable, Run
+from harness.metric.series import three
+from harness.scene import Revolute
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import joint_coordinate
 
-__all__ = ["METRIC", "POSE_ERROR_FINAL", "POSE_ERROR_MAX", "POSE_ERROR_RMS"]
 
-
-def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
+def _errors(run: Run) -> Floats:
     """Of every hinge, (t, hinges) rad."""
-    truth = matched(actual, expected)
-    hinges = [joint for joint in scene.joints if isinstance(joint, Revolute)]
+    truth = run.truth
+    hinges = [joint for joint in run.scene.joints if isinstance(joint, Revolute)]
     if not hinges:
         raise NotMeasurable("the scene has no hinge")
-    if not actual.finite:
-        return np.full((1, 1), np.nan)
     return np.stack(
-        [np.abs(joint_coordinate(scene, joint, actual) - joint_coordinate(scene, joint, truth)) for joint in hinges], axis=1
+        [
+            np.abs(joint_coordinate(run.scene, joint, run.actual) - joint_coordinate(run.scene, joint, truth))
+            for joint in hinges
+        ],
+        axis=1,
     )
 
 
-METRIC = POSE_ERROR_MAX, POSE_ERROR_RMS, POSE_ERROR_FINAL = three(
+pose_error_max, pose_error_rms, pose_error_final = three(
     "pose_error", "rad", "definition: distance of a hinge's angle from the truth's, over all hinges", _errors
 )

@@ -2,20 +2,17 @@
 
 import numpy as np
 
-from harness.metric.series import matched, three
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["METRIC", "POSITION_FINAL", "POSITION_MAX", "POSITION_RMS"]
+from harness.metric import Run
+from harness.metric.series import three
+from harness.trajectory import Floats
 
 
-def _distance(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    truth, bodies = matched(actual, expected), movable(scene)
-    distance: Floats = np.linalg.norm(actual.p_WB[:, bodies] - truth.p_WB[:, bodies], axis=-1)
+def _distance(run: Run) -> Floats:
+    truth, bodies = run.truth, run.movable
+    distance: Floats = np.linalg.norm(run.actual.p_WB[:, bodies] - truth.p_WB[:, bodies], axis=-1)
     return distance
 
 
-METRIC = POSITION_MAX, POSITION_RMS, POSITION_FINAL = three(
+position_error_max, position_error_rms, position_error_final = three(
     "position_error", "m", "definition: |p_WB - p_WB of the truth|", _distance
 )

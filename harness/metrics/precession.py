@@ -5,13 +5,10 @@ The axis is that of the largest or smallest principal moment, whichever stands a
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import matched
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable, rotate
-
-__all__ = ["METRIC", "NUTATION_AMPLITUDE", "PRECESSION_RATE_ERROR"]
 
 SOURCE = "definition: azimuth and polar angle of the axis of symmetry against the vertical"
 
@@ -35,25 +32,19 @@ def _rate(scene: Scene, trajectory: Trajectory) -> float:
     return float(np.polynomial.Polynomial.fit(trajectory.time, azimuth, 1).deriv()(0.0))
 
 
-def _precession(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = _rate(scene, matched(actual, expected))
-    if not actual.finite:
-        return float("nan")
+@metric("1", SOURCE)
+def precession_rate_error(run: Run) -> float:
+    """slope over time"""
+    truth = _rate(run.scene, run.truth)
     if truth == 0.0:
         raise NotMeasurable("the truth does not precess")
-    return abs(_rate(scene, actual) / truth - 1)
+    return abs(_rate(run.scene, run.actual) / truth - 1)
 
 
-def _nutation(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    """Largest departure [rad] of the polar angle from the truth's."""
-    truth = _axis(scene, matched(actual, expected))
-    if not actual.finite:
-        return float("nan")
-    polar = [np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]) for axis in (_axis(scene, actual), truth)]
+@metric("rad", SOURCE)
+def nutation_amplitude(run: Run) -> float:
+    """beside the truth's"""
+    # Largest departure [rad] of the polar angle from the truth's.
+    truth = _axis(run.scene, run.truth)
+    polar = [np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]) for axis in (_axis(run.scene, run.actual), truth)]
     return float(np.max(np.abs(polar[0] - polar[1])))
-
-
-PRECESSION_RATE_ERROR = Metric(name="precession_rate_error", unit="1", source=f"{SOURCE}; slope over time", measure=_precession)
-NUTATION_AMPLITUDE = Metric(name="nutation_amplitude", unit="rad", source=f"{SOURCE}; beside the truth's", measure=_nutation)
-
-METRIC = (PRECESSION_RATE_ERROR, NUTATION_AMPLITUDE)

@@ -7,12 +7,10 @@ surface, taken to be one when the range differs by more than a tenth of it.
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import Metric, NotMeasurable
-from harness.metric.series import maximum, root_mean_square
+from harness.metric import NotMeasurable, Run, metric
+from harness.metric.series import root_mean_square
 from harness.scene import Lidar, Scene
 from harness.trajectory import Floats, Trajectory
-
-__all__ = ["FALSE_RETURNS", "INTENSITY_ERROR_MAX", "METRIC", "RANGE_ERROR_MAX", "RANGE_ERROR_MEDIAN", "RANGE_ERROR_RMS"]
 
 SOURCE = "closed-form intersection of rays and primitives"
 OTHER_SURFACE = 0.1
@@ -51,8 +49,8 @@ def _same_surface(readings: Floats, truth: Floats) -> NDArray[np.bool_]:
     return mask
 
 
-def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    readings, truth = _pairs(scene, actual, expected, "range_ideal")
+def _errors(run: Run) -> Floats:
+    readings, truth = _pairs(run.scene, run.actual, run.expected, "range_ideal")
     same = _same_surface(readings, truth)
     if not same.any():
         raise NotMeasurable("no beam meets the surface that the truth meets")
@@ -60,30 +58,35 @@ def _errors(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Fl
     return error
 
 
-def _false(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    readings, truth = _pairs(scene, actual, expected, "range_ideal")
+@metric("1", SOURCE)
+def range_false_return_share(run: Run) -> float:
+    readings, truth = _pairs(run.scene, run.actual, run.expected, "range_ideal")
     if np.isnan(readings).any():
         return float("nan")
     return float(np.mean(~_same_surface(readings, truth) & ~(np.isinf(readings) & np.isinf(truth))))
 
 
-def _intensity(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    readings, truth = _pairs(scene, actual, expected, "intensity_ideal")
-    ranges, true_ranges = _pairs(scene, actual, expected, "range_ideal")
+@metric("1")
+def intensity_error_max(run: Run) -> Floats:
+    """Lambert's cosine law"""
+    readings, truth = _pairs(run.scene, run.actual, run.expected, "intensity_ideal")
+    ranges, true_ranges = _pairs(run.scene, run.actual, run.expected, "range_ideal")
     same = _same_surface(ranges, true_ranges)
     if not same.any() or np.isnan(readings[same]).all():
         raise NotMeasurable("the engine gives no normals where its rays hit")
-    return maximum(np.abs(readings[same] - truth[same]))
+    return np.abs(readings[same] - truth[same])
 
 
-RANGE_ERROR_MAX = Metric(name="range_error_max", unit="m", source=SOURCE, measure=lambda s, a, e: maximum(_errors(s, a, e)))
-RANGE_ERROR_RMS = Metric(
-    name="range_error_rms", unit="m", source=SOURCE, measure=lambda s, a, e: root_mean_square(_errors(s, a, e))
-)
-RANGE_ERROR_MEDIAN = Metric(
-    name="range_error_median", unit="m", source=SOURCE, measure=lambda s, a, e: float(np.median(_errors(s, a, e)))
-)
-FALSE_RETURNS = Metric(name="range_false_return_share", unit="1", source=SOURCE, measure=_false)
-INTENSITY_ERROR_MAX = Metric(name="intensity_error_max", unit="1", source="Lambert's cosine law", measure=_intensity)
+@metric("m", SOURCE)
+def range_error_max(run: Run) -> Floats:
+    return _errors(run)
 
-METRIC = (RANGE_ERROR_MAX, RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN, FALSE_RETURNS, INTENSITY_ERROR_MAX)
+
+@metric("m", SOURCE)
+def range_error_rms(run: Run) -> float:
+    return root_mean_square(_errors(run))
+
+
+@metric("m", SOURCE)
+def range_error_median(run: Run) -> float:
+    return float(np.median(_errors(run)))

@@ -2,24 +2,23 @@
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.camera_frames import frames, noisy_cameras
-from harness.scene import Scene, TimeOfFlightNoise
-from harness.trajectory import Trajectory
-
-__all__ = ["METRIC", "UNWRAPPED_SHARE"]
+from harness.scene import TimeOfFlightNoise
 
 SLACK = 1e-12
 """Relative rounding of the way from a range to a z-depth and back."""
 
 
-def _share(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("1")
+def range_unwrapped_share(run: Run) -> float:
+    """Hansard et al., Time-of-Flight Cameras (2012), chapter 1: a phase tells the range modulo half a wavelength"""
     shares = []
-    for camera in noisy_cameras(scene):
+    for camera in noisy_cameras(run.scene):
         law = camera.noise
         if not isinstance(law, TimeOfFlightNoise) or law.unambiguous_range is None:
             continue
-        depth, ideal = frames(actual, camera.name, "depth"), frames(actual, camera.name, "depth_ideal")
+        depth, ideal = frames(run.actual, camera.name, "depth"), frames(run.actual, camera.name, "depth_ideal")
         if np.isnan(ideal).any():
             return float("nan")
         x = (np.arange(camera.width) + 0.5 - camera.centre_x) / camera.focal_x
@@ -34,11 +33,3 @@ def _share(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> fl
     if not shares:
         raise NotMeasurable("no depth camera of the scene has an unambiguous range")
     return float(np.max(shares))
-
-
-METRIC = UNWRAPPED_SHARE = Metric(
-    name="range_unwrapped_share",
-    unit="1",
-    source="Hansard et al., Time-of-Flight Cameras (2012), chapter 1: a phase tells the range modulo half a wavelength",
-    measure=_share,
-)

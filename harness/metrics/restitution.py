@@ -10,20 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Plane, Scene, Sphere
 from harness.trajectory import Floats, Trajectory
-
-__all__ = [
-    "BOUNCE_GAIN",
-    "BOUNCE_HEIGHT_ERROR",
-    "BOUNCING_TIME_ERROR",
-    "HOP",
-    "IMPACT_TIME_ERROR",
-    "LATER_RESTITUTION_ERROR",
-    "METRIC",
-    "RESTITUTION_ERROR",
-]
 
 SOURCE = "Stronge, Impact Mechanics, 2nd ed. (kinematic coefficient); apexes h' = e^2 h"
 FREE = 0.1
@@ -87,51 +76,49 @@ def _bounces(flights: list[Flight], count: int) -> list[float]:
     return [math.sqrt(after / before) if before > 0 else 0.0 for before, after in pairwise(apexes)]
 
 
-def _height(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    errors = [abs(_bounces(flights, 1)[0] ** 2 - e**2) for e, flights in _all_flights(scene, actual)]
-    return float(np.max(errors))
+@metric("1", SOURCE, even=True)
+def bounce_height_error(run: Run) -> list[float]:
+    """|h'/h - e^2| of the first bounce, worst ball; linear in small errors, as an error of e is not at e = 0"""
+    return [abs(_bounces(flights, 1)[0] ** 2 - e**2) for e, flights in _all_flights(run.scene, run.actual)]
 
 
-def _first(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    errors = [abs(_bounces(flights, 1)[0] - e) for e, flights in _all_flights(scene, actual)]
-    return float(np.max(errors))
+@metric("1", SOURCE, even=True)
+def restitution_error(run: Run) -> list[float]:
+    """first impact, worst ball"""
+    return [abs(_bounces(flights, 1)[0] - e) for e, flights in _all_flights(run.scene, run.actual)]
 
 
-def _later(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    if expected is None:
+@metric("1", SOURCE, even=True, empty="no second or third bounce comes in with half the speed of the first")
+def later_restitution_error(run: Run) -> list[float]:
+    """second and third impact where they come in with half the first speed, worst ball"""
+    if run.expected is None:
         raise NotMeasurable("no truth to say which bounces fall into the run")
     errors = []
-    for (e, flights), (_, true_flights) in zip(_all_flights(scene, actual), _all_flights(scene, expected), strict=True):
+    for (e, flights), (_, true_flights) in zip(
+        _all_flights(run.scene, run.actual), _all_flights(run.scene, run.expected), strict=True
+    ):
         # Bounce n + 1 comes in with e^n of the first speed; its flight must have begun and passed its apex within the truth.
         asked = [
-            n for n in (1, 2) if e**n >= FAST and len(true_flights) > n + 1 and true_flights[n + 1][1] <= expected.time[-1]
+            n for n in (1, 2) if e**n >= FAST and len(true_flights) > n + 1 and true_flights[n + 1][1] <= run.expected.time[-1]
         ]
         bounces = _bounces(flights, 3)
         errors += [abs(bounces[n] - e) for n in asked]
-    if not errors:
-        raise NotMeasurable("no second or third bounce comes in with half the speed of the first")
-    return float(np.max(errors))
+    return errors
 
 
-def _landing(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    if expected is None:
+@metric("s", SOURCE, even=True, empty="no impact falls into the run")
+def impact_time_error(run: Run) -> list[float]:
+    """landings of the first two parabolas against the truth's, worst ball"""
+    if run.expected is None:
         raise NotMeasurable("no truth with impact times")
     errors = []
-    for (_, flights), (_, true_flights) in zip(_all_flights(scene, actual), _all_flights(scene, expected), strict=True):
+    for (_, flights), (_, true_flights) in zip(
+        _all_flights(run.scene, run.actual), _all_flights(run.scene, run.expected), strict=True
+    ):
         for n, (_, landing) in enumerate(true_flights[:2]):
-            if landing <= expected.time[-1]:
+            if landing <= run.expected.time[-1]:
                 errors.append(abs(flights[n][1] - landing) if n < len(flights) else math.inf)
-    if not errors:
-        raise NotMeasurable("no impact falls into the run")
-    return float(np.max(errors))
+    return errors
 
 
 def _last_hop(scene: Scene, run: Trajectory) -> list[float]:
@@ -144,78 +131,28 @@ def _last_hop(scene: Scene, run: Trajectory) -> list[float]:
     return ends
 
 
-def _total(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if expected is None or len(expected) == 0:
-        raise NotMeasurable("no truth to say when all bouncing ends")
-    if not actual.finite:
-        return math.nan
-    pairs = zip(_last_hop(scene, actual), _last_hop(scene, expected), strict=True)
-    # What still hops at the end of the truth has no end to compare with.
-    errors = [abs(measured - true) for measured, true in pairs if true < expected.time[-2]]
-    if not errors:
-        raise NotMeasurable("no ball comes to rest within the run")
-    return float(np.max(errors))
-
-
-def _gain(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    gains = []
-    for (place, at, _), (_, flights) in zip(_balls(scene), _all_flights(scene, actual), strict=True):
-        apexes = [apex for apex, _ in flights]
-        high = FAST**2 * (scene.bodies[place].p_WB[2] - at)
-        gains += [after / before - 1 for before, after in pairwise(apexes) if before >= high] if apexes else [math.nan]
-    if not gains:
-        raise NotMeasurable("no ball bounces twice from a quarter of its drop or more")
-    return float(np.max(gains))
-
-
-BOUNCE_HEIGHT_ERROR = Metric(
-    even=True,
-    name="bounce_height_error",
-    unit="1",
-    source=f"{SOURCE}; |h'/h - e^2| of the first bounce, worst ball; linear in small errors, as an error of e is not at e = 0",
-    measure=_height,
-)
-RESTITUTION_ERROR = Metric(
-    even=True, name="restitution_error", unit="1", source=f"{SOURCE}; first impact, worst ball", measure=_first
-)
-LATER_RESTITUTION_ERROR = Metric(
-    even=True,
-    name="later_restitution_error",
-    unit="1",
-    source=f"{SOURCE}; second and third impact where they come in with half the first speed, worst ball",
-    measure=_later,
-)
-IMPACT_TIME_ERROR = Metric(
-    even=True,
-    name="impact_time_error",
-    unit="s",
-    source=f"{SOURCE}; landings of the first two parabolas against the truth's, worst ball",
-    measure=_landing,
-)
-BOUNCING_TIME_ERROR = Metric(
-    even=True,
-    name="bouncing_time_error",
-    unit="s",
-    source=f"{SOURCE}, t0 (1 + e)/(1 - e) in all; last instant off the ground by {HOP:g} of the drop, against the truth's, "
+@metric(
+    "s",
+    f"{SOURCE}, t0 (1 + e)/(1 - e) in all; last instant off the ground by {HOP:g} of the drop, against the truth's, "
     "worst ball that comes to rest",
-    measure=_total,
-)
-BOUNCE_GAIN = Metric(
     even=True,
-    name="bounce_gain",
-    unit="1",
-    source="conservation of energy: by how much a bounce rises above the one before, h'/h - 1, worst bounce of the worst ball "
-    "that comes in with half the speed of its drop or more; below 0 where every bounce loses",
-    measure=_gain,
+    empty="no ball comes to rest within the run",
 )
+def bouncing_time_error(run: Run) -> list[float]:
+    if run.expected is None or len(run.expected) == 0:
+        raise NotMeasurable("no truth to say when all bouncing ends")
+    pairs = zip(_last_hop(run.scene, run.actual), _last_hop(run.scene, run.expected), strict=True)
+    # What still hops at the end of the truth has no end to compare with.
+    return [abs(measured - true) for measured, true in pairs if true < run.expected.time[-2]]
 
-METRIC = (
-    BOUNCE_HEIGHT_ERROR,
-    RESTITUTION_ERROR,
-    LATER_RESTITUTION_ERROR,
-    IMPACT_TIME_ERROR,
-    BOUNCING_TIME_ERROR,
-    BOUNCE_GAIN,
-)
+
+@metric("1", even=True, empty="no ball bounces twice from a quarter of its drop or more")
+def bounce_gain(run: Run) -> list[float]:
+    """conservation of energy: by how much a bounce rises above the one before, h'/h - 1, worst bounce of the worst ball that
+    comes in with half the speed of its drop or more; below 0 where every bounce loses"""
+    gains = []
+    for (place, at, _), (_, flights) in zip(_balls(run.scene), _all_flights(run.scene, run.actual), strict=True):
+        apexes = [apex for apex, _ in flights]
+        high = FAST**2 * (run.scene.bodies[place].p_WB[2] - at)
+        gains += [after / before - 1 for before, after in pairwise(apexes) if before >= high] if apexes else [math.nan]
+    return gains

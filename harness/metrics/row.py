@@ -7,11 +7,9 @@ keep momentum and energy.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene, Sphere
 from harness.trajectory import Floats, Trajectory
-
-__all__ = ["LAST_SHARE_ERROR", "METRIC", "TOUCHING_LAST_SHARE"]
 
 SOURCE = "Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761 (a row with gaps is a chain of pairs)"
 CONTACT = 1e-9
@@ -47,39 +45,21 @@ def _share(scene: Scene, actual: Trajectory, places: list[int], way: Floats) -> 
     """The last ball's share of the momentum that the first one brought."""
     if len(actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
-    if not actual.finite:
-        return float("nan")
     first, last = scene.bodies[places[0]], scene.bodies[places[-1]]
     brought = first.mass * float(np.linalg.norm(first.v_WB))
     return last.mass * float(actual.v_WB[-1, places[-1]] @ way) / brought
 
 
-def _last(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    errors = [abs(_share(scene, actual, places, way) - 1) for places, way, gap in _rows(scene) if gap > CONTACT]
-    if not errors:
-        raise NotMeasurable("every row touches")
-    return float(np.max(errors))
+@metric("1", SOURCE, empty="every row touches")
+def last_share_error(run: Run) -> list[float]:
+    """|share of the last ball in the momentum of the first - 1|, worst row with gaps"""
+    return [abs(_share(run.scene, run.actual, places, way) - 1) for places, way, gap in _rows(run.scene) if gap > CONTACT]
 
 
-def _touching(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    shares = [_share(scene, actual, places, way) for places, way, gap in _rows(scene) if gap <= CONTACT]
+@metric("1", better="higher")
+def touching_last_share(run: Run) -> float:
+    """definition: share of the last ball in the momentum of the first, mean of the rows that touch"""
+    shares = [_share(run.scene, run.actual, places, way) for places, way, gap in _rows(run.scene) if gap <= CONTACT]
     if not shares:
         raise NotMeasurable("no row touches")
     return float(np.mean(shares))
-
-
-LAST_SHARE_ERROR = Metric(
-    name="last_share_error",
-    unit="1",
-    source=f"{SOURCE}; |share of the last ball in the momentum of the first - 1|, worst row with gaps",
-    measure=_last,
-)
-TOUCHING_LAST_SHARE = Metric(
-    name="touching_last_share",
-    unit="1",
-    source="definition: share of the last ball in the momentum of the first, mean of the rows that touch",
-    better="higher",
-    measure=_touching,
-)
-
-METRIC = (LAST_SHARE_ERROR, TOUCHING_LAST_SHARE)

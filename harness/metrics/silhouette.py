@@ -2,31 +2,20 @@
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.camera_frames import beside_truth, cameras
-from harness.scene import Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["METRIC", "SILHOUETTE_IOU"]
 
 
-def _overlap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    """A body that only the truth or only the picture shows has none."""
+@metric("1", better="higher")
+def silhouette_iou(run: Run) -> float:
+    """Jaccard's index (1912): intersection over union of sets of pixels"""
+    # A body that only the truth or only the picture shows has none.
     shares = []
-    for camera in cameras(scene):
-        body, owner = beside_truth(actual, expected, camera.name, "body")
+    for camera in cameras(run.scene):
+        body, owner = beside_truth(run.actual, run.expected, camera.name, "body")
         for place in np.union1d(body[body >= 0], owner[owner >= 0]):
             shown, due = body == place, owner == place
             shares.append(float(np.sum(shown & due) / np.sum(shown | due)))
     if not shares:
         raise NotMeasurable("neither picture nor truth shows any body")
     return float(np.min(shares))
-
-
-METRIC = SILHOUETTE_IOU = Metric(
-    name="silhouette_iou",
-    unit="1",
-    source="Jaccard's index (1912): intersection over union of sets of pixels",
-    better="higher",
-    measure=_overlap,
-)

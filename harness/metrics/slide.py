@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
-
-__all__ = ["CENTRE_RISE", "METRIC", "STOP_DISTANCE_ERROR", "STOP_TIME_ERROR"]
 
 SOURCE = "Coulomb friction: d = v0^2/(2 mu g), t = v0/(mu g)"
 LEVEL = 0.1
@@ -26,20 +24,18 @@ def _truth(expected: Trajectory | None) -> Trajectory:
     return expected
 
 
-def _distance(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = _truth(expected)
-    if not actual.finite:
-        return math.nan
+@metric("1", SOURCE, empty="the truth moves no body")
+def stop_distance_error(run: Run) -> list[float]:
+    """horizontal way at the end against the truth's, relative, worst body"""
+    truth = _truth(run.expected)
     errors = []
-    for i in _movable(scene):
-        start = np.array(scene.bodies[i].p_WB)
+    for i in _movable(run.scene):
+        start = np.array(run.scene.bodies[i].p_WB)
         true_way = float(np.linalg.norm((truth.p_WB[-1, i] - start)[:2]))
-        way = float(np.linalg.norm((actual.p_WB[-1, i] - start)[:2]))
+        way = float(np.linalg.norm((run.actual.p_WB[-1, i] - start)[:2]))
         if true_way > 0:
             errors.append(abs(way - true_way) / true_way)
-    if not errors:
-        raise NotMeasurable("the truth moves no body")
-    return float(np.max(errors))
+    return errors
 
 
 def _stopping(time: Floats, speed: Floats) -> float:
@@ -53,44 +49,20 @@ def _stopping(time: Floats, speed: Floats) -> float:
     return float(time[k - 1] + share * (time[k] - time[k - 1]))
 
 
-def _time(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    truth = _truth(expected)
-    if not actual.finite:
-        return math.nan
+@metric("1", SOURCE, empty="the truth stops no body within the run")
+def stop_time_error(run: Run) -> list[float]:
+    """time to fall to a tenth of the first speed, relative to the truth's, worst body"""
+    truth = _truth(run.expected)
     errors = []
-    for i in _movable(scene):
+    for i in _movable(run.scene):
         true_speed = np.linalg.norm(truth.v_WB[:, i, :2], axis=1)
         if true_speed[0] > 0 and np.isfinite(stop := _stopping(truth.time, true_speed)):
-            errors.append(abs(_stopping(actual.time, np.linalg.norm(actual.v_WB[:, i, :2], axis=1)) - stop) / stop)
-    if not errors:
-        raise NotMeasurable("the truth stops no body within the run")
-    return float(np.max(errors))
+            errors.append(abs(_stopping(run.actual.time, np.linalg.norm(run.actual.v_WB[:, i, :2], axis=1)) - stop) / stop)
+    return errors
 
 
-def _rise(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    starts = np.array([scene.bodies[i].p_WB[2] for i in _movable(scene)])
-    return float(np.max(actual.p_WB[:, _movable(scene), 2] - starts))
-
-
-STOP_DISTANCE_ERROR = Metric(
-    name="stop_distance_error",
-    unit="1",
-    source=f"{SOURCE}; horizontal way at the end against the truth's, relative, worst body",
-    measure=_distance,
-)
-STOP_TIME_ERROR = Metric(
-    name="stop_time_error",
-    unit="1",
-    source=f"{SOURCE}; time to fall to a tenth of the first speed, relative to the truth's, worst body",
-    measure=_time,
-)
-CENTRE_RISE = Metric(
-    name="centre_rise",
-    unit="m",
-    source="unilateral contact on a level plane: the greatest rise of a centre of mass over its start, worst body",
-    measure=_rise,
-)
-
-METRIC = (STOP_DISTANCE_ERROR, STOP_TIME_ERROR, CENTRE_RISE)
+@metric("m")
+def centre_rise(run: Run) -> float:
+    """unilateral contact on a level plane: the greatest rise of a centre of mass over its start, worst body"""
+    starts = np.array([run.scene.bodies[i].p_WB[2] for i in _movable(run.scene)])
+    return float(np.max(run.actual.p_WB[:, _movable(run.scene), 2] - starts))

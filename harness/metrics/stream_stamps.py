@@ -7,27 +7,26 @@ first one by which a whole interval and the latency have passed.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.metric.series import maximum
-from harness.scene import Imu, Lidar, Scene
-from harness.trajectory import Trajectory
-
-__all__ = ["METRIC", "STAMP_ERROR"]
+from harness.scene import Imu, Lidar
 
 
-def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> float:
+@metric("s")
+def time_stamp_error(run: Run) -> float:
+    """definition: |stamp - k/rate|"""
     worst = []
-    for sensor in scene.sensors:
+    for sensor in run.scene.sensors:
         name = f"{sensor.name}/time"
-        if name not in actual.streams:
+        if name not in run.actual.streams:
             raise NotMeasurable(f"stream '{name}' was not recorded")
-        stamps, interval = actual.streams[name], 1.0 / sensor.rate
+        stamps, interval = run.actual.streams[name], 1.0 / sensor.rate
         first = 0
         if isinstance(sensor, Imu):
             first = 1 + int(np.ceil(sensor.latency / interval - 1e-9))
         elif isinstance(sensor, Lidar) and sensor.spinning:
             first = 1
-        last = int(np.floor(float(actual.time[-1]) / interval + 1e-6))
+        last = int(np.floor(float(run.actual.time[-1]) / interval + 1e-6))
         due = np.arange(first, last + 1) * interval
         if len(stamps) != len(due):
             return float("inf")
@@ -37,6 +36,3 @@ def _measure(scene: Scene, actual: Trajectory, _expected: Trajectory | None) -> 
     if not worst or sum(map(len, worst)) == 0:
         raise NotMeasurable("the scene has no sensor, or none was read")
     return maximum(np.concatenate(worst))
-
-
-METRIC = STAMP_ERROR = Metric(name="time_stamp_error", unit="s", source="definition: |stamp - k/rate|", measure=_measure)

@@ -4,16 +4,12 @@ A ring that a post goes through holds the post in the place of its own centre of
 the other, it can leave over the post's end alone.
 """
 
-import math
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Box, PlacedShape, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Box, PlacedShape
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import rotate_back
-
-__all__ = ["METRIC", "UNTHREADED"]
 
 
 def _outside(placed: PlacedShape, points_B: Floats) -> Floats:
@@ -24,31 +20,22 @@ def _outside(placed: PlacedShape, points_B: Floats) -> Floats:
     return away
 
 
-def _unthreaded(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if len(actual) == 0:
+@metric("m", verdict="a ring that a post goes through comes off it sideways, which no solid ring can")
+def unthreaded(run: Run) -> float:
+    """topology: greatest distance of a ring's centre of mass from the box that the ring was put over, 0 while within"""
+    if len(run.actual) == 0:
         raise NotMeasurable("no sample lies in the time that is judged")
     farthest, threaded = 0.0, 0
-    for place, ring in enumerate(scene.bodies):
-        for other, holder in enumerate(scene.bodies):
-            if other == place or not ring.movable or not scene.collides(ring, holder):
+    for place, ring in enumerate(run.scene.bodies):
+        for other, holder in enumerate(run.scene.bodies):
+            if other == place or not ring.movable or not run.scene.collides(ring, holder):
                 continue
             start = rotate_back(np.array(holder.q_WB), np.array(ring.p_WB) - np.array(holder.p_WB))
             for placed in holder.collision:
                 if isinstance(placed.shape, Box) and _outside(placed, start[None])[0] == 0.0:
                     threaded += 1
-                    path = rotate_back(actual.q_WB[:, other], actual.p_WB[:, place] - actual.p_WB[:, other])
-                    farthest = max(farthest, float(np.max(_outside(placed, path))) if actual.finite else math.inf)
+                    path = rotate_back(run.actual.q_WB[:, other], run.actual.p_WB[:, place] - run.actual.p_WB[:, other])
+                    farthest = max(farthest, float(np.max(_outside(placed, path))))
     if not threaded:
         raise NotMeasurable("no body is put over a box of another: no centre of mass lies in one at the start")
-    return farthest if actual.finite else math.nan
-
-
-UNTHREADED = Metric(
-    name="unthreaded",
-    unit="m",
-    source="topology: greatest distance of a ring's centre of mass from the box that the ring was put over, 0 while within",
-    measure=_unthreaded,
-    verdict="a ring that a post goes through comes off it sideways, which no solid ring can",
-)
-
-METRIC = UNTHREADED
+    return farthest

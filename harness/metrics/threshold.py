@@ -4,11 +4,8 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
 from harness.scene import Body, Scene, rotate
-from harness.trajectory import Trajectory
-
-__all__ = ["INCLINE_ACCELERATION_ERROR", "METRIC", "THRESHOLD_ANGLE_ERROR"]
 
 SOURCE = "Coulomb friction on an incline: slides iff tan(angle) > mu, then a = g (sin - mu cos)"
 
@@ -23,30 +20,30 @@ def _friction(scene: Scene, body: Body) -> float:
     raise NotMeasurable(f"body '{body.name}' has nothing to rest on")
 
 
-def _slopes(scene: Scene, actual: Trajectory) -> list[Slope]:
+def _slopes(run: Run) -> list[Slope]:
     """One row a box; its base is parallel to the incline at the start, and it starts at rest."""
-    g = float(np.linalg.norm(scene.gravity))
-    if g == 0 or len(actual) == 0 or actual.time[-1] <= 0:
+    g = float(np.linalg.norm(run.scene.gravity))
+    if g == 0 or len(run.actual) == 0 or run.actual.time[-1] <= 0:
         raise NotMeasurable("no gravity or no time to slide")
     slopes = []
-    for place, body in enumerate(scene.bodies):
+    for place, body in enumerate(run.scene.bodies):
         if body.movable:
             normal = np.array(rotate(body.q_WB, (0.0, 0.0, 1.0)))
-            pull = np.array(scene.gravity)
+            pull = np.array(run.scene.gravity)
             along = pull - normal * (pull @ normal)
             angle = math.atan2(float(np.linalg.norm(along)), float(-pull @ normal))
-            mu = _friction(scene, body)
-            way = float((actual.p_WB[-1, place] - np.array(body.p_WB)) @ along / np.linalg.norm(along))
-            slopes.append((angle, mu, g * (math.sin(angle) - mu * math.cos(angle)), 2 * way / float(actual.time[-1]) ** 2))
+            mu = _friction(run.scene, body)
+            way = float((run.actual.p_WB[-1, place] - np.array(body.p_WB)) @ along / np.linalg.norm(along))
+            slopes.append((angle, mu, g * (math.sin(angle) - mu * math.cos(angle)), 2 * way / float(run.actual.time[-1]) ** 2))
     if not slopes:
         raise NotMeasurable("no box stands on an incline")
     return slopes
 
 
-def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    slopes = _slopes(scene, actual)
+@metric("1", SOURCE, verdict="a box covers half the way that it would on the incline nearest to the threshold")
+def threshold_angle_error(run: Run) -> float:
+    """middle between the flattest incline that does not hold and the steepest below it that does, relative to atan(mu)"""
+    slopes = _slopes(run)
     if len({mu for _, mu, _, _ in slopes}) > 1:
         raise NotMeasurable("the boxes differ in friction, so that there is no common threshold")
     # A box slides when it covers half the way that the incline nearest to the threshold makes: more than creep, and still less
@@ -59,29 +56,11 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
     return abs((sticking + sliding) / 2 - true_angle) / true_angle
 
 
-def _acceleration(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    slopes = _slopes(scene, actual)
+@metric("1", SOURCE)
+def incline_acceleration_error(run: Run) -> float:
+    """mean acceleration 2 s/t^2 of the boxes that slide in truth, error over g, worst box"""
+    slopes = _slopes(run)
     errors = [abs(acceleration - true) for _, _, true, acceleration in slopes if true > 0]
     if not errors:
         raise NotMeasurable("no incline is steep enough to slide")
-    return float(np.max(errors)) / float(np.linalg.norm(scene.gravity))
-
-
-THRESHOLD_ANGLE_ERROR = Metric(
-    name="threshold_angle_error",
-    unit="1",
-    source=f"{SOURCE}; middle between the flattest incline that does not hold and the steepest below it that does, "
-    "relative to atan(mu)",
-    measure=_threshold,
-    verdict="a box covers half the way that it would on the incline nearest to the threshold",
-)
-INCLINE_ACCELERATION_ERROR = Metric(
-    name="incline_acceleration_error",
-    unit="1",
-    source=f"{SOURCE}; mean acceleration 2 s/t^2 of the boxes that slide in truth, error over g, worst box",
-    measure=_acceleration,
-)
-
-METRIC = (THRESHOLD_ANGLE_ERROR, INCLINE_ACCELERATION_ERROR)
+    return float(np.max(errors)) / float(np.linalg.norm(run.scene.gravity))

@@ -11,12 +11,9 @@ from typing import Literal
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Box, Scene, rotate
-from harness.trajectory import Trajectory
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Box, rotate
 from harness.trajectory.kinematics import rotate as rotate_along
-
-__all__ = ["METRIC", "TIPPING_ANGLE_ERROR", "WRONG_FATES"]
 
 SOURCE = "Meriam, Kraige, Statics, section 6/3: tips iff tan(angle) > b/h before it slides at tan(angle) = mu"
 TIPPED = 0.5
@@ -34,30 +31,30 @@ class _Fate:
     tips_at: float
 
 
-def _fates(scene: Scene, actual: Trajectory) -> list[_Fate]:
-    g = np.array(scene.gravity)
-    if not g.any() or len(actual) == 0 or actual.time[-1] <= 0:
+def _fates(run: Run) -> list[_Fate]:
+    g = np.array(run.scene.gravity)
+    if not g.any() or len(run.actual) == 0 or run.actual.time[-1] <= 0:
         raise NotMeasurable("no gravity or no time to move")
     fates = []
-    for place, body in enumerate(scene.bodies):
+    for place, body in enumerate(run.scene.bodies):
         if not body.movable:
             continue
         shape = body.collision[0].shape if len(body.collision) == 1 else None
-        ground = next((b for b in scene.bodies if not b.movable and scene.collides(body, b)), None)
+        ground = next((b for b in run.scene.bodies if not b.movable and run.scene.collides(body, b)), None)
         if not isinstance(shape, Box) or ground is None:
             raise NotMeasurable(f"body '{body.name}' is no single box on an incline")
         along, normal = (np.array(rotate(body.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
         pull, load = float(g @ along), float(-g @ normal)
         slope, tips_at = pull / load, shape.half_extents[0] / shape.half_extents[2]
-        mu = scene.surface(body, ground).kinetic_friction
+        mu = run.scene.surface(body, ground).kinetic_friction
         true: Literal["holds", "slides", "tips"] = "holds"
         if slope > min(mu, tips_at):
             true = "tips" if tips_at <= mu else "slides"
-        upward = rotate_along(actual.q_WB[:, place], np.array([0.0, 0.0, 1.0]))
+        upward = rotate_along(run.actual.q_WB[:, place], np.array([0.0, 0.0, 1.0]))
         turned = float(np.max(np.arctan2(np.linalg.norm(np.cross(upward, normal), axis=1), upward @ normal)))
-        way = float((actual.p_WB[-1, place] - np.array(body.p_WB)) @ along)
+        way = float((run.actual.p_WB[-1, place] - np.array(body.p_WB)) @ along)
         # Half of the way that it would make in truth, and a tenth of its length where it should not slide at all.
-        least = (pull - mu * load) * float(actual.time[-1]) ** 2 / 4 if true == "slides" else shape.half_extents[0] / 5
+        least = (pull - mu * load) * float(run.actual.time[-1]) ** 2 / 4 if true == "slides" else shape.half_extents[0] / 5
         became: Literal["holds", "slides", "tips"] = "tips" if turned > TIPPED else "slides" if way > least else "holds"
         fates.append(_Fate(became, true, slope, tips_at))
     if not fates:
@@ -65,16 +62,17 @@ def _fates(scene: Scene, actual: Trajectory) -> list[_Fate]:
     return fates
 
 
-def _wrong(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    return float(sum(fate.found != fate.true for fate in _fates(scene, actual)))
+@metric("1", SOURCE, verdict="a box tilts by half a radian, or slides by half its due way or a tenth of its length")
+def wrong_fates(run: Run) -> float:
+    """number of boxes that hold, slide or tip (by 0.5 rad) where they should not"""
+    return float(sum(fate.found != fate.true for fate in _fates(run)))
 
 
-def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    if not actual.finite:
-        return math.nan
-    fates = _fates(scene, actual)
+@metric("1", SOURCE, verdict="a box tilts by half a radian")
+def tipping_angle_error(run: Run) -> float:
+    """middle between the flattest incline on which a box tips and the steepest below it on which none does, over atan(b/h),
+    less 1"""
+    fates = _fates(run)
     # The boxes that tip in truth at a steeper incline, if not at their own; they have one shape.
     tall = [fate for fate in fates if fate.true == "tips"]
     if not tall:
@@ -86,22 +84,3 @@ def _threshold(scene: Scene, actual: Trajectory, expected: Trajectory | None) ->
     slopes = [math.atan(fate.slope) for fate in alike if fate.found != "tips"]
     upright = max([0.0, *(slope for slope in slopes if slope < tipped)])
     return abs((upright + tipped) / 2 / math.atan(tips_at) - 1)
-
-
-WRONG_FATES = Metric(
-    name="wrong_fates",
-    unit="1",
-    source=f"{SOURCE}; number of boxes that hold, slide or tip (by 0.5 rad) where they should not",
-    measure=_wrong,
-    verdict="a box tilts by half a radian, or slides by half its due way or a tenth of its length",
-)
-TIPPING_ANGLE_ERROR = Metric(
-    name="tipping_angle_error",
-    unit="1",
-    source=f"{SOURCE}; middle between the flattest incline on which a box tips and the steepest below it on which none does, "
-    "over atan(b/h), less 1",
-    measure=_threshold,
-    verdict="a box tilts by half a radian",
-)
-
-METRIC = (WRONG_FATES, TIPPING_ANGLE_ERROR)

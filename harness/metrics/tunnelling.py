@@ -1,21 +1,10 @@
 """Tunnelling: which of the spheres shot at a wall got through it, their centre beyond its middle?"""
 
-import math
-
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
+from harness.metric import NotMeasurable, Run, metric
+from harness.metric.series import proportion
 from harness.scene import Body, Box, Scene, Sphere, rotate
-from harness.statistics.proportion import wilson_interval
-from harness.trajectory import Trajectory
-
-__all__ = [
-    "METRIC",
-    "STOP_GAP",
-    "TUNNEL_PROBABILITY",
-    "TUNNEL_PROBABILITY_HIGH",
-    "TUNNEL_PROBABILITY_LOW",
-]
 
 SOURCE = "share of spheres whose centre ends beyond the middle of the wall"
 
@@ -27,79 +16,39 @@ def _wall(scene: Scene) -> tuple[Body, Box]:
     raise NotMeasurable("no wall: a fixed body of one box")
 
 
-def _ends(scene: Scene, actual: Trajectory) -> list[tuple[float, float]]:
+def _ends(run: Run) -> list[tuple[float, float]]:
     """Of each sphere that is shot: how far [m] its centre ends past the wall's middle, and where it is if it touches the face.
 
     The wall's extent along the shot is that of its box, which lies across the shot.
     """
-    wall, box = _wall(scene)
+    wall, box = _wall(run.scene)
     ends = []
-    if len(actual) == 0:
+    if len(run.actual) == 0:
         raise NotMeasurable("no samples")
     axes = [np.array(rotate(wall.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-    for place, body in enumerate(scene.bodies):
+    for place, body in enumerate(run.scene.bodies):
         shapes = [placed.shape for placed in body.collision]
         if body.movable and any(body.v_WB) and len(shapes) == 1 and isinstance(shapes[0], Sphere):
             way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
             half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
-            ends.append((float((actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way), -half - shapes[0].radius))
+            ends.append((float((run.actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way), -half - shapes[0].radius))
     if not ends:
         raise NotMeasurable("no sphere is shot")
     return ends
 
 
-def _count(scene: Scene, actual: Trajectory) -> tuple[int, int]:
+def _count(run: Run) -> tuple[int, int]:
     """How many passed, of how many."""
-    ends = _ends(scene, actual)
+    ends = _ends(run)
     return sum(distance > 0 for distance, _ in ends), len(ends)
 
 
-def _probability(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    passed, shot = _count(scene, actual)
-    return passed / shot if actual.finite else math.nan
+@metric("m", empty="no sphere is stopped")
+def stop_gap(run: Run) -> list[float]:
+    """greatest distance from the wall's face at which a stopped sphere ends; 0 without restitution, more after a rebound"""
+    return [max(0.0, face - distance) for distance, face in _ends(run) if distance <= 0]
 
 
-def _low(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    interval = wilson_interval(*_count(scene, actual))
-    return interval[0] if actual.finite else math.nan
-
-
-def _high(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    interval = wilson_interval(*_count(scene, actual))
-    return interval[1] if actual.finite else math.nan
-
-
-def _stop_gap(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    ends = _ends(scene, actual)
-    if not actual.finite:
-        return math.nan
-    stopped = [max(0.0, face - distance) for distance, face in ends if distance <= 0]
-    if not stopped:
-        raise NotMeasurable("no sphere is stopped")
-    return max(stopped)
-
-
-VERDICT = "a centre ends beyond the middle of the wall"
-TUNNEL_PROBABILITY = Metric(name="tunnel_probability", unit="1", source=SOURCE, measure=_probability, verdict=VERDICT)
-TUNNEL_PROBABILITY_LOW = Metric(
-    name="tunnel_probability_low",
-    unit="1",
-    source="lower 95 % bound of Wilson (1927) on tunnel_probability",
-    measure=_low,
-    verdict=VERDICT,
+tunnel_probability, tunnel_probability_low, tunnel_probability_high = proportion(
+    "tunnel_probability", SOURCE, "a centre ends beyond the middle of the wall", _count
 )
-TUNNEL_PROBABILITY_HIGH = Metric(
-    name="tunnel_probability_high",
-    unit="1",
-    source="upper 95 % bound of Wilson (1927) on tunnel_probability",
-    measure=_high,
-    verdict=VERDICT,
-)
-STOP_GAP = Metric(
-    name="stop_gap",
-    unit="m",
-    source="greatest distance from the wall's face at which a stopped sphere ends; 0 without restitution, more after a rebound",
-    measure=_stop_gap,
-)
-
-METRIC = (TUNNEL_PROBABILITY, TUNNEL_PROBABILITY_LOW, TUNNEL_PROBABILITY_HIGH, STOP_GAP)

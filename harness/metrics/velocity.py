@@ -2,20 +2,17 @@
 
 import numpy as np
 
-from harness.metric.series import matched, three
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
-
-__all__ = ["METRIC", "VELOCITY_FINAL", "VELOCITY_MAX", "VELOCITY_RMS"]
+from harness.metric import Run
+from harness.metric.series import three
+from harness.trajectory import Floats
 
 
-def _difference(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> Floats:
-    truth, bodies = matched(actual, expected), movable(scene)
-    difference: Floats = np.linalg.norm(actual.v_WB[:, bodies] - truth.v_WB[:, bodies], axis=-1)
+def _difference(run: Run) -> Floats:
+    truth, bodies = run.truth, run.movable
+    difference: Floats = np.linalg.norm(run.actual.v_WB[:, bodies] - truth.v_WB[:, bodies], axis=-1)
     return difference
 
 
-METRIC = VELOCITY_MAX, VELOCITY_RMS, VELOCITY_FINAL = three(
+velocity_error_max, velocity_error_rms, velocity_error_final = three(
     "velocity_error", "m/s", "definition: |v_WB - v_WB of the truth|", _difference
 )

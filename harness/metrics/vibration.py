@@ -9,12 +9,10 @@ import math
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Revolute, Scene
-from harness.trajectory import Floats, Trajectory
+from harness.metric import NotMeasurable, Run, metric
+from harness.scene import Revolute
+from harness.trajectory import Floats
 from harness.trajectory.kinematics import joint_rate
-
-__all__ = ["METRIC", "VIBRATION_FREQUENCY", "VIBRATION_RMS"]
 
 SOURCE = "Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70"
 FEWEST = 16
@@ -23,54 +21,35 @@ STILL = 1e-9
 """Below this [rad/s] a joint stands still: rounding of rates in single precision over a machine's metre."""
 
 
-def _spectrum(scene: Scene, actual: Trajectory) -> tuple[Floats, Floats]:
-    """Frequencies (f,) Hz and densities (f, joints) (rad/s)^2/Hz; not finite where the record is not."""
+def _spectrum(run: Run) -> tuple[Floats, Floats]:
+    """Frequencies (f,) Hz and densities (f, joints) (rad/s)^2/Hz."""
     from scipy.signal import welch  # late: a listing must not pay for it
 
-    hinges = [joint for joint in scene.joints if isinstance(joint, Revolute)]
+    hinges = [joint for joint in run.scene.joints if isinstance(joint, Revolute)]
     if not hinges:
         raise NotMeasurable("the scene has no hinge that could tremble")
-    if len(actual) < 2 * FEWEST:
-        raise NotMeasurable(f"{len(actual)} samples, at least {2 * FEWEST} are needed for a spectrum")
-    whole = actual.finite
-    actual = actual.between(float(actual.time[0] + actual.time[-1]) / 2, math.inf)
-    spacing = np.diff(actual.time)
+    if len(run.actual) < 2 * FEWEST:
+        raise NotMeasurable(f"{len(run.actual)} samples, at least {2 * FEWEST} are needed for a spectrum")
+    late = run.actual.between(float(run.actual.time[0] + run.actual.time[-1]) / 2, math.inf)
+    spacing = np.diff(late.time)
     dt = float(spacing.mean())
     if np.abs(spacing - dt).max() > 1e-6 * dt:
         raise NotMeasurable(f"samples {spacing.min():g} to {spacing.max():g} s apart, expected them even")
-    if not whole:
-        return np.full(1, math.nan), np.full((1, len(hinges)), math.nan)
-    rates = np.stack([joint_rate(scene, hinge, actual) for hinge in hinges], axis=1)
+    rates = np.stack([joint_rate(run.scene, hinge, late) for hinge in hinges], axis=1)
     spectrum = welch(rates, fs=1 / dt, window="hann", nperseg=len(rates) // 2, detrend="linear", axis=0)
     return np.asarray(spectrum[0]), np.asarray(spectrum[1])
 
 
-def _rms(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    frequency, density = _spectrum(scene, actual)
-    if not np.isfinite(density).all():
-        return math.nan
+@metric("rad/s", SOURCE)
+def vibration_rms(run: Run) -> float:
+    """root of the density of a hinge's rate, summed over all frequencies, worst hinge"""
+    frequency, density = _spectrum(run)
     return float(np.sqrt(density.sum(axis=0).max() * (frequency[1] - frequency[0])))
 
 
-def _dominant(scene: Scene, actual: Trajectory, expected: Trajectory | None) -> float:
-    frequency, density = _spectrum(scene, actual)
-    if not np.isfinite(density).all():
-        return math.nan
+@metric("Hz", SOURCE)
+def vibration_frequency(run: Run) -> float:
+    """where the densities of all hinges' rates, added, are greatest; 0 where all stand still"""
+    frequency, density = _spectrum(run)
     total = density.sum(axis=1)
     return float(frequency[total.argmax()]) if total.max() * frequency[1] > STILL**2 else 0.0
-
-
-VIBRATION_RMS = Metric(
-    name="vibration_rms",
-    unit="rad/s",
-    source=f"{SOURCE}; root of the density of a hinge's rate, summed over all frequencies, worst hinge",
-    measure=_rms,
-)
-VIBRATION_FREQUENCY = Metric(
-    name="vibration_frequency",
-    unit="Hz",
-    source=f"{SOURCE}; where the densities of all hinges' rates, added, are greatest; 0 where all stand still",
-    measure=_dominant,
-)
-
-METRIC = (VIBRATION_RMS, VIBRATION_FREQUENCY)

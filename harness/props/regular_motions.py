@@ -11,14 +11,10 @@ from harness.scene import (
     PlacedShape,
     Revolute,
     Scene,
-    Sphere,
     Surface,
     box_inertia,
     principal_inertia,
-    sphere_inertia,
 )
-
-__all__ = ["stage"]
 
 FRICTION, MASS = 0.4, 1.0
 HALF, RADIUS, LENGTH = (0.1, 0.1, 0.05), 0.1, 0.5
@@ -34,31 +30,9 @@ def stage() -> Scene:
 
     The rod hangs on the floor's body, not on the world, so that all of it can be set in motion.
     """
-    floor = Body(
-        name="floor",
-        motion="static",
-        material="floor",
-        collision=(PlacedShape(shape=Box(half_extents=FLOOR)),),
-        p_WB=(0.0, 0.0, -FLOOR[2]),
-    )
-    box = Body(
-        name="box",
-        mass=MASS,
-        inertia=box_inertia(MASS, HALF),
-        collision=(PlacedShape(shape=Box(half_extents=HALF)),),
-        material="mover",
-        p_WB=(0.0, 0.0, HALF[2] - DEPTH),
-        v_WB=(1.6, 1.2, 0.0),
-    )
-    ball = Body(
-        name="ball",
-        mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-        material="mover",
-        p_WB=(-2.0, 0.0, RADIUS - DEPTH),
-        v_WB=(0.6, -0.8, 0.0),
-    )
+    floor = Body.fixed("floor", Box(half_extents=FLOOR), material="floor", p_WB=(0.0, 0.0, -FLOOR[2]))
+    box = Body.box("box", HALF, mass=MASS, material="mover", p_WB=(0.0, 0.0, HALF[2] - DEPTH), v_WB=(1.6, 1.2, 0.0))
+    ball = Body.ball("ball", RADIUS, mass=MASS, material="mover", p_WB=(-2.0, 0.0, RADIUS - DEPTH), v_WB=(0.6, -0.8, 0.0))
     theta = math.radians(AMPLITUDE)
     half = (0.02, 0.02, LENGTH / 2)
     rod = Body(

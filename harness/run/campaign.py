@@ -5,7 +5,7 @@ import random
 import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
 from itertools import groupby
@@ -22,14 +22,12 @@ from harness.run.fork_servers import expect
 from harness.run.guide import UNGUIDED, Guide
 from harness.run.interrupt import TimeIsUp, stop_if_asked
 from harness.run.isolated import run_isolated
-from harness.run.pieces import Awaited, awaited, clocked_pieces, pieces_of
 from harness.run.preloads import preloads
 from harness.run.progress import Progress
-from harness.run.remaining_time import RemainingTime
+from harness.run.remaining_time import RemainingTime, together
 from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from harness.run.timing_blocks import clock_group
 from harness.search import dominance, first_break, front, needless_effects, refined_ladder
-from harness.search.to_come import seconds_of_run, to_come
 from harness.store import disk
 from harness.store.journal import FolderTaken, Journal, StoreError
 from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
@@ -46,8 +44,6 @@ from harness.trial.accuracy import outcome
 
 if TYPE_CHECKING:
     from harness.run.cluster.workplace import Workplace
-
-__all__ = ["Shard", "carry_out", "share"]
 
 Shard = tuple[int, int]
 """(i, n): the i-th of n parts, from 1."""
@@ -66,26 +62,40 @@ def _plain_study(study: Study) -> dict[str, Any]:
     return plain
 
 
-def _accuracy(
-    what: str,
-    trials: Sequence[Trial],
-    reasons: Mapping[str, str | None],
-    journal: Journal,
-    folder: Path,
-    workers: int,
-    machine: str,
-    cases: Mapping[str, Case],
-    cluster: "Workplace | None",
-    guide: Guide,
-    remaining: RemainingTime,
-) -> None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Run:
+    """What every step of carrying out a study needs.
+
+    Terms: reasons: of each engine, why it is unavailable, or None. machine: the fingerprint of who clocks.
+    """
+
+    folder: Path
+    journal: Journal
+    cases: Mapping[str, Case]
+    adapters: Mapping[str, Adapter]
+    reasons: Mapping[str, str | None]
+    workers: int
+    machine: Mapping[str, Any]
+    cluster: "Workplace | None"
+    guide: Guide
+    remaining: RemainingTime
+
+
+def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
+    journal, guide, cluster, remaining, machine = (
+        run.journal,
+        run.guide,
+        run.cluster,
+        run.remaining,
+        machine_digest(run.machine),
+    )
     whole = [trial.trial for trial in trials]
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     for trial in waiting:
-        reason = reasons[trial.engine]
+        reason = run.reasons[trial.engine]
         if reason is not None:
             journal.append(outcome(trial, "unavailable", reason))
-    waiting = [trial for trial in waiting if reasons[trial.engine] is None]
+    waiting = [trial for trial in waiting if run.reasons[trial.engine] is None]
     for trial in waiting:
         if (known := guide.known(trial)) is not None:
             journal.append(known)
@@ -99,32 +109,23 @@ def _accuracy(
     lost: list[str] = []
     remaining.answers_begin([trial.trial for trial in (*beside, *alone)], time.monotonic())
     with Progress(what, len(waiting), remaining.left) as progress:
-        for group, side, at_once in ((beside, workers, 0), (alone, 1, 1)):
-            answers = run_isolated(group, folder, side) if cluster is None else cluster.answers(group, folder, at_once)
+        for group, side, at_once in ((beside, run.workers, 0), (alone, 1, 1)):
+            answers = run_isolated(group, run.folder, side) if cluster is None else cluster.answers(group, run.folder, at_once)
             for record in answers:
                 if record.status == "interrupted":
                     lost.append(record.reason)
                 else:
                     kept = replace(record, answered_on=record.answered_on or machine)
                     journal.append(guide.answered(by_name[record.trial], kept))
-                run = seconds_of_run(by_name[record.trial], record, cases[record.case])
-                remaining.answered(record.trial, time.monotonic(), to_clock=record.status in _TIMED, run=run)
+                remaining.answered(record, time.monotonic())
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 
 
-def _timing(
-    trials: Sequence[Trial],
-    journal: Journal,
-    folder: Path,
-    cases: Mapping[str, Case],
-    machine: Mapping[str, Any],
-    cluster: "Workplace | None",
-    guide: Guide,
-    remaining: RemainingTime,
-) -> None:
-    records, here = dict(journal.records), machine_digest(machine)
+def _timing(run: _Run, trials: Sequence[Trial]) -> None:
+    journal, cases, guide, cluster, remaining = run.journal, run.cases, run.guide, run.cluster, run.remaining
+    records, here = dict(journal.records), machine_digest(run.machine)
     near = front.due_for_clock(trials, records, cases) | dominance.due_for_clock(trials, records, cases)
     due = [
         trial
@@ -138,19 +139,19 @@ def _timing(
     ]
     wanted = guide.clocks(due, records)
     due = [trial for trial in due if trial.trial in wanted]
-    _say(clocked_elsewhere(journal, [trial.trial for trial in due], machine))
+    _say(clocked_elsewhere(journal, [trial.trial for trial in due], run.machine))
     order: dict[tuple[object, ...], int] = {}
-    due.sort(key=lambda trial: order.setdefault(_together(trial), len(order)))
+    due.sort(key=lambda trial: order.setdefault(together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
-    remaining.chosen_for_clock(clocked_pieces(due, records, cases))
-    remaining.clocks_begin([trial.trial for trial in due], time.monotonic())
+    by_name = {trial.trial: trial for trial in due}
+    remaining.clocks_begin(due, records, time.monotonic())
     with Progress("timing", len(due), remaining.left) as progress:
-        groups = [tuple(group) for _, group in groupby(due, key=_together)]
-        clocked = _one_by_one(groups, folder, shuffle, guide) if cluster is None else cluster.clocked(groups, folder)
+        groups = [tuple(group) for _, group in groupby(due, key=together)]
+        clocked = _one_by_one(groups, run.folder, shuffle, guide) if cluster is None else cluster.clocked(groups, run.folder)
         for timing in clocked:
             journal.append(replace(timing, clocked_on=here))
             troubles += [timing.note] if timing.note else []
-            remaining.clocked(timing.trial, time.monotonic())
+            remaining.clocked(by_name[timing.trial], time.monotonic())
             progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
@@ -168,11 +169,6 @@ def _say(notes: Sequence[str]) -> None:
         print(note, file=sys.stderr)
 
 
-def _together(trial: Trial) -> tuple[object, ...]:
-    """What trials have in common that are clocked side by side: the question, whatever the settings."""
-    return trial.experiment.name, trial.case, repr(trial.parameters)
-
-
 def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     """One of n parts: every n-th trial, but of what is clocked every n-th question, of a search for settings every n-th case.
 
@@ -185,7 +181,7 @@ def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     def dealt_by(trial: Trial) -> tuple[object, ...]:
         if searching(trial):
             return "searched", trial.case
-        return ("clocked", *_together(trial)) if trial.experiment.timing else ("plain", trial.trial)
+        return ("clocked", *together(trial)) if trial.experiment.timing else ("plain", trial.trial)
 
     number, parts = shard
     places: dict[object, dict[tuple[object, ...], int]] = {kind: {} for kind in ("searched", "clocked", "plain")}
@@ -198,31 +194,12 @@ def share(trials: Sequence[Trial], shard: Shard) -> list[Trial]:
     return sorted(mine, key=searching)
 
 
-def _awaited(
-    trials: Sequence[Trial], journal: Journal, cases: Mapping[str, Case], adapters: Mapping[str, Adapter]
-) -> list[Awaited]:
-    return awaited(to_come(trials, journal.records, cases, adapters), cases)
-
-
-def _searched(
-    trials: list[Trial],
-    reasons: Mapping[str, str | None],
-    journal: Journal,
-    folder: Path,
-    workers: int,
-    cases: Mapping[str, Case],
-    adapters: Mapping[str, Adapter],
-    machine: str,
-    cluster: "Workplace | None",
-    guide: Guide,
-    remaining: RemainingTime,
-) -> list[Trial]:
+def _searched(run: _Run, trials: list[Trial]) -> list[Trial]:
     """The trials with those that sweeps and limits went on to, round by round, all with a record."""
+    journal, guide = run.journal, run.guide
     extended, number = list(trials), 0
     if beside := guide.beside(trials, journal.records):
-        _accuracy(
-            "searches, where they ended", beside, reasons, journal, folder, workers, machine, cases, cluster, guide, remaining
-        )
+        _accuracy(run, "searches, where they ended", beside)
         extended += beside
     searches = [
         go_on
@@ -230,21 +207,20 @@ def _searched(
             (front.next_trials, any(trial.experiment.sweep for trial in trials)),
             (first_break.next_trials, any(trial.experiment.limit for trial in trials)),
             (dominance.next_trials, any(trial.experiment.dominance for trial in trials)),
-            (partial(needless_effects.next_trials, store=Store(folder)), any(trial.experiment.effects for trial in trials)),
-            (partial(refined_ladder.next_trials, store=Store(folder)), any(trial.experiment.refine for trial in trials)),
+            (partial(needless_effects.next_trials, store=Store(run.folder)), any(trial.experiment.effects for trial in trials)),
+            (partial(refined_ladder.next_trials, store=Store(run.folder)), any(trial.experiment.refine for trial in trials)),
         )
         if wanted
     ]
     while searches:
         records = dict(journal.records)
-        more = [trial for go_on in searches for trial in go_on(extended, records, cases, adapters)]
+        more = [trial for go_on in searches for trial in go_on(extended, records, run.cases, run.adapters)]
         more = [trial for trial in more if guide.searches(trial, records)]
         if not more:
             break
         number += 1
-        remaining.expect(pieces_of(more, cases))
-        remaining.foresee(partial(_awaited, [*extended, *more], journal, cases, adapters))
-        _accuracy(f"search, round {number}", more, reasons, journal, folder, workers, machine, cases, cluster, guide, remaining)
+        run.remaining.expect(more)
+        _accuracy(run, f"search, round {number}", more)
         extended += more
     return extended
 
@@ -319,15 +295,23 @@ def carry_out(
         write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
         expect(preloads({case.name: case for case in cases.values() if case.name in chosen}, adapters))
-        remaining = RemainingTime(workers)
+        run = _Run(
+            folder=folder,
+            journal=journal,
+            cases=cases,
+            adapters=adapters,
+            reasons=reasons,
+            workers=workers,
+            machine=machine,
+            cluster=cluster,
+            guide=guide,
+            remaining=RemainingTime(cases, workers),
+        )
         try:
             for batch in guide.batches(trials):
-                remaining.expect(pieces_of(batch, cases))
-                remaining.foresee(partial(_awaited, batch, journal, cases, adapters))
-                _accuracy("accuracy", batch, reasons, journal, folder, workers, here, cases, cluster, guide, remaining)
-                batch = _searched(batch, reasons, journal, folder, workers, cases, adapters, here, cluster, guide, remaining)
-                remaining.foresee()
-                _timing(batch, journal, folder, cases, machine, cluster, guide, remaining)
+                run.remaining.expect(batch)
+                _accuracy(run, "accuracy", batch)
+                _timing(run, _searched(run, batch))
         except TimeIsUp as up:
             guide.broken_off(up.under_way)
         journal.begin(begun | {"trials": sorted(guide.asked(begun["trials"], journal.records))})

@@ -32,8 +32,6 @@ from harness.trial.beside_tuned import SHORT, ratio_to_tuned
 from harness.trial.ensemble import endure
 from harness.trial.idle_knobs import idle_turns, is_surveyed
 
-__all__ = ["answers", "confine", "end", "end_started", "exit_code", "named_signal", "roughly_clocked"]
-
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""
 _LARGEST_FILE = 512 * 2**20

@@ -5,8 +5,6 @@ from contextlib import suppress
 
 import psutil
 
-__all__ = ["CROWDED", "Deadline"]
-
 CROWDED = 10.0
 """Times the deadline that a process may take by the clock on the wall: one that gets a tenth of a core is given up there."""
 IDLE = 0.01

@@ -30,8 +30,6 @@ from typing import Any
 from harness.case.alteration import Variables
 from harness.study.environments import Environment, project_folders
 
-__all__ = ["WORTH_A_SERVER", "Server", "context", "end_varied", "expect", "start_apart", "start_loaded"]
-
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PRELOAD = ("harness.cli.main", "harness.run.timing_blocks", "harness.run.isolated", "numpy")
 _FIRST, _LAST = "harness.run.loading", "harness.run.settled"

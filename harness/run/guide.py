@@ -6,8 +6,6 @@ from harness.run.interrupt import UnderWay
 from harness.store.record import Record
 from harness.study.trial import Trial
 
-__all__ = ["UNGUIDED", "Guide"]
-
 
 class Guide:
     """A run as it goes by itself; a history overrides what it steers."""

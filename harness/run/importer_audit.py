@@ -15,8 +15,6 @@ from harness.scene.parity.loaded import Request
 from harness.scene.parity.stated import audited
 from harness.study import plugins
 
-__all__ = ["Reading", "audit"]
-
 _DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 

@@ -16,8 +16,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from harness.study.trial import Trial
 
-__all__ = ["TimeIsUp", "UnderWay", "hour", "listen", "naming", "stop_if_asked", "until"]
-
 
 def _never() -> float:
     return math.inf

@@ -13,8 +13,6 @@ from harness.intake.import_wishes import Root
 from harness.scene.parity.loaded import Request, stored
 from harness.study import plugins
 
-__all__: list[str] = []
-
 
 def main(name: str, file: str, out: str, way: str, root: Root, *packages: str) -> None:
     """Load and write."""

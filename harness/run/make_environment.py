@@ -19,16 +19,7 @@ from harness.intake.safe_text import one_line
 from harness.run.child import named_signal
 from harness.study import plugins, sources
 from harness.study.engine_versions import EngineVersion
-from harness.study.environments import (
-    Environment,
-    environment_of,
-    folder_of,
-    installed_folders,
-    keep,
-    project_folders,
-)
-
-__all__ = ["NotMade", "ensure"]
+from harness.study.environments import Environment, environment_of, folder_of, installed_folders, keep, project_folders
 
 _INSTALLS = 900.0
 _TRIES = 300.0

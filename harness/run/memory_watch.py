@@ -11,8 +11,6 @@ from pathlib import Path
 
 import psutil
 
-__all__ = ["MemoryWatch", "be_killed_first", "kills_for_memory"]
-
 LOOKS = 0.05
 """Seconds between looks at a process; what fills a gigabyte a second fills 50 MB in that time."""
 _LOOKS_ROUND = 20

@@ -21,8 +21,6 @@ from harness.store.record import Record, Timing
 from harness.store.seal import sealed_json, sealed_toml
 from harness.store.store import Store, read_plain, write_json, write_tables
 
-__all__ = ["conflicts", "merge_folders"]
-
 _CARRIED = ("trajectories", "truths", "scenes", "logs")
 _TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("trial", "note"))
 

@@ -23,8 +23,6 @@ from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 from harness.trial.bench import Sampling
 
-__all__ = ["LONGEST", "BrokenMessage", "Inbox", "read_record", "read_sample", "read_sampling", "readable", "send"]
-
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""
 _PART = 2**16

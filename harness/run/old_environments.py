@@ -9,8 +9,6 @@ from pathlib import Path
 
 from harness.study.environments import folder_of, root
 
-__all__ = ["OldEnvironment", "old_environments", "remove"]
-
 
 @dataclass(frozen=True, slots=True)
 class OldEnvironment:

@@ -7,8 +7,6 @@ from harness.case import Case
 from harness.scene import Imu
 from harness.study import plugins, sources
 
-__all__ = ["preloads"]
-
 _QUESTIONS = ("cases", "harness.metric", "harness.metrics", "harness.props", "harness.sensors", "harness.truths")
 """Where SciPy is imported within functions, so that a listing need not wait for it, and where trials call them."""
 _OWN_SCENE = "harness.case.scene_file"

@@ -7,30 +7,26 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from harness.intake.safe_text import LONGEST, one_line
-from harness.run.remaining_time import Estimate
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-__all__ = ["Progress", "in_words"]
 
-
-def in_words(left: Estimate) -> str:
-    """From how long to how long, to two digits, in the unit of the shorter: an estimate holds no more."""
-    size, unit = next(((size, unit) for size, unit in ((1, "s"), (60, "min")) if left.low / size < 60), (3600, "h"))
-    low, high = (f"{float(f'{seconds / size:.2g}'):g}" for seconds in (left.low, left.high))
-    span = high if low == high else f"{low} to {high}"
-    return f"about {span} {unit} left" + (f", as {left.news}" if left.news else "")
+def in_words(low: float, high: float) -> str:
+    """From how long to how long [s], to two digits, in the unit of the shorter: an estimate holds no more."""
+    size, unit = next(((size, unit) for size, unit in ((1, "s"), (60, "min")) if low / size < 60), (3600, "h"))
+    shortest, longest = (f"{float(f'{seconds / size:.2g}'):g}" for seconds in (low, high))
+    return f"about {shortest if shortest == longest else f'{shortest} to {longest}'} {unit} left"
 
 
 class Progress:
     """Counts finished pieces of work; use as a context.
 
-    Args: left: until all work is done, this and what comes after it; None while too little is known of that. Without it nothing
-    is said of the time.
+    Args: left: from how long to how long [s] until all work is done, this and what comes after it; None while too little is
+    known of that. Without it nothing is said of the time.
     """
 
-    def __init__(self, title: str, total: int, left: Callable[[], Estimate | None] | None = None) -> None:
+    def __init__(self, title: str, total: int, left: Callable[[], tuple[float, float] | None] | None = None) -> None:
         self.title, self.total, self.done, self._left = title, total, 0, left
         self._bar: Bar | None = None
         self._said = time.monotonic()
@@ -65,7 +61,7 @@ class Progress:
             return
         self._said = now
         left = self._left and self._left()
-        remaining = in_words(left) if left else "estimating" if self._bar is not None and self._left else ""
+        remaining = in_words(*left) if left else "estimating" if self._bar is not None and self._left else ""
         if self._bar is not None:
             self._bar.update(self._task, advance=1, last=last, left=remaining)
         else:

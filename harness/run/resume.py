@@ -23,8 +23,6 @@ from harness.study.provenance import what_changed
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
-__all__ = ["another_study", "clear_drafts", "clocked_elsewhere", "damage", "merged", "review"]
-
 _DRAFT = re.compile(r"\..+\.\d+(\.old)?|\.timing-\w+\.log")
 _CELL = ("study", "experiment", "case", "engine", "track", "dt", "seed", "clocks", "workers", "members", "remedied", "parts")
 

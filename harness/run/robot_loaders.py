@@ -10,8 +10,6 @@ from harness.adapter import Unsupported
 from harness.intake.safe_text import one_line
 from harness.scene.parity.loaded import Loaded, Request, restored
 
-__all__ = ["DEADLINE", "loaded_apart"]
-
 DEADLINE = 120.0
 """Seconds that a loader may take, its engine's import included."""
 

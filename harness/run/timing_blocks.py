@@ -25,8 +25,6 @@ from harness.store.record import Sample, Timing
 from harness.study import plugins
 from harness.study.trial import Trial
 
-__all__ = ["clock_group", "summarise"]
-
 _NOISY = 0.1
 """Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""
 

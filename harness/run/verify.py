@@ -23,8 +23,6 @@ from harness.store.seal import Damaged, check_seal
 from harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
 from harness.store.trajectory_file import kept_hash
 
-__all__ = ["Problem", "notices", "problems"]
-
 _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"
 _TRUTH = re.compile(r"[0-9a-f]{16}\.(npz|json)")

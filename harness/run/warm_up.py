@@ -20,8 +20,6 @@ from harness.run.interrupt import stop_if_asked
 from harness.run.message import BrokenMessage, Inbox, send
 from harness.run.progress import Progress
 
-__all__ = ["following", "warm_up"]
-
 _LISTENS = 1.0
 """Seconds between looks at whether this is to stop."""
 

@@ -7,8 +7,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Axis, NonNegative, Probability
 
-__all__ = ["Appearance", "Sun"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Appearance:

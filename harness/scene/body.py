@@ -1,17 +1,16 @@
 """A rigid body: mass, inertia, shapes placed relative to the centre of mass, and its state at the start."""
 
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from pydantic.dataclasses import dataclass
 
 from harness.scene.appearance import Appearance
+from harness.scene.inertia import box_inertia, sphere_inertia
 from harness.scene.prescribed import Prescribed
-from harness.scene.shape import Shape
+from harness.scene.shape import Box, Shape, Sphere
 from harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
-
-__all__ = ["Body", "PlacedShape"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -86,6 +85,23 @@ class Body:
             raise ValueError(f"{where}: w_WB {self.w_WB} beside a prescribed motion; expected zero, and a turn for it")
         if self.motion == "dynamic" and any(placed.shape.type == "plane" for placed in self.collision):
             raise ValueError(f"{where}: a plane has no bounds; expected motion 'static' or 'kinematic', got 'dynamic'")
+
+    @classmethod
+    def box(cls, name: str, half_extents: Vector3, mass: float = 1.0, **fields: Any) -> Self:
+        """A solid box [m, kg] that touches. Args: fields: the others of a body."""
+        inertia, shape = box_inertia(mass, half_extents), Box(half_extents=half_extents)
+        return cls(name=name, mass=mass, inertia=inertia, collision=(PlacedShape(shape=shape),), **fields)
+
+    @classmethod
+    def ball(cls, name: str, radius: float, mass: float = 1.0, **fields: Any) -> Self:
+        """A solid ball [m, kg] that touches. Args: fields: the others of a body."""
+        inertia, shape = sphere_inertia(mass, radius), Sphere(radius=radius)
+        return cls(name=name, mass=mass, inertia=inertia, collision=(PlacedShape(shape=shape),), **fields)
+
+    @classmethod
+    def fixed(cls, name: str, shape: Shape, **fields: Any) -> Self:
+        """A static body of one shape at its origin. Args: fields: the others of a body."""
+        return cls(name=name, motion="static", collision=(PlacedShape(shape=shape),), **fields)
 
     @property
     def mass_point(self) -> bool:

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Finite, Name, Positive, Quaternion, Vector3
-
-__all__ = ["Camera", "Distortion", "Pixels", "Renderer"]
+from harness.scene.mount import Mount
+from harness.scene.values import FROZEN, Finite, Positive
 
 Pixels = Annotated[int, Field(ge=1, le=16384)]
 Renderer = Literal["rasterised", "ray_traced"]
@@ -30,7 +29,19 @@ class Distortion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class Camera:
+class Pinhole(Mount):
+    """Looks along +z of S with x right and y down; the centre of pixel (0, 0) lies at (0.5, 0.5). All numbers in pixels."""
+
+    width: Pixels = 640
+    height: Pixels = 480
+    focal_x: Positive = 500.0
+    focal_y: Positive = 500.0
+    centre_x: Finite = 320.0
+    centre_y: Finite = 240.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Camera(Pinhole):
     """A pinhole camera looking along +z of S with x right and y down; the centre of pixel (0, 0) lies at (0.5, 0.5).
 
     Terms:
@@ -38,17 +49,6 @@ class Camera:
         renderer: what draws the picture. samples [1]: rays a pixel, for a renderer that traces them.
     """
 
-    name: Name
-    body: Name
-    rate: Positive
-    p_BS: Vector3 = (0.0, 0.0, 0.0)
-    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    width: Pixels = 640
-    height: Pixels = 480
-    focal_x: Positive = 500.0
-    focal_y: Positive = 500.0
-    centre_x: Finite = 320.0
-    centre_y: Finite = 240.0
     distortion: Distortion | None = None
     renderer: Renderer = "rasterised"
     samples: Annotated[int, Field(ge=1, le=1024)] = 1

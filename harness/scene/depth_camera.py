@@ -6,10 +6,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.camera import Pixels
-from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Probability, Quaternion, Vector3
-
-__all__ = ["DepthCamera", "DepthNoise", "StereoNoise", "StructuredLightNoise", "TimeOfFlightNoise"]
+from harness.scene.camera import Pinhole
+from harness.scene.values import FROZEN, NonNegative, Positive, Probability
 
 Incidence = Annotated[float, Field(gt=0, le=math.pi / 2, allow_inf_nan=False)]
 """An angle [rad] between a ray and a surface's normal: 0 head-on, pi/2 grazing."""
@@ -96,7 +94,7 @@ DepthNoise = Annotated[StereoNoise | StructuredLightNoise | TimeOfFlightNoise, F
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class DepthCamera:
+class DepthCamera(Pinhole):
     """A pinhole camera that measures z-depth [m], mounted and looking as a `Camera` does.
 
     Terms:
@@ -108,17 +106,6 @@ class DepthCamera:
     Source: ROS REP 118 (depth images: NaN, -inf and +inf).
     """
 
-    name: Name
-    body: Name
-    rate: Positive
-    p_BS: Vector3 = (0.0, 0.0, 0.0)
-    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
-    width: Pixels = 640
-    height: Pixels = 480
-    focal_x: Positive = 500.0
-    focal_y: Positive = 500.0
-    centre_x: Finite = 320.0
-    centre_y: Finite = 240.0
     near: Positive = 0.1
     far: Positive = 10.0
     seen_by: Literal["rays", "rasterised", "ray_traced"] = "rays"

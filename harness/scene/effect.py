@@ -2,8 +2,6 @@
 
 from enum import Flag, auto
 
-__all__ = ["Effect"]
-
 
 class Effect(Flag):
     """One bit for each piece of physics that can be left out."""

@@ -13,8 +13,6 @@ from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
 from harness.scene.scene import Scene, SceneError
 
-__all__ = ["dump_json", "dump_toml", "load", "parse", "schema"]
-
 _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
 
 

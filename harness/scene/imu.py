@@ -4,16 +4,15 @@ from typing import Literal
 
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive, Quaternion, Vector3
-
-__all__ = ["AxisNoise", "Imu", "ImuNoise"]
+from harness.scene.mount import Mount
+from harness.scene.values import FROZEN, Finite, NonNegative, Positive, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class AxisNoise:
     """Errors of one inertial channel, u being rad/s (gyroscope) or m/s2 (accelerometer), in the order in which they arise.
 
-    Data sheets use other units: `harness.sensors.data_sheet` turns them into these.
+    Data sheets use other units: docs/method.md says how to convert them.
 
     Terms:
         misalignment [rad]: rotation vector that turns the channel's triad against S. scale_error [1]: the signal is multiplied
@@ -54,7 +53,7 @@ class ImuNoise:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class Imu:
+class Imu(Mount):
     """Accelerometer (specific force) and gyroscope at p_BS [m], turned by q_BS, read `rate` [Hz] times a second.
 
     Terms:
@@ -62,11 +61,6 @@ class Imu:
         reading: 'native' takes the engine's own sensor where it has one, 'states' differences the velocities in any engine.
     """
 
-    name: Name
-    body: Name
-    rate: Positive
-    p_BS: Vector3 = (0.0, 0.0, 0.0)
-    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
     latency: NonNegative = 0.0
     reading: Literal["native", "states"] = "native"
     noise: ImuNoise | None = None

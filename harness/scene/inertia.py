@@ -5,8 +5,6 @@ Source: Goldstein, Classical Mechanics, 3rd ed., section 5.3 and exercises.
 
 from harness.scene.values import Matrix3, Vector3
 
-__all__ = ["box_inertia", "capsule_inertia", "cylinder_inertia", "ellipsoid_inertia", "principal_inertia", "sphere_inertia"]
-
 
 def principal_inertia(xx: float, yy: float, zz: float) -> Matrix3:
     """The diagonal tensor with the principal moments xx, yy, zz [kg m2]."""

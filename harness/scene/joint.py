@@ -12,8 +12,6 @@ from pydantic.dataclasses import dataclass
 from harness.scene.motion import Motion
 from harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
 
-__all__ = ["WORLD", "Ball", "Coupling", "Distance", "Drive", "Fixed", "Joint", "Limits", "Prismatic", "Revolute", "Spring"]
-
 WORLD = "world"
 """The parent of a joint that holds its child to the world."""
 
@@ -97,7 +95,27 @@ class Ball:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class Revolute:
+class OneAxis:
+    """One coordinate about or along `axis_W` through `anchor_W` (both in W at time 0)."""
+
+    name: Name
+    parent: Name
+    child: Name
+    anchor_W: Vector3
+    axis_W: Axis
+    position: Finite = 0.0
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+    armature: NonNegative | None = None
+    friction_loss: NonNegative | None = None
+    speed_limit: Positive | None = None
+    coupling: Coupling | None = None
+    collide: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Revolute(OneAxis):
     """Rotation about `axis_W` through `anchor_W` (both in W at time 0) alone.
 
     Terms:
@@ -107,25 +125,11 @@ class Revolute:
         coupling: the tie to another joint's coordinate. None: none, as 0.
     """
 
-    name: Name
-    parent: Name
-    child: Name
-    anchor_W: Vector3
-    axis_W: Axis
-    position: Finite = 0.0
-    limits: Limits | None = None
-    spring: Spring | None = None
-    drive: Drive | None = None
-    armature: NonNegative | None = None
-    friction_loss: NonNegative | None = None
-    speed_limit: Positive | None = None
-    coupling: Coupling | None = None
-    collide: bool = False
     type: Literal["revolute"] = "revolute"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class Prismatic:
+class Prismatic(OneAxis):
     """Translation along `axis_W` (in W at time 0, fixed in the parent) alone.
 
     Terms:
@@ -135,20 +139,6 @@ class Prismatic:
         coupling: the tie to another joint's coordinate. None: none, as 0.
     """
 
-    name: Name
-    parent: Name
-    child: Name
-    anchor_W: Vector3
-    axis_W: Axis
-    position: Finite = 0.0
-    limits: Limits | None = None
-    spring: Spring | None = None
-    drive: Drive | None = None
-    armature: NonNegative | None = None
-    friction_loss: NonNegative | None = None
-    speed_limit: Positive | None = None
-    coupling: Coupling | None = None
-    collide: bool = False
     type: Literal["prismatic"] = "prismatic"
 
 

@@ -6,9 +6,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Name, NonNegative, Positive, Probability, Quaternion, Vector3
-
-__all__ = ["Lidar", "LidarNoise"]
+from harness.scene.mount import Mount
+from harness.scene.values import FROZEN, NonNegative, Positive, Probability
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -30,7 +29,7 @@ class LidarNoise:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
-class Lidar:
+class Lidar(Mount):
     """A scanning range finder: `channels` elevations between the two bounds [rad] times `columns` azimuths over 2 pi.
 
     Terms:
@@ -39,11 +38,6 @@ class Lidar:
         divergence [rad]: half the angle of a beam's cone, 0 for a line. min_range, max_range [m].
     """
 
-    name: Name
-    body: Name
-    rate: Positive
-    p_BS: Vector3 = (0.0, 0.0, 0.0)
-    q_BS: Quaternion = (1.0, 0.0, 0.0, 0.0)
     channels: Annotated[int, Field(ge=1, le=4096)] = 32
     columns: Annotated[int, Field(ge=1, le=65536)] = 360
     elevation_low: Annotated[float, Field(ge=-math.pi / 2, le=math.pi / 2)] = -math.pi / 8

@@ -10,8 +10,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Finite, NonNegative
 
-__all__ = ["MOST_SAMPLES", "Motion", "Samples", "Sinusoid", "sampled"]
-
 MOST_SAMPLES = 100_000
 """Samples of one joint: 100 s at a kilohertz."""
 

@@ -9,8 +9,6 @@ from harness.scene.motion import Motion
 from harness.scene.rotation import axis_angle, multiply, rotate
 from harness.scene.values import FROZEN, Axis, Quaternion, Vector3
 
-__all__ = ["Prescribed", "Shift", "Turn"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Shift:

@@ -4,8 +4,6 @@ import math
 
 from harness.scene.values import Matrix3, Quaternion, Vector3
 
-__all__ = ["axis_angle", "multiply", "rotate", "rotation_matrix"]
-
 
 def axis_angle(axis: Vector3, angle: float) -> Quaternion:
     """The rotation by `angle` [rad] about `axis` (any length but zero), right-handed."""

@@ -17,8 +17,6 @@ from harness.scene.sensor import Sensor
 from harness.scene.surface import Surface
 from harness.scene.values import FROZEN, Name, Vector3
 
-__all__ = ["EARTH_GRAVITY", "Scene", "SceneError"]
-
 EARTH_GRAVITY = (0.0, 0.0, -9.81)
 """The gravity of every case that does not say otherwise [m/s2]."""
 

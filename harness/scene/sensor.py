@@ -9,6 +9,4 @@ from harness.scene.depth_camera import DepthCamera
 from harness.scene.imu import Imu
 from harness.scene.lidar import Lidar
 
-__all__ = ["Sensor"]
-
 Sensor = Annotated[Imu | Lidar | Camera | DepthCamera, Field(discriminator="type")]

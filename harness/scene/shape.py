@@ -8,21 +8,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Axis, Positive, Vector3
 
-__all__ = [
-    "Box",
-    "Capsule",
-    "ConvexHull",
-    "Cylinder",
-    "Ellipsoid",
-    "Plane",
-    "Shape",
-    "Sphere",
-    "TriangleMesh",
-    "outer_radius",
-    "polyhedron_of",
-    "width",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Sphere:

@@ -4,8 +4,6 @@ from pydantic.dataclasses import dataclass
 
 from harness.scene.values import FROZEN, Name, NonNegative, Probability
 
-__all__ = ["Surface"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Surface:

@@ -5,19 +5,6 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-__all__ = [
-    "FROZEN",
-    "Axis",
-    "Finite",
-    "Matrix3",
-    "Name",
-    "NonNegative",
-    "Positive",
-    "Probability",
-    "Quaternion",
-    "Vector3",
-]
-
 FROZEN = ConfigDict(extra="forbid", allow_inf_nan=False, ser_json_inf_nan="strings")
 """Every value of a scene: unknown fields, NaN and infinity are refused."""
 

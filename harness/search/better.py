@@ -15,8 +15,6 @@ from typing import Any
 from harness.case import Case
 from harness.store.record import Record
 
-__all__ = ["ALIKE", "ANSWERED", "UNDER", "Comparison", "Question", "Run", "compared", "run_of", "run_of_record"]
-
 UNDER = 2 / 3
 """A change that errs no more and costs less than this share of the track is better."""
 ALIKE = 1.1

@@ -26,8 +26,6 @@ from harness.study.foreseen_cost import NoScene, scene_at, too_much
 from harness.study.one_knob import Turn, label_of, turn_between, turned, turns
 from harness.study.trial import Trial
 
-__all__ = ["FACTORS", "changes_of", "drawn_parameters", "due_for_clock", "kept_parameters", "next_trials"]
-
 FACTORS = (0.5, 0.8, 1.25, 2.0)
 """By each of these one numeric parameter of a case is multiplied, drawn from the case's name and the factor."""
 MAYBE = 0.75

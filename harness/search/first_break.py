@@ -22,9 +22,6 @@ from harness.study.axes import axis_of
 from harness.study.experiment import Limit
 from harness.study.trial import Trial
 
-__all__ = ["BROKE", "REMEDY_VALUES", "Bracket", "Ruler", "beyond", "bracket", "next_trials", "next_value", "ruler",
-           "searches_of", "value_of"]  # fmt: skip
-
 REMEDY_VALUES = 3
 """Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
 BROKE = ("failed", "crashed", "diverged")

@@ -32,9 +32,6 @@ from harness.store.record import Record
 from harness.study.one_knob import OPTION, label_of, position, turned
 from harness.study.trial import Trial
 
-__all__ = ["CLOCKED", "PER_ROUND", "RUNS", "SCREENING", "SMALLEST", "TELLING", "due_for_clock", "groups", "next_trials",
-           "position", "room_in", "spread"]  # fmt: skip
-
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""
 TELLING = 1.2

@@ -41,19 +41,6 @@ from harness.study.trial import Trial
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import angle_between
 
-__all__ = [
-    "FLOOR",
-    "Consequence",
-    "Scale",
-    "compared",
-    "departure",
-    "matters",
-    "next_trials",
-    "scale_in",
-    "scale_of",
-    "weighed",
-]
-
 FLOOR = 1e-9
 """Metres and radians: what rounding makes of metres within some ten thousand steps."""
 TWICE = 2.0

@@ -18,8 +18,6 @@ from harness.store.store import Store
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.parting import Extent, apart, common, displaced, length, offsets
 
-__all__ = ["ANSWERED", "FEWEST", "TOLERANCE", "Kind", "OwnLimit", "Rung", "own_limit", "read_run", "rungs_of"]
-
 TOLERANCE = 0.01
 """Of the size of what moves: a hundredth, which is a centimetre of a robot's metre, and what an eye sees in a picture."""
 FEWEST = 3

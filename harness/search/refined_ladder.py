@@ -27,8 +27,6 @@ from harness.study.experiment import Refinement
 from harness.study.trial import Trial, question_of
 from harness.trajectory.parting import Extent, extent
 
-__all__ = ["is_ours", "next_trials", "start_name"]
-
 RESERVED = 1 / 3
 """Of a side's share of the budget, what perturbed starts may take where its ladder has left less."""
 _UNKNOWN = 1e-9

@@ -19,8 +19,6 @@ from harness.study.axes import axis_of
 from harness.study.one_knob import position, turned
 from harness.study.trial import Trial
 
-__all__ = ["remedied"]
-
 DAMPING = 1.0
 """Added to every body [1/s]: a motion halves in 0.7 s."""
 SPLIT = 4

@@ -9,8 +9,6 @@ from typing import Any
 from harness.adapter import Settings
 from harness.study.one_knob import OPTION
 
-__all__ = ["key_of"]
-
 _FIELDS = tuple(one.name for one in fields(Settings) if one.name not in ("options", "source"))
 """Those of `Settings` that decide an answer, beside its options."""
 _values_of = attrgetter(*_FIELDS)

@@ -16,8 +16,6 @@ import numpy as np
 from harness.scene import Lidar
 from harness.trajectory import Floats
 
-__all__ = ["SUB_RAYS", "beams", "by_axis", "spread"]
-
 SUB_RAYS = 7
 
 

@@ -10,8 +10,6 @@ from harness.sensors.pictures import Pictures
 from harness.sensors.reader import Setting
 from harness.trajectory import Floats, State
 
-__all__ = ["CameraReader"]
-
 
 class CameraReader:
     """Frames '<name>/colour' (k, height, width, 3) linear [1], '<name>/depth' (k, height, width) m along the optical axis, inf

@@ -20,8 +20,6 @@ from harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["DepthReader", "answer", "lost", "picture_camera"]
-
 
 def lost(noise: DepthNoise, sight: Sight) -> Mask:
     """Which measurable pixels the principle cannot measure, whatever the dice say, (r,). Raises: Unsupported."""

@@ -20,8 +20,6 @@ from harness.sensors.reader import Setting, row_of
 from harness.trajectory import Floats, State
 from harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
 
-__all__ = ["ImuReader", "ideal"]
-
 
 def ideal(
     imu: Imu, time: Floats, q_WB: Floats, v_WB: Floats, w_WB: Floats, gravity: tuple[float, float, float]

@@ -14,8 +14,6 @@ from harness.scene import AxisNoise
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import rotate_back
 
-__all__ = ["read_out", "sensed"]
-
 
 def sensed(law: AxisNoise, signal_S: Floats) -> Floats:
     """The signal (k, 3) as the channel's own triad and scale have it, before noise."""

@@ -14,8 +14,6 @@ from harness.scene import AxisNoise
 from harness.sensors.seeds import generator
 from harness.trajectory import Floats
 
-__all__ = ["MARKOV_PEAK", "axis_noise", "three_axes"]
-
 MARKOV_PEAK = 0.617364
 """Largest Allan deviation of a Gauss-Markov process over its standard deviation, at tau = 1.89 correlation times."""
 

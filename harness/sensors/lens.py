@@ -12,8 +12,6 @@ import numpy as np
 from harness.scene import Distortion
 from harness.trajectory import Floats
 
-__all__ = ["RESIDUAL", "distort", "undistort"]
-
 RESIDUAL = 1e-14
 """Greatest distance [1], beside rounding, between a point and the distorted image of what `undistort` gives for it."""
 STEPS = 50

@@ -20,8 +20,6 @@ from harness.sensors.reader import Setting, pose_of, row_of
 from harness.trajectory import Floats, Hits, State
 from harness.trajectory.kinematics import product, rotate
 
-__all__ = ["LidarReader", "beams", "ideal", "in_world"]
-
 
 def in_world(lidar: Lidar, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
     """Origins [m] and unit directions of all sub-rays in W, each (sub-rays * channels * columns, 3), for the carrier's pose."""

@@ -17,8 +17,6 @@ from harness.scene import LidarNoise
 from harness.sensors.seeds import generator
 from harness.trajectory import Floats
 
-__all__ = ["ScanNoise", "noisy"]
-
 
 class ScanNoise:
     """The noise of one sensor's scans (channels, columns), in the order of time."""

@@ -12,8 +12,6 @@ from harness.sensors.beams import by_axis
 from harness.sensors.lidar_noise import noisy
 from harness.trajectory import Floats
 
-__all__ = ["Scans", "points"]
-
 
 def points(lidar: Lidar, ranges: Floats) -> Floats:
     """Ranges (k, channels, columns) [m] along the beams, (k, channels, columns, 3), NaN where nothing returned."""

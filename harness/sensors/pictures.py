@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from harness.adapter import Unsupported
 from harness.trajectory import Floats
 
-__all__ = ["LARGEST", "Pictures"]
-
 LARGEST = 2**30
 """Bytes that the frames of one camera may take."""
 

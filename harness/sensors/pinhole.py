@@ -14,8 +14,6 @@ from harness.scene import Camera, DepthCamera
 from harness.sensors.lens import distort, undistort
 from harness.trajectory import Floats
 
-__all__ = ["intrinsics", "pixel_centres", "pixel_rays", "project", "unproject", "view_of"]
-
 VIEW = ("name", "body", "rate", "p_BS", "q_BS", "width", "height", "focal_x", "focal_y", "centre_x", "centre_y")
 
 

@@ -19,8 +19,6 @@ from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, 
 from harness.trajectory import Floats, Hits, State
 from harness.trajectory.kinematics import product, rotate, rotate_back
 
-__all__ = ["first_hits"]
-
 Met = tuple[Floats, Floats]
 """Distance (r,) m, infinite where nothing is met, and outward unit normal (r, 3), zero there."""
 

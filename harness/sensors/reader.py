@@ -9,8 +9,6 @@ from harness.adapter import Simulation
 from harness.scene import WORLD, Quaternion, Scene, Vector3, multiply, rotation_matrix
 from harness.trajectory import Floats, State
 
-__all__ = ["Reader", "Setting", "pose_of", "row_of"]
-
 _WORLD_ROW = np.array([0.0, 0.0, 0.0, 1.0] + [0.0] * 9)
 
 

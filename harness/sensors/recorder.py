@@ -18,8 +18,6 @@ from harness.sensors.reader import Reader, Setting
 from harness.sensors.spinning import SpinningReader
 from harness.trajectory import Floats, State
 
-__all__ = ["SensorRecorder", "steps_between_readings", "steps_of_latency"]
-
 READERS: Mapping[str, Callable[..., Reader]] = {
     "imu": ImuReader,
     "lidar": LidarReader,

@@ -15,8 +15,6 @@ from harness.sensors.second_view import sunlit
 from harness.sensors.sight import Mask, Sight
 from harness.trajectory import Floats
 
-__all__ = ["scattered", "signal", "sunlight", "too_faint"]
-
 
 def scattered(sight: Sight) -> Floats:
     """Share of light that the seen surface itself scatters, (r,) [1]."""

@@ -11,8 +11,6 @@ from harness.sensors.sight import Mask, Sight
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["SLACK", "in_view_of", "lifted", "sunlit"]
-
 SLACK = 1e-3
 SUN_REACH = 1e3
 """How far [m] a thing may stand and still cast a shadow."""

@@ -10,8 +10,6 @@ from functools import lru_cache
 
 import numpy as np
 
-__all__ = ["generator"]
-
 
 @lru_cache(maxsize=256)
 def _words(name: str) -> tuple[int, ...]:

@@ -12,8 +12,6 @@ from harness.scene import DepthCamera, Scene
 from harness.trajectory import Floats, Hits, Integers
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["Cast", "Mask", "Sight", "bounded", "sight_by_rays"]
-
 Cast: TypeAlias = Callable[[Floats, Floats, float], Hits]
 """(origins (r, 3) m, unit directions (r, 3), max_range [m]) in W to first hits."""
 Mask: TypeAlias = NDArray[np.bool_]

@@ -20,8 +20,6 @@ from harness.sensors.reader import Setting, row_of
 from harness.trajectory import Floats, Hits, State
 from harness.trajectory.kinematics import conjugate, product, rotate
 
-__all__ = ["SpinningReader", "pose_between"]
-
 
 def pose_between(early: Floats, late: Floats, interval: float, share: Floats) -> tuple[Floats, Floats]:
     """Places [m] (k, 3) and attitudes (k, 4) of a body at shares 0..1 (k,) of the way between two rows `interval` [s] apart.

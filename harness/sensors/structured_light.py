@@ -14,8 +14,6 @@ from harness.sensors.sight import Mask, Sight
 from harness.sensors.triangulation import through_disparity, too_steep
 from harness.trajectory import Floats
 
-__all__ = ["answer", "lost"]
-
 
 def lost(noise: StructuredLightNoise, sight: Sight) -> Mask:
     """Which measurable pixels are invalid by geometry and optics, (r,). Raises: Unsupported."""

@@ -23,8 +23,6 @@ from harness.sensors.second_view import lifted
 from harness.sensors.sight import Mask, Sight
 from harness.trajectory import Floats
 
-__all__ = ["answer", "lost", "mixed_range", "sigma"]
-
 
 def lost(noise: TimeOfFlightNoise, sight: Sight) -> Mask:
     """Which measurable pixels are invalid by optics, (r,). Raises: Unsupported."""

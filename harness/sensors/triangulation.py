@@ -13,8 +13,6 @@ import numpy as np
 from harness.sensors.sight import Mask, Sight
 from harness.trajectory import Floats
 
-__all__ = ["through_disparity", "too_steep"]
-
 
 def through_disparity(sight: Sight, baseline: float, sigma: float, step: float, normal: Floats) -> Floats:
     """z-depth [m] read off disturbed disparities, (r,), infinite where the ideal one is.

@@ -12,8 +12,6 @@ from harness.sensors.reader import pose_of, row_of
 from harness.sensors.sight import Sight, sight_by_rays
 from harness.trajectory import Floats, Hits, State
 
-__all__ = ["stamps_up_to", "true_frames", "true_sight"]
-
 NEAREST, FARTHEST = 1e-6, 1e6
 """Bounds [m] of what a colour camera sees, which has none of its own."""
 

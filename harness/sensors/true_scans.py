@@ -8,8 +8,6 @@ from harness.sensors.rays import first_hits
 from harness.sensors.reader import row_of
 from harness.trajectory import Floats, State
 
-__all__ = ["true_scans"]
-
 
 def true_scans(scene: Scene, lidar: Lidar, end: float) -> dict[str, Floats]:
     """Streams '<name>/time' (k,), '<name>/range_ideal' and '<name>/intensity_ideal' (k, channels, columns) up to `end` [s].

@@ -16,8 +16,6 @@ from harness.store import disk
 from harness.store.journal import StoreError
 from harness.store.seal import Damaged, check_seal, sealed_archive
 
-__all__ = ["read_arrays", "write_arrays"]
-
 
 def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Write the arrays and their seal, whole or not at all. Raises: StoreError, where the machine does not let it."""

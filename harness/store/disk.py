@@ -10,8 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["Appended", "Calls", "calls", "make_folder", "put_in_place", "read", "remove", "write_atomically"]
-
 Made = TypeVar("Made")
 
 

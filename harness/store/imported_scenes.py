@@ -19,8 +19,6 @@ from harness.scene.importers.imported import Imported
 from harness.store import disk
 from harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
 
-__all__ = ["FOLDER", "MINIMAL", "fidelity_of", "keep", "kept", "kept_by", "looks_of", "unsound"]
-
 FOLDER = "scenes"
 MINIMAL = "minimal"
 """The folder of scenes that the audit of effects proposes; made from the rest, like a report."""

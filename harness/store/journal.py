@@ -19,8 +19,6 @@ from harness.intake.mendable import LiesIn, Mendable
 from harness.store import disk
 from harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
 
-__all__ = ["DamagedFile", "FolderTaken", "Journal", "NoRun", "NotKept", "StoreError", "Written", "read_journal", "read_written"]
-
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
 

@@ -15,8 +15,6 @@ from typing import Any
 
 import psutil
 
-__all__ = ["circumstances", "fingerprint", "machine_digest"]
-
 _PACKAGES = ("plumbline", "numpy", "scipy", "numba", "pandas", "pyarrow", "rerun-sdk", "vl-convert-python")
 
 

@@ -4,8 +4,6 @@ from collections.abc import Iterable
 
 from harness.store.notices import StoredNotice
 
-__all__ = ["base_of_track", "change_in_name", "notices_in_sentences"]
-
 
 def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
     """The warnings of a record of schema 2 or 1, and of a table without its journal.

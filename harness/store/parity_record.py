@@ -8,8 +8,6 @@ from typing import Any, Literal
 from harness.store.disk import make_folder, write_atomically
 from harness.store.seal import Damaged, check_seal, sealed_json
 
-__all__ = ["FILE", "ParityRecord", "Side", "read", "write"]
-
 FILE = "parity.json"
 SCHEMA = 1
 Verdict = Literal["same", "differs", "refused"]

@@ -11,8 +11,6 @@ from typing import Any, Literal
 from harness.store.notices import StoredNotice
 from harness.store.older_schemas import base_of_track, notices_in_sentences
 
-__all__ = ["SCHEMA_VERSION", "Clocked", "Measurement", "Record", "Sample", "Status", "Timing", "digest", "parts_of_runs"]
-
 SCHEMA_VERSION = 3
 """Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were
 sentences, and the base of a track its first word."""

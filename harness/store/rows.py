@@ -5,8 +5,6 @@ from typing import Any
 import pandas as pd
 from pandas.api.extensions import ExtensionDtype
 
-__all__ = ["records"]
-
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:
     """Each row by the names of its columns, in Python's own numbers, None where a yes or no is not known.

@@ -10,8 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Damaged", "check_seal", "sealed_archive", "sealed_json", "sealed_toml"]
-
 _DIGITS = 64
 _BEFORE, _BEHIND = (
     {".npz": b"plumbline ", ".json": b',\n "checksum": "', ".toml": b"# checksum "},

@@ -23,11 +23,6 @@ from harness.store.rows import records
 from harness.store.seal import Damaged, check_seal, sealed_json
 from harness.store.stored_tables import read_tables
 
-__all__ = [
-    "TABLES", "TRIAL_COLUMNS", "NoRun", "Store", "StoreError", "parquet", "read_plain", "tables_of", "write_json",
-    "write_tables",
-]  # fmt: skip
-
 _JSON = json.JSONEncoder(sort_keys=True)
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 TABLES = ("trials", "measurements", "samples")

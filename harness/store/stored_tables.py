@@ -9,8 +9,6 @@ import pandas as pd
 from harness.intake.documents import InputError, regular
 from harness.store.journal import StoreError
 
-__all__ = ["read_tables"]
-
 MOST_ROWS = 20_000_000
 MOST_BYTES = 2 * 2**30
 """What a table may take once it is unpacked."""

@@ -14,8 +14,6 @@ from harness.scene.file import dump_json
 from harness.store.arrays import write_arrays
 from harness.trajectory import Contacts, Trajectory
 
-__all__ = ["kept_hash", "save_trajectory", "trajectory_hash"]
-
 _STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
 _CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")
 

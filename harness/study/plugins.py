@@ -1,8 +1,8 @@
-"""Finding plug-ins: adapters, cases and metrics, by walking a folder and by entry points; nothing is listed by hand.
+"""Finding plug-ins: adapters and cases, by walking a folder and by entry points; nothing is listed by hand.
 
 A name found twice, or a file that does not end in its constant, is an error; an import error is raised, never hidden. A third
-party's plug-in that cannot be loaded is named with the reason, and costs no other one: an engine is unavailable then, a case or
-a metric is left out.
+party's plug-in that cannot be loaded is named with the reason, and costs no other one: an engine is unavailable then, a case is
+left out.
 """
 
 import importlib
@@ -19,7 +19,6 @@ from harness.case.own_titles import OWN
 from harness.intake.mendable import Mendable
 from harness.intake.near_miss import did_you_mean
 from harness.intake.strangers import points, trouble
-from harness.metric import Metric
 from harness.scene import Scene
 from harness.study import environments
 from harness.study.engine_versions import asked, engine_of, version_asked
@@ -160,23 +159,8 @@ def cases(wanted: Callable[[str], bool] = lambda _name: True) -> dict[str, Case]
 
 
 def left_out(kind: str) -> dict[str, str]:
-    """Third parties' plug-ins of a kind ('cases', 'metrics', 'pages') that cannot be loaded, each with the reason."""
+    """Third parties' plug-ins of a kind ('cases', 'pages') that cannot be loaded, each with the reason."""
     return {name: reason for name, point in points(f"plumbline.{kind}").items() if (reason := trouble(point))}
-
-
-def metrics() -> dict[str, Metric]:
-    """All metrics by name, of every file in harness/metrics and of entry points. Raises: PluginError."""
-    by_name: dict[str, Metric] = {}
-    modules = [getattr(importlib.import_module(path), "METRIC", None) for path in _folder("harness.metrics").values()]
-    outside = [point.load() for point in points("plumbline.metrics").values() if not trouble(point)]
-    for group in (*modules, *outside):
-        for metric in group if isinstance(group, tuple) else (group,):
-            if not isinstance(metric, Metric):
-                raise PluginError(f"METRIC is {type(metric).__name__}, expected Metric")
-            if metric.name in by_name:
-                raise PluginError(f"metric '{metric.name}': two files define it, expected one")
-            by_name[metric.name] = metric
-    return by_name
 
 
 def version_of(engine: Adapter) -> tuple[str, str | None]:

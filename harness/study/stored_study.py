@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from harness.store.journal import StoreError
 from harness.store.older_schemas import change_in_name
-from harness.store.store import Store, StoreError
+from harness.store.store import Store
 from harness.study.experiment import Experiment, StudyError, experiment_from
 
 

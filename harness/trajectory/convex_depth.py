@@ -20,8 +20,6 @@ from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphe
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import rotate
 
-__all__ = ["Solid", "Unmeasured", "depth", "reach", "solid"]
-
 FLAT = 1e-9
 """A direction shorter than this, of unit vectors' products and of corners' distances [m], is none."""
 

@@ -12,8 +12,6 @@ from harness.trajectory import Floats, Integers, Trajectory
 from harness.trajectory.convex_depth import Solid, Unmeasured, depth, reach, solid
 from harness.trajectory.kinematics import product, rotate
 
-__all__ = ["pair_depths"]
-
 POSES = 1024
 """Of pairs that are measured in one call: enough to outweigh its start, few enough for the directions of each to fit memory."""
 

@@ -12,8 +12,6 @@ from harness.scene import Ball, Fixed, Scene
 from harness.trajectory.kinematics import joint_coordinate, joint_rate
 from harness.trajectory.trajectory import Floats, State, Trajectory
 
-__all__ = ["JointStates", "joint_states"]
-
 
 @dataclass(frozen=True, slots=True)
 class JointStates:

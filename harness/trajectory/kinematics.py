@@ -8,20 +8,6 @@ import numpy as np
 from harness.scene import WORLD, Distance, Joint, Prismatic, Revolute, Scene
 from harness.trajectory import Floats, Integers, Trajectory
 
-__all__ = [
-    "across_axis",
-    "anchors",
-    "angle_between",
-    "conjugate",
-    "cross",
-    "joint_coordinate",
-    "joint_rate",
-    "movable",
-    "product",
-    "rotate",
-    "rotate_back",
-]
-
 
 def conjugate(q: Floats) -> Floats:
     """The inverse rotation, (..., 4)."""

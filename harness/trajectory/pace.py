@@ -12,8 +12,6 @@ import numpy as np
 from harness.trajectory.recorded_frames import LOADED_COMPUTER
 from harness.trajectory.trajectory import Floats
 
-__all__ = ["PACES", "Pace"]
-
 PACES = {"loaded": LOADED_COMPUTER}
 """Recorded sequences of lengths, in any unit, by name."""
 

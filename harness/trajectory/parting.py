@@ -15,8 +15,6 @@ from harness.scene import WORLD, Scene
 from harness.trajectory.kinematics import conjugate, movable, product
 from harness.trajectory.trajectory import Floats, Integers, Trajectory
 
-__all__ = ["NOTHING", "Extent", "apart", "common", "displaced", "extent", "length", "offsets"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Extent:

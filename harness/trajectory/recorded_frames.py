@@ -9,8 +9,6 @@ the start of each frame. Nothing is smoothed, sorted or left out. Mean 18056 us,
 
 from typing import Final
 
-__all__ = ["LOADED_COMPUTER"]
-
 # fmt: off
 LOADED_COMPUTER: Final = (
     19975, 14305, 20394, 22339, 18951, 15996, 15121, 16664, 20224, 13113, 16658, 16683, 16654, 16877, 16515,

@@ -30,8 +30,6 @@ from harness.scene.shape import Shape
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import product, rotate
 
-__all__ = ["Touch", "reach", "reach_of", "touches"]
-
 CLOSE = 1e-9
 """Of the thinner body's width: separations below are rounding of a scene that means to touch."""
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from harness.scene import Scene
 
-__all__ = ["UNSHARED", "Contacts", "Floats", "Hits", "Image", "Integers", "State", "Trajectory"]
-
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
 

@@ -31,8 +31,6 @@ from harness.trial.simulate import simulate
 from harness.trial.step_time import StepTime
 from harness.trial.truth_cache import bounded, truth_of
 
-__all__ = ["Answer", "answer_of", "judge", "outcome", "refusal", "run_trial"]
-
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
     """The record of a trial that gave no trajectory."""

@@ -25,11 +25,6 @@ from harness.study.trial import Trial
 from harness.trajectory import State
 from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
 
-__all__ = [
-    "FEW", "LONG", "TOGETHER", "Bench", "NotClocked", "Sampling", "calibrate", "caster", "clock_steps", "rough_cost",
-    "rough_cost_beside",
-]  # fmt: skip
-
 TOGETHER = 4
 """Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""
 LONG = 10.0

@@ -12,8 +12,6 @@ from harness.case import Case
 from harness.study.trial import Trial
 from harness.trial.bench import Bench, rough_cost_beside
 
-__all__ = ["SHORT", "ratio_to_tuned"]
-
 SHORT = 0.05
 """Of steps [s]: a run that takes no longer is repeated."""
 TURNS = 3

@@ -20,8 +20,6 @@ from harness.scene import Scene
 from harness.statistics.richardson import extrapolate
 from harness.trajectory import Floats, State, Trajectory
 
-__all__ = ["converged", "ladder"]
-
 CERTIFIED = 1e-10
 """Largest relative residual of a step that a truth may rest on."""
 PATIENCE = 1e6

@@ -14,8 +14,6 @@ from typing import Any
 
 from harness.trial.bench import Bench
 
-__all__ = ["Spent", "emulated_share", "stopwatch"]
-
 
 @dataclass(slots=True)
 class Spent:

@@ -23,8 +23,8 @@ from harness.adapter import Adapter, Diverged, SettingsError, Unavailable, Unsup
 from harness.case import Case
 from harness.case.starts import Member, member
 from harness.metric import NotMeasurable
-from harness.metrics.collapse import COLLAPSE_TIME, SIGNS, first_break
-from harness.metrics.stack import STANDING_HEIGHT
+from harness.metrics.collapse import SIGNS, collapse_time, first_break
+from harness.metrics.stack import standing_height
 from harness.scene import Scene
 from harness.store.record import Measurement, Record
 from harness.store.trajectory_file import save_trajectory
@@ -33,8 +33,6 @@ from harness.trajectory import Trajectory
 from harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
 from harness.trial.bench import Bench, rough_cost
 from harness.trial.truth_cache import bounded, truth_of
-
-__all__ = ["BROKE_BY", "HELD", "OWN_CHECKS", "SIGN", "STARTS", "endure"]
 
 HELD, STARTS = "held_share", "starts"
 """The share of the starts that held, and how many there were: one, of a scene that cannot start otherwise."""
@@ -62,7 +60,7 @@ class Fate:
 
 def _stands(case: Case) -> bool:
     """Is the scene one that should stand?"""
-    return any(check.metric in (STANDING_HEIGHT, COLLAPSE_TIME) for check in case.checks)
+    return any(check.metric in (standing_height, collapse_time) for check in case.checks)
 
 
 def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path | None) -> Fate:

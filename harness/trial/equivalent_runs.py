@@ -15,8 +15,6 @@ from harness.trajectory.pace import Pace
 from harness.trial.paced import paced
 from harness.trial.simulate import simulate, steps_between_samples
 
-__all__ = ["equivalent_run", "equivalent_streams"]
-
 
 def equivalent_streams(
     retelling: Retelling, adapter: Adapter, settings: Settings, duration: float, sample_interval: float

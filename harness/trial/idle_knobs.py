@@ -14,8 +14,6 @@ from harness.store.record import Record
 from harness.study.one_knob import turned, turns
 from harness.study.trial import Trial
 
-__all__ = ["idle_turns", "is_surveyed"]
-
 
 def is_surveyed(trial: Trial, record: Record) -> bool:
     """Will knobs be turned from the settings of this trial, so that those that are idle here have to be known?"""

@@ -5,8 +5,6 @@ from typing import Any, cast
 from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from harness.trajectory.pace import Pace
 
-__all__ = ["Paced", "check_paced", "paced"]
-
 
 def check_paced(adapter: Adapter, settings: Settings) -> None:
     """Raises: Unsupported, where the settings ask for uneven steps and the engine takes none."""

@@ -16,8 +16,6 @@ from harness.sensors.reader import row_of
 from harness.trajectory import Floats, State, Trajectory
 from harness.trajectory.kinematics import rotate_back
 
-__all__ = ["readings_due"]
-
 SAME = 1e-9
 """Seconds between a reading and a sample of one instant."""
 

@@ -13,8 +13,6 @@ from harness.sensors.reader import row_of
 from harness.sensors.recorder import SensorRecorder, steps_between_readings
 from harness.trajectory import State
 
-__all__ = ["bare_rays", "sensed_interval", "steps_of_interval"]
-
 
 def bare_rays(scene: Scene) -> Rays:
     """The beams of all range finders of a scene, from where they stand at its start, as far as the longest goes.

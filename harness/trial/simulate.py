@@ -10,8 +10,6 @@ from harness.sensors.recorder import SensorRecorder
 from harness.trajectory import Contacts, Floats, State, Trajectory
 from harness.trajectory.pace import Pace
 
-__all__ = ["simulate", "steps_between_samples"]
-
 UNIT = 1e-6
 """How far the norm of a quaternion may be off 1: ten times what one that is normalised in single precision leaves."""
 

@@ -3,8 +3,6 @@
 import time
 from typing import Any
 
-__all__ = ["StepTime"]
-
 
 class StepTime:
     """A simulation with the CPU time of all its steps so far; all else is the simulation's own.

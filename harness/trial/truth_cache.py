@@ -22,8 +22,6 @@ from harness.study.plugins import adapter
 from harness.trajectory import Floats, Trajectory
 from harness.trial.converged_truth import converged
 
-__all__ = ["bounded", "truth_of"]
-
 LONG = 0.1
 """Seconds from which on a closed form or a bound is kept: reading it back takes a few milliseconds."""
 

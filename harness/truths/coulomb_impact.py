@@ -4,8 +4,6 @@ import numpy as np
 
 from harness.trajectory import Floats
 
-__all__ = ["coulomb_impact"]
-
 
 def coulomb_impact(
     v_W: Floats, w_W: Floats, mass: float, moment: float, arm: float, restitution: float, friction: float

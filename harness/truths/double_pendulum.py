@@ -8,8 +8,6 @@ import numpy as np
 from harness.scene import EARTH_GRAVITY, box_inertia
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["INERTIA", "LENGTH", "MASS", "THICKNESS", "D", "acceleration", "placed", "poses"]
-
 G = -EARTH_GRAVITY[2]
 LENGTH, MASS, THICKNESS = 0.5, 1.0, 0.025
 D = LENGTH / 2

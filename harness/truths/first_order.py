@@ -12,8 +12,6 @@ import numpy as np
 
 from harness.trajectory import Floats
 
-__all__ = ["FIRST_ORDER", "first_order_motions", "true_motion"]
-
 FIRST_ORDER = (
     "twice the error, to first order in dt, of the worst of the four textbook first-order methods (forces of the start or of "
     "the end of a step, moved by new or old rates) in this very motion; the factor 2 leaves room for terms of second order"

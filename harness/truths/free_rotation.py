@@ -11,8 +11,6 @@ from harness.scene.values import Vector3
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import conjugate, product, rotate
 
-__all__ = ["FIRST_ORDER", "body_rates", "first_order_errors", "free_rotation"]
-
 FIRST_ORDER = (
     "twice the error, to first order in dt, of the worst of the four textbook first-order methods (gyroscopic torque explicit "
     "or implicit, turning by old or new rates) in this very motion; the factor 2 leaves room for terms of second order"

@@ -3,8 +3,6 @@
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
 
-__all__ = ["at_rest"]
-
 
 def at_rest(scene: Scene, time: Floats) -> Trajectory:
     """The bodies of a scene in their places at each time [s], with no speed."""

@@ -11,8 +11,6 @@ import numpy as np
 
 from harness.trajectory import Floats
 
-__all__ = ["grip_time", "rolling"]
-
 
 def grip_time(speed: float, rim: float, friction: float, factor: float, pull: float, load: float) -> float:
     """The instant [s] at which a slip ends; inf where it does not.

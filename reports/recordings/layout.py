@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from harness.store.store import NoRun, Store
+from harness.store.journal import NoRun
+from harness.store.store import Store
 from reports.text import slug
 
 __all__ = [

@@ -10,7 +10,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from harness.store.imported_scenes import looks_of
-from harness.store.store import Store, StoreError
+from harness.store.journal import StoreError
+from harness.store.store import Store
 from reports.palette import looks
 from reports.recordings.layout import run_path
 from reports.recordings.rotation import Floats

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from harness.study import plugins
+from tests.all_metrics import all_metrics
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("harness", "adapters", "cases", "reports", "engine")
@@ -177,7 +178,7 @@ def test_every_plug_in_is_found_and_ends_in_its_constant(kind: str) -> None:
 
 
 def test_metrics_have_unique_names_units_and_sources() -> None:
-    for name, metric in plugins.metrics().items():
+    for name, metric in all_metrics().items():
         assert name == metric.name
         assert metric.unit
         assert metric.source

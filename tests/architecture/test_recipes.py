@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 GROUPS = {
     "adapters/flight.py": ("adapters", "flight", "ADAPTER"),
     "cases/flight_straight.py": ("cases", "flight_straight", "CASE"),
-    "harness/metrics/way.py": ("metrics", "way", "METRIC"),
+    "harness/metrics/way.py": ("", "way", ""),
     "reports/pages/roll.py": ("pages", "roll", "PAGE"),
     "harness/scene/importers/formats/chain.py": ("importers", "chain", "IMPORTER"),
 }
@@ -43,7 +43,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for path, text in recipes().items():
         group, name, constant = GROUPS[path]
         (folder / f"recipe_{name}.py").write_text(text)
-        lines.append(f"[plumbline.{group}]\n{name} = recipe_{name}:{constant}\n")
+        lines += [] if not group else [f"[plumbline.{group}]\n{name} = recipe_{name}:{constant}\n"]
     (info / "entry_points.txt").write_text("".join(lines))
     return folder
 
@@ -73,8 +73,9 @@ def test_all_five_recipes_are_printed() -> None:
 LISTED = """
 import json
 from harness.study import plugins
+from recipe_way import way
 found = {kind: plugins.names(kind) for kind in ("adapters", "cases")}
-print(json.dumps(found | {"unit": plugins.metrics()["way"].unit}))
+print(json.dumps(found | {"unit": way.unit}))
 """
 
 

@@ -12,7 +12,7 @@ import pytest
 from cases.system_level_of_detail import inner
 from harness.adapter import Settings
 from harness.case import Case, Check
-from harness.metrics.position import POSITION_MAX
+from harness.metrics.position import position_error_max
 from harness.scene import EARTH_GRAVITY
 from harness.study import plugins
 from harness.study.experiment import Experiment
@@ -153,7 +153,7 @@ def test_a_bound_is_of_the_step_that_is_taken_unless_it_names_the_one_between_tw
     assert fall.bound(1 / 60, substep=1 / 480) == pytest.approx(fall.bound(1 / 480), rel=1e-12)
     (end,) = (check for check in CASES["stack_card_house"].checks if check.metric.better == "higher")
     assert end.bound(1 / 60, substep=1 / 480) == end.bound(1 / 60)
-    both = Check(metric=POSITION_MAX, at_most=lambda dt, outer, speed=1.0: speed * (dt + 10 * outer), because="test")
+    both = Check(metric=position_error_max, at_most=lambda dt, outer, speed=1.0: speed * (dt + 10 * outer), because="test")
     assert both.bound(0.1, {"speed": 2.0}, 0.025) == pytest.approx(2.05, rel=1e-12)
     assert both.bound(0.1) == pytest.approx(1.1, rel=1e-12)
 
@@ -163,7 +163,7 @@ def _case(check: Check) -> Case:
 
 
 def test_a_bound_that_names_no_parameter_of_its_case_is_refused() -> None:
-    check = Check(metric=POSITION_MAX, at_most=lambda dt, mass=1.0: mass * dt, because="test")
+    check = Check(metric=position_error_max, at_most=lambda dt, mass=1.0: mass * dt, because="test")
     with pytest.raises(
         ValueError, match="bound of position_error_max names the parameter 'mass', expected some of: speed, spin"
     ):

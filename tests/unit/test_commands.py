@@ -125,7 +125,11 @@ def test_a_file_of_commands_beside_a_robot_moves_the_targets_of_its_joints(tmp_p
         ('commands = "gait.csv"', "time,j", "its target moves, and it has no drive that follows"),
         ('commands = "gait.csv"\n[joints.j]\ntarget = 1.0', "time,j", "has a column in gait.csv and a target"),
         ('[joints.j]\nmotion = { type = "sinusoid", amplitude = 1.0 }', "time,j", "frequency: Field required"),
-        ('[joints.j]\nmotion = { type = "sinusoid", freq = 1.0 }', "time,j", "'freq' is unknown, expected one of amplitude"),
+        (
+            '[joints.j]\nmotion = { type = "sinusoid", freq = 1.0 }',
+            "time,j",
+            "freq: unknown, got 1.0, expected one of amplitude",
+        ),
     ],
 )
 def test_commands_that_reach_no_joint_are_refused(tmp_path: Path, toml: str, header: str, said: str) -> None:

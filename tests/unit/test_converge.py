@@ -11,7 +11,7 @@ import pytest
 from adapters.reference import ADAPTER
 from harness.case import Case, Check
 from harness.metric import Metric, NotMeasurable
-from harness.metrics.position import POSITION_MAX
+from harness.metrics.position import position_error_max
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
 from harness.statistics.richardson import extrapolate
 from harness.trajectory import Floats, Trajectory
@@ -150,11 +150,13 @@ def _case(at_most: float) -> Case:
     return Case(
         name="impact_made", title="", question="", source="", truth="converged reference", duration=0.25, coarsest=1 / 120,
         scene=lambda: _scene(_sphere(0.47), restitution=0.7),
-        checks=(Check(metric=POSITION_MAX, at_most=at_most, because="test"), Check(metric=WAY, at_most=0.0, because="test")),
+        checks=(
+            Check(metric=position_error_max, at_most=at_most, because="test"), Check(metric=WAY, at_most=0.0, because="test"),
+        ),
     )  # fmt: skip
 
 
-WAY = Metric(name="way", unit="m", source="test", measure=lambda _scene, actual, _expected: float(actual.p_WB[-1, 1, 2]))
+WAY = Metric(name="way", unit="m", source="test", measure=lambda run: float(run.actual.p_WB[-1, 1, 2]))
 """A length that no truth is needed for."""
 
 
@@ -226,7 +228,7 @@ def test_slow_bounds_are_worked_out_once_for_a_folder_and_a_step(tmp_path: Path)
         sleep(1.5 * LONG)
         return dt / 3.0
 
-    case = replace(_case(0.0), checks=(Check(metric=POSITION_MAX, at_most=slow, because="test"), *_case(0.0).checks[1:]))
+    case = replace(_case(0.0), checks=(Check(metric=position_error_max, at_most=slow, because="test"), *_case(0.0).checks[1:]))
     first, again = bounded(case, 0.1, 0.1, {}, tmp_path), bounded(case, 0.1, 0.1, {}, tmp_path)
     assert first.checks[0].at_most == again.checks[0].at_most == 0.1 / 3.0
     assert calls == [0.1]

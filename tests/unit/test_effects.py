@@ -18,7 +18,7 @@ from harness.case.own_titles import called
 from harness.cli.minimal_scene import write_minimal
 from harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
 from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.run.campaign import carry_out
 from harness.run.verify import problems
 from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
@@ -61,7 +61,7 @@ def tumbling() -> Scene:
 
 
 def case_of(name: str, scene: Scene, **more: object) -> Case:
-    check = Check(metric=DIVERGENCE, at_most=0.0, because="")
+    check = Check(metric=divergence, at_most=0.0, because="")
     return Case(
         name=name,
         title="",

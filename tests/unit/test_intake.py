@@ -13,7 +13,8 @@ import pytest
 from harness.case.scene_file import own_case
 from harness.intake.allowance import VARIABLE, Allowance, AllowanceError, allowance, allowing, beyond
 from harness.intake.safe_text import quoted, readable
-from harness.store.store import Store, StoreError
+from harness.store.journal import StoreError
+from harness.store.store import Store
 from harness.study.catalogue import describe_case
 from harness.study.stored_study import experiments_of
 from tests.run_folder import write_run_folder

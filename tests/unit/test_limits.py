@@ -12,7 +12,7 @@ from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Un
 from harness.case import Axis, Case, Check
 from harness.case.starts import TOLERANCE, member
 from harness.metric import Metric, NotMeasurable
-from harness.metrics.divergence import DIVERGENCE
+from harness.metrics.divergence import divergence
 from harness.scene import Body, Effect, PlacedShape, Scene, Sphere
 from harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
 from harness.search.remedies import remedied
@@ -42,11 +42,11 @@ def case_of(easy: float = EASY, extreme: float = EXTREME, first: float = EASY, *
         source="",
         truth="conservation",
         scene=stage,
-        checks=(Check(metric=DIVERGENCE, at_most=0.0, because=""),),
+        checks=(Check(metric=divergence, at_most=0.0, because=""),),
         parameters={"speed": first},
         duration=0.1,
         hard=Axis(parameter="speed", unit="m/s", easy=easy, extreme=extreme, lost=0.0),
-        headline=DIVERGENCE.name,
+        headline=divergence.name,
         **more,
     )
 

@@ -8,7 +8,8 @@ from multiprocessing.connection import Connection
 import numpy as np
 import pytest
 
-from harness.run.message import LONGEST, BrokenMessage, Inbox, read_sample, readable, send
+from harness.intake.safe_text import readable
+from harness.run.message import LONGEST, BrokenMessage, Inbox, read_sample, send
 from harness.store.record import Sample
 
 SAMPLE = Sample(process=0, block=1, steps=7, cpu=0.1, wall=0.2, canary=0.3, switches=0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.collapse import COLLAPSE_TIME, first_break
+from harness.metrics.collapse import collapse_time, first_break
 from harness.scene import Body, Box, Cylinder, Drive, PlacedShape, Plane, Revolute, Scene, Surface, axis_angle, box_inertia
 from harness.trajectory import Contacts, Trajectory
 
@@ -34,7 +34,7 @@ def stand(scene: Scene = STAGE) -> Trajectory:
 
 def test_what_stands_stands_to_the_end() -> None:
     assert first_break(STAGE, stand()) == (1.0, "")
-    assert COLLAPSE_TIME(STAGE, stand()) == 1.0
+    assert collapse_time(STAGE, stand()) == 1.0
 
 
 @pytest.mark.parametrize(("height", "time"), [(0.46, 1.0), (0.44, 0.7)])
@@ -94,7 +94,7 @@ def test_the_first_sign_counts() -> None:
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
     run = stand()
     run.p_WB[5, 1, 0] = bad
-    assert math.isnan(COLLAPSE_TIME(STAGE, run))
+    assert math.isnan(collapse_time(STAGE, run))
 
 
 @pytest.mark.parametrize(
@@ -112,4 +112,4 @@ def test_where_no_exact_depth_is_known_the_engine_s_own_points_count(gap: float,
 
 def test_no_samples_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="samples"):
-        COLLAPSE_TIME(STAGE, stand().between(5.0, 6.0))
+        collapse_time(STAGE, stand().between(5.0, 6.0))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.metrics.collapse import first_break
-from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
+from harness.metrics.inscribed_overlap import inscribed_overlap
 from harness.scene import WORLD, Body, PlacedShape, Plane, Prismatic, Revolute, Scene, Sphere, Spring, Surface
 from harness.trajectory import Trajectory
 
@@ -49,6 +49,6 @@ def test_a_ball_in_the_ground_is_as_deep_as_it_is() -> None:
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     scene = Scene(bodies=(ground, ball), surfaces=(Surface(),))
     sunk = run(scene, 0.0)
-    assert INSCRIBED_OVERLAP(scene, sunk) == 0.0
+    assert inscribed_overlap(scene, sunk) == 0.0
     sunk.p_WB[1, 1, 2] = 0.07
-    assert INSCRIBED_OVERLAP(scene, sunk) == pytest.approx(0.03)
+    assert inscribed_overlap(scene, sunk) == pytest.approx(0.03)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.contact_flips import CONTACT_FLIPS
+from harness.metrics.contact_flips import contact_flips
 from harness.scene import Body, Scene
 from harness.trajectory import Contacts, Trajectory
 
@@ -28,38 +28,38 @@ FOUR = [(0, 1)] * 4 + [(1, 2)] * 4
 
 
 def test_a_constant_set_never_flips_in_whatever_order_it_is_listed() -> None:
-    assert CONTACT_FLIPS(STAGE, run(touching(FOUR), touching(FOUR[::-1]), touching(FOUR))) == 0.0
+    assert contact_flips(STAGE, run(touching(FOUR), touching(FOUR[::-1]), touching(FOUR))) == 0.0
 
 
 def test_each_point_that_comes_or_goes_counts_once_a_step() -> None:
     # Two points of one pair go (2), one comes back (1), and the other pair loses all four (4), in four steps.
     sets = [FOUR, FOUR[2:], FOUR[2:], FOUR[1:], FOUR[1:4]]
-    assert CONTACT_FLIPS(STAGE, run(*(touching(s) for s in sets))) == pytest.approx(7 / 4)
+    assert contact_flips(STAGE, run(*(touching(s) for s in sets))) == pytest.approx(7 / 4)
 
 
 def test_points_that_change_pairs_flip_although_their_number_stays() -> None:
-    assert CONTACT_FLIPS(STAGE, run(touching([(0, 1)]), touching([(0, 2)]))) == 2.0
+    assert contact_flips(STAGE, run(touching([(0, 1)]), touching([(0, 2)]))) == 2.0
 
 
 def test_a_listed_point_without_force_does_not_touch() -> None:
     near = touching([(0, 2)], force=0.0)
     first = touching([(0, 1)])
     joined = Contacts(*(np.concatenate((getattr(first, f), getattr(near, f))) for f in first.__slots__))
-    assert CONTACT_FLIPS(STAGE, run(first, joined, first)) == 0.0
+    assert contact_flips(STAGE, run(first, joined, first)) == 0.0
 
 
 def test_bodies_that_touch_nothing_do_not_pass_for_steady_ones() -> None:
-    assert math.isnan(CONTACT_FLIPS(STAGE, run(touching([]), touching([]))))
+    assert math.isnan(contact_flips(STAGE, run(touching([]), touching([]))))
 
 
 def test_what_is_not_finite_is_never_swallowed() -> None:
-    assert math.isnan(CONTACT_FLIPS(STAGE, run(touching(FOUR), touching(FOUR, force=math.nan))))
+    assert math.isnan(contact_flips(STAGE, run(touching(FOUR), touching(FOUR, force=math.nan))))
 
 
 def test_missing_contacts_and_skipped_steps_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no contacts"):
-        CONTACT_FLIPS(STAGE, Trajectory.of(np.arange(3.0), 3))
+        contact_flips(STAGE, Trajectory.of(np.arange(3.0), 3))
     with pytest.raises(NotMeasurable, match="every step"):
-        CONTACT_FLIPS(STAGE, replace(run(touching(FOUR), touching(FOUR)), dt=0.005))
+        contact_flips(STAGE, replace(run(touching(FOUR), touching(FOUR)), dt=0.005))
     with pytest.raises(NotMeasurable, match="two samples"):
-        CONTACT_FLIPS(STAGE, run(touching(FOUR)))
+        contact_flips(STAGE, run(touching(FOUR)))

@@ -8,7 +8,7 @@ import pytest
 
 from harness.metric import NotMeasurable
 from harness.metric.contact_impulses import impulses_of
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
+from harness.metrics.contact_force import support_force_error
 from harness.scene import Body, Scene
 from harness.trajectory import Contacts, Trajectory
 
@@ -40,16 +40,16 @@ def run(*instants: list[tuple[int, int, tuple[float, float, float]]]) -> Traject
 
 
 def test_a_ground_that_bears_all_the_weight_has_no_error() -> None:
-    assert SUPPORT_FORCE_ERROR(STAGE, run([(0, 1, (0, 0, 5 * G)), (1, 2, (0, 0, 3 * G))])) == pytest.approx(0.0, abs=1e-15)
+    assert support_force_error(STAGE, run([(0, 1, (0, 0, 5 * G)), (1, 2, (0, 0, 3 * G))])) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_a_wall_that_is_body_b_counts_with_its_sign_turned() -> None:
     # The force on the wall points down, so the wall holds body b up.
-    assert SUPPORT_FORCE_ERROR(STAGE, run([(0, 1, (0, 0, 2 * G)), (2, 3, (0, 0, -3 * G))])) == pytest.approx(0.0, abs=1e-15)
+    assert support_force_error(STAGE, run([(0, 1, (0, 0, 2 * G)), (2, 3, (0, 0, -3 * G))])) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_the_mean_over_the_window_counts() -> None:
-    assert SUPPORT_FORCE_ERROR(STAGE, run([(0, 1, (0, 0, 6 * G))], [(0, 1, (0, 0, 4 * G))])) == pytest.approx(0.0, abs=1e-15)
+    assert support_force_error(STAGE, run([(0, 1, (0, 0, 6 * G))], [(0, 1, (0, 0, 4 * G))])) == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize(("mean", "error"), [(5.0, 0.0), (4.5, 0.1)])
@@ -59,34 +59,34 @@ def test_the_impulse_of_all_steps_counts_where_it_was_summed_up_and_not_what_sam
     stretches = [1e3, *np.diff(shaking.time)]
     sums = [{(0, 1): np.array([0.0, 0.0, seconds * mean * G])} for seconds in stretches]
     borne = replace(shaking, streams=impulses_of(list(shaking.time), sums))
-    assert SUPPORT_FORCE_ERROR(STAGE, borne) == pytest.approx(error, abs=1e-14)
-    assert SUPPORT_FORCE_ERROR(STAGE, borne.between(0.1, 0.3)) == pytest.approx(error, abs=1e-14)
+    assert support_force_error(STAGE, borne) == pytest.approx(error, abs=1e-14)
+    assert support_force_error(STAGE, borne.between(0.1, 0.3)) == pytest.approx(error, abs=1e-14)
     sums[-1][0, 1][:] = math.nan
-    assert math.isnan(SUPPORT_FORCE_ERROR(STAGE, replace(borne, streams=impulses_of(list(shaking.time), sums))))
+    assert math.isnan(support_force_error(STAGE, replace(borne, streams=impulses_of(list(shaking.time), sums))))
 
 
 @pytest.mark.parametrize(
     ("force", "error"), [((0, 0, 4 * G), 0.2), ((0, 0, 5.5 * G), 0.1), ((0.5 * G, 0, 5 * G), 0.1), ((0, 0, -5 * G), 2.0)]
 )
 def test_missing_surplus_and_sideways_forces_are_errors(force: tuple[float, float, float], error: float) -> None:
-    assert SUPPORT_FORCE_ERROR(STAGE, run([(0, 1, force)])) == pytest.approx(error)
+    assert support_force_error(STAGE, run([(0, 1, force)])) == pytest.approx(error)
 
 
 def test_forces_between_movable_bodies_bear_nothing() -> None:
-    assert SUPPORT_FORCE_ERROR(STAGE, run([(1, 2, (0, 0, 5 * G))])) == pytest.approx(1.0)
+    assert support_force_error(STAGE, run([(1, 2, (0, 0, 5 * G))])) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
-    assert not math.isfinite(SUPPORT_FORCE_ERROR(STAGE, run([(0, 1, (0.0, 0.0, bad))])))
+    assert not math.isfinite(support_force_error(STAGE, run([(0, 1, (0.0, 0.0, bad))])))
     broken = run([(0, 1, (0, 0, 5 * G))])
     broken.v_WB[0, 1, 0] = bad
-    assert math.isnan(SUPPORT_FORCE_ERROR(STAGE, broken))
+    assert math.isnan(support_force_error(STAGE, broken))
 
 
 def test_missing_contacts_and_missing_weight_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no contacts"):
-        SUPPORT_FORCE_ERROR(STAGE, Trajectory.of(np.arange(3.0), 4))
+        support_force_error(STAGE, Trajectory.of(np.arange(3.0), 4))
     floating = Scene(bodies=STAGE.bodies, gravity=(0.0, 0.0, 0.0))
     with pytest.raises(NotMeasurable, match="weight"):
-        SUPPORT_FORCE_ERROR(floating, run([]))
+        support_force_error(floating, run([]))

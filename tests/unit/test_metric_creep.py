@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.creep import CREEP_SPEED
+from harness.metrics.creep import creep_speed
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
 
@@ -21,28 +21,28 @@ def truth() -> Trajectory:
 
 
 def test_bodies_that_stay_do_not_creep_however_others_slide() -> None:
-    assert CREEP_SPEED(STAGE, truth(), truth()) == 0.0
+    assert creep_speed(STAGE, truth(), truth()) == 0.0
 
 
 def test_the_fastest_held_body_counts_whichever_way_it_creeps() -> None:
     actual = truth()
     actual.p_WB[:, 0, 1] = -0.001 * TIME
     actual.p_WB[:, 1, 2] = -0.004 * TIME
-    assert CREEP_SPEED(STAGE, actual, truth()) == pytest.approx(0.004)
+    assert creep_speed(STAGE, actual, truth()) == pytest.approx(0.004)
 
 
 def test_what_is_not_finite_is_never_swallowed() -> None:
     actual = truth()
     actual.v_WB[3, 0, 0] = math.inf
-    assert math.isnan(CREEP_SPEED(STAGE, actual, truth()))
+    assert math.isnan(creep_speed(STAGE, actual, truth()))
 
 
 def test_without_held_bodies_or_a_truth_there_is_no_creep_to_measure() -> None:
     sliding = Trajectory.of(TIME, 4)
     sliding.p_WB[:, :, 0] = TIME[:, None]
     with pytest.raises(NotMeasurable, match="holds no body"):
-        CREEP_SPEED(STAGE, sliding, sliding)
+        creep_speed(STAGE, sliding, sliding)
     with pytest.raises(NotMeasurable, match="no truth"):
-        CREEP_SPEED(STAGE, truth(), None)
+        creep_speed(STAGE, truth(), None)
     with pytest.raises(NotMeasurable, match="two samples"):
-        CREEP_SPEED(STAGE, Trajectory.of(TIME[:1], 4), truth())
+        creep_speed(STAGE, Trajectory.of(TIME[:1], 4), truth())

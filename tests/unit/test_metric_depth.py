@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.depth_error import DEPTH_ERROR_MAX, DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS
-from harness.metrics.depth_missing import DEPTH_LOST_ANSWERED, DEPTH_MISSING_SCORE
-from harness.metrics.depth_noise import BANDS, DEPTH_CORRELATION, DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE
-from harness.metrics.depth_quantisation import DISPARITY_STEP_ERROR
-from harness.metrics.pixel_error import PIXEL_ERROR
-from harness.metrics.range_wrap import UNWRAPPED_SHARE
-from harness.metrics.silhouette import SILHOUETTE_IOU
+from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
+from harness.metrics.depth_noise import BANDS, depth_correlation_score, depth_mean_score, depth_spread_score
+from harness.metrics.depth_quantisation import disparity_step_error
+from harness.metrics.pixel_error import pixel_error
+from harness.metrics.range_wrap import range_unwrapped_share
+from harness.metrics.silhouette import silhouette_iou
 from harness.scene import (
     Body,
     Box,
@@ -99,7 +99,13 @@ def _answered(law: Any, made_by: Any = None, seed: int = 1, frames: int = 3) -> 
 
 def _all(law: Any, streams: dict[str, Floats], truth: dict[str, Floats] | None = None) -> dict[str, float]:
     found = {}
-    for metric in (DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE, DEPTH_MISSING_SCORE, DEPTH_LOST_ANSWERED, DISPARITY_STEP_ERROR):
+    for metric in (
+        depth_mean_score,
+        depth_spread_score,
+        depth_missing_score,
+        depth_lost_but_answered_share,
+        disparity_step_error,
+    ):
         try:
             found[metric.name] = metric(_scene(law), _of(streams), _of(_truth(law) if truth is None else truth))
         except NotMeasurable:
@@ -124,7 +130,7 @@ def test_noise_of_the_law_raises_no_alarm_in_many_seeds_and_scores_as_normal_var
         assert scores[name].max() < FALSE_ALARM
         level = (2 * norm.cdf(scores[name]) - 1) ** BANDS
         assert level.mean() == pytest.approx(0.5, abs=5 * np.sqrt(1 / 12 / seeds))
-    assert max(DEPTH_CORRELATION(_scene(law), _of(_answered(law, seed=seed))) for seed in range(20)) < FALSE_ALARM
+    assert max(depth_correlation_score(_scene(law), _of(_answered(law, seed=seed))) for seed in range(20)) < FALSE_ALARM
     if law is not PHASE:
         assert scores["disparity_step_error"].max() < 1e-12
         assert scores["depth_lost_but_answered_share"].max() == 0.0
@@ -144,7 +150,7 @@ def test_noise_of_the_law_raises_no_alarm_in_many_seeds_and_scores_as_normal_var
 )
 def test_a_wrong_spread_is_seen_even_where_only_its_growth_with_depth_is_wrong(law: Any, wrong: dict[str, float]) -> None:
     streams = _answered(law, replace(law, **wrong))
-    assert DEPTH_SPREAD_SCORE(_scene(law), _of(streams)) > FALSE_ALARM
+    assert depth_spread_score(_scene(law), _of(streams)) > FALSE_ALARM
 
 
 def test_a_bias_of_a_quarter_of_sigma_in_one_band_is_seen_in_the_mean() -> None:
@@ -152,7 +158,7 @@ def test_a_bias_of_a_quarter_of_sigma_in_one_band_is_seen_in_the_mean() -> None:
     ideal, depth = streams["d/depth_ideal"], streams["d/depth"]
     near = ideal < np.quantile(ideal[np.isfinite(ideal)], 1 / BANDS)
     shifted = np.where(near, 1.0 / (1.0 / depth + 0.25 * 0.1 / (60.0 * 0.2)), depth)
-    assert DEPTH_MEAN_SCORE(_scene(STEREO), _of(streams | {"d/depth": shifted})) > FALSE_ALARM
+    assert depth_mean_score(_scene(STEREO), _of(streams | {"d/depth": shifted})) > FALSE_ALARM
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2], ids=["frames", "rows", "columns"])
@@ -164,8 +170,8 @@ def test_noise_that_neighbours_share_is_seen_in_the_correlation_alone(axis: int)
     # Half of each deviation is the neighbour's: of the right spread, and no longer its own.
     shared = (normal + np.roll(normal, 1, axis=axis)) / np.sqrt(2)
     depth = np.where(np.isnan(sound["d/depth"]), np.nan, 1.0 / (1.0 / ideal + 0.1 / (60.0 * 0.2) * shared))
-    assert DEPTH_CORRELATION(_scene(law), _of(sound)) < FALSE_ALARM
-    assert DEPTH_CORRELATION(_scene(law), _of(sound | {"d/depth": depth})) > FALSE_ALARM
+    assert depth_correlation_score(_scene(law), _of(sound)) < FALSE_ALARM
+    assert depth_correlation_score(_scene(law), _of(sound | {"d/depth": depth})) > FALSE_ALARM
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.type)
@@ -195,43 +201,43 @@ def test_a_law_without_missing_pixels_allows_none() -> None:
 @pytest.mark.parametrize(("step", "error"), [(0.025, 0.5), (0.1, 1.0), (0.0, 0.4), (0.04, 0.1)])
 def test_a_step_that_is_finer_coarser_or_none_is_seen(step: float, error: float) -> None:
     streams = _answered(PATTERN, replace(PATTERN, disparity_step=step))
-    assert DISPARITY_STEP_ERROR(_scene(PATTERN), _of(streams)) >= error - 1e-9
+    assert disparity_step_error(_scene(PATTERN), _of(streams)) >= error - 1e-9
 
 
 def test_ranges_that_never_wrap_are_seen() -> None:
-    sound = UNWRAPPED_SHARE(_scene(PHASE), _of(_answered(PHASE)))
+    sound = range_unwrapped_share(_scene(PHASE), _of(_answered(PHASE)))
     assert sound == 0.0
-    endless = UNWRAPPED_SHARE(_scene(PHASE), _of(_answered(PHASE, replace(PHASE, unambiguous_range=None))))
+    endless = range_unwrapped_share(_scene(PHASE), _of(_answered(PHASE, replace(PHASE, unambiguous_range=None))))
     assert endless > 0.1
     near = replace(PHASE, unambiguous_range=50.0)
     with pytest.raises(NotMeasurable, match="nothing beyond its unambiguous range 50"):
-        UNWRAPPED_SHARE(_scene(near), _of(_answered(near)))
+        range_unwrapped_share(_scene(near), _of(_answered(near)))
 
 
 def test_sound_frames_have_no_error_and_whole_silhouettes() -> None:
     truth = _of(_truth())
-    for metric in (DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS, DEPTH_ERROR_MAX, PIXEL_ERROR):
+    for metric in (depth_error_median, depth_error_rms, depth_error_max, pixel_error):
         assert metric(_scene(), truth, truth) == 0.0
-    assert SILHOUETTE_IOU(_scene(), truth, truth) == 1.0
+    assert silhouette_iou(_scene(), truth, truth) == 1.0
 
 
 def test_range_taken_for_depth_is_seen_in_the_median_of_the_worst_body() -> None:
     truth = _truth()
     slant = np.sqrt(1 + ((np.arange(80) + 0.5 - 40) / 60)[None, :] ** 2 + ((np.arange(60) + 0.5 - 30) / 60)[:, None] ** 2)
-    assert DEPTH_ERROR_MEDIAN(_scene(), _of(truth | {"d/depth_ideal": truth["d/depth_ideal"] * slant}), _of(truth)) > 0.05
+    assert depth_error_median(_scene(), _of(truth | {"d/depth_ideal": truth["d/depth_ideal"] * slant}), _of(truth)) > 0.05
 
 
 def test_one_bad_ball_is_not_hidden_by_a_wide_wall_and_one_bad_pixel_shows_in_the_maximum() -> None:
     truth = _truth()
     ball = truth["d/body"] == 1
     off = _of(truth | {"d/depth_ideal": truth["d/depth_ideal"] + 0.01 * ball})
-    assert DEPTH_ERROR_MEDIAN(_scene(), off, _of(truth)) == pytest.approx(0.01, rel=1e-12)
+    assert depth_error_median(_scene(), off, _of(truth)) == pytest.approx(0.01, rel=1e-12)
     seen = np.isfinite(truth["d/depth_ideal"])
-    assert DEPTH_ERROR_RMS(_scene(), off, _of(truth)) == pytest.approx(0.01 * np.sqrt(ball.sum() / seen.sum()), rel=1e-12)
+    assert depth_error_rms(_scene(), off, _of(truth)) == pytest.approx(0.01 * np.sqrt(ball.sum() / seen.sum()), rel=1e-12)
     spot = truth["d/depth_ideal"].copy()
     spot[1, 30, 50] += 0.3
-    assert DEPTH_ERROR_MAX(_scene(), _of(truth | {"d/depth_ideal": spot}), _of(truth)) == pytest.approx(0.3, rel=1e-12)
-    assert DEPTH_ERROR_MEDIAN(_scene(), _of(truth | {"d/depth_ideal": spot}), _of(truth)) == 0.0
+    assert depth_error_max(_scene(), _of(truth | {"d/depth_ideal": spot}), _of(truth)) == pytest.approx(0.3, rel=1e-12)
+    assert depth_error_median(_scene(), _of(truth | {"d/depth_ideal": spot}), _of(truth)) == 0.0
 
 
 def _moved(truth: dict[str, Floats], pixels: int) -> dict[str, Floats]:
@@ -241,25 +247,25 @@ def _moved(truth: dict[str, Floats], pixels: int) -> dict[str, Floats]:
 def test_a_picture_moved_by_a_pixel_is_seen_in_silhouettes_and_centroids() -> None:
     truth = _truth()
     moved = _of(_moved(truth, 1))
-    assert PIXEL_ERROR(_scene(), moved, _of(truth)) == pytest.approx(1.0, abs=0.3)
+    assert pixel_error(_scene(), moved, _of(truth)) == pytest.approx(1.0, abs=0.3)
     # A box of 0.6 m at 2 m is 18 pixels wide: 17 of 19 stay.
-    assert SILHOUETTE_IOU(_scene(), moved, _of(truth)) == pytest.approx(17 / 19, abs=0.03)
+    assert silhouette_iou(_scene(), moved, _of(truth)) == pytest.approx(17 / 19, abs=0.03)
 
 
 def test_a_pixel_centre_half_a_pixel_off_is_seen() -> None:
     truth = _truth(frames=1)
     camera: Any = replace(CAMERA, centre_x=40.5, centre_y=30.5)
     off = true_frames(_scene(), camera, np.zeros(1))
-    assert PIXEL_ERROR(_scene(), _of(off), _of(truth)) > 0.4
+    assert pixel_error(_scene(), _of(off), _of(truth)) > 0.4
 
 
 def test_bodies_that_are_missing_or_exchanged_leave_nothing_of_a_silhouette() -> None:
     truth = _truth()
     gone = _of(truth | {"d/body": np.where(truth["d/body"] == 1, -1, truth["d/body"])})
-    assert SILHOUETTE_IOU(_scene(), gone, _of(truth)) == 0.0
-    assert np.isnan(PIXEL_ERROR(_scene(), gone, _of(truth)))
+    assert silhouette_iou(_scene(), gone, _of(truth)) == 0.0
+    assert np.isnan(pixel_error(_scene(), gone, _of(truth)))
     swapped = np.choose(truth["d/body"].astype(int) + 1, [-1, 0, 2, 1])
-    assert SILHOUETTE_IOU(_scene(), _of(truth | {"d/body": swapped}), _of(truth)) == 0.0
+    assert silhouette_iou(_scene(), _of(truth | {"d/body": swapped}), _of(truth)) == 0.0
 
 
 def test_a_bad_number_is_swallowed_by_no_metric() -> None:
@@ -267,14 +273,14 @@ def test_a_bad_number_is_swallowed_by_no_metric() -> None:
     ideal = truth["d/depth_ideal"].copy()
     ideal[2, 20, 40] = np.nan
     bad = _of(_answered(STEREO) | {"d/depth_ideal": ideal})
-    for metric in (DEPTH_ERROR_MEDIAN, DEPTH_ERROR_RMS, DEPTH_ERROR_MAX):
+    for metric in (depth_error_median, depth_error_rms, depth_error_max):
         assert np.isnan(metric(_scene(STEREO), bad, _of(truth))), metric.name
-    for metric in (DEPTH_MEAN_SCORE, DEPTH_SPREAD_SCORE, DEPTH_CORRELATION):
+    for metric in (depth_mean_score, depth_spread_score, depth_correlation_score):
         assert np.isnan(metric(_scene(STEREO), bad, _of(truth))), metric.name
-    for metric in (DEPTH_MISSING_SCORE, DEPTH_LOST_ANSWERED, DISPARITY_STEP_ERROR):
+    for metric in (depth_missing_score, depth_lost_but_answered_share, disparity_step_error):
         assert np.isnan(metric(_scene(STEREO), bad, _of(truth))), metric.name
     wrapped = _of(_answered(PHASE) | {"d/depth_ideal": ideal})
-    assert np.isnan(UNWRAPPED_SHARE(_scene(PHASE), wrapped, None))
+    assert np.isnan(range_unwrapped_share(_scene(PHASE), wrapped, None))
 
 
 def test_a_colour_cameras_picture_is_judged_by_its_depth() -> None:
@@ -284,35 +290,35 @@ def test_a_colour_cameras_picture_is_judged_by_its_depth() -> None:
     scene = Scene(bodies=BODIES, sensors=(camera,))
     truth = true_frames(scene, camera, np.zeros(1))
     off = _of(truth | {"c/depth": truth["c/depth"] + 0.02})
-    assert DEPTH_ERROR_MEDIAN(scene, off, _of(truth)) == pytest.approx(0.02, rel=1e-12)
-    assert SILHOUETTE_IOU(scene, off, _of(truth)) == 1.0
+    assert depth_error_median(scene, off, _of(truth)) == pytest.approx(0.02, rel=1e-12)
+    assert silhouette_iou(scene, off, _of(truth)) == 1.0
 
 
 def test_missing_cameras_streams_truths_and_laws_are_not_measurable() -> None:
     truth = _of(_truth())
     blind = replace(_scene(), sensors=())
     for metric in (
-        DEPTH_ERROR_MEDIAN,
-        SILHOUETTE_IOU,
-        PIXEL_ERROR,
-        DEPTH_MISSING_SCORE,
-        DEPTH_MEAN_SCORE,
-        DISPARITY_STEP_ERROR,
+        depth_error_median,
+        silhouette_iou,
+        pixel_error,
+        depth_missing_score,
+        depth_mean_score,
+        disparity_step_error,
     ):
         with pytest.raises(NotMeasurable):
             metric(blind, truth, truth)
     with pytest.raises(NotMeasurable, match="the truth has no stream 'd/depth_ideal'"):
-        DEPTH_ERROR_MEDIAN(_scene(), truth)
+        depth_error_median(_scene(), truth)
     with pytest.raises(NotMeasurable, match="was not recorded"):
-        SILHOUETTE_IOU(_scene(), _of({}), truth)
+        silhouette_iou(_scene(), _of({}), truth)
     later = _of(_truth() | {"d/time": np.arange(3) / 10 + 0.05})
     with pytest.raises(NotMeasurable, match="other times"):
-        PIXEL_ERROR(_scene(), later, truth)
+        pixel_error(_scene(), later, truth)
     with pytest.raises(NotMeasurable, match="no stream 'd/lost'"):
-        DEPTH_MISSING_SCORE(_scene(STEREO), _of(_answered(STEREO)), truth)
+        depth_missing_score(_scene(STEREO), _of(_answered(STEREO)), truth)
     coarse = replace(STEREO, disparity_step=0.5)
     with pytest.raises(NotMeasurable, match=r"a step of 0\.5 px"):
-        DEPTH_SPREAD_SCORE(_scene(coarse), _of(_answered(coarse)))
+        depth_spread_score(_scene(coarse), _of(_answered(coarse)))
     dim = replace(PHASE, shot_sigma=0.01)
     with pytest.raises(NotMeasurable, match="more than depth"):
-        DEPTH_SPREAD_SCORE(_scene(dim), _of(_answered(dim)))
+        depth_spread_score(_scene(dim), _of(_answered(dim)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.ejection import EJECTION_SPEED
+from harness.metrics.ejection import ejection_speed
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
 
@@ -28,25 +28,25 @@ def runs(speed: float) -> tuple[Trajectory, Trajectory]:
 @pytest.mark.parametrize("speed", [0.0, 0.5, 3.0])
 def test_the_speed_is_that_of_the_throw(speed: float) -> None:
     # Between two samples an apex is missed by at most g (0.05 ms)^2/2 = 1.2e-8 m, which 0.5 m/s turns into 2.4e-7 m/s.
-    assert EJECTION_SPEED(STAGE, *runs(speed)) == pytest.approx(speed, abs=3e-7)
+    assert ejection_speed(STAGE, *runs(speed)) == pytest.approx(speed, abs=3e-7)
 
 
 def test_what_comes_up_to_its_place_from_below_is_not_thrown() -> None:
     run, truth = runs(0.0)
     run.v_WB[:, 1, 2] = 1.0  # whatever an engine says of the push-out
-    assert EJECTION_SPEED(STAGE, run, truth) == pytest.approx(0.0, abs=1e-7)
+    assert ejection_speed(STAGE, run, truth) == pytest.approx(0.0, abs=1e-7)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
     run, truth = runs(1.0)
     run.p_WB[5, 1, 2] = bad
-    assert math.isnan(EJECTION_SPEED(STAGE, run, truth))
+    assert math.isnan(ejection_speed(STAGE, run, truth))
 
 
 def test_missing_truth_and_gravity_are_not_measurable() -> None:
     run, truth = runs(1.0)
     with pytest.raises(NotMeasurable):
-        EJECTION_SPEED(STAGE, run)
+        ejection_speed(STAGE, run)
     with pytest.raises(NotMeasurable, match="gravity"):
-        EJECTION_SPEED(Scene(bodies=STAGE.bodies, gravity=(0.0, 0.0, 0.0)), run, truth)
+        ejection_speed(Scene(bodies=STAGE.bodies, gravity=(0.0, 0.0, 0.0)), run, truth)

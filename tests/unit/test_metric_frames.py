@@ -7,9 +7,11 @@ import pytest
 
 from cases.stack_card_house import scene
 from harness.metric import NotMeasurable
-from harness.metrics.frames import FRAME_FRICTION_ERROR, FRAME_STANDING_TIME, METRIC, critical_friction
+from harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
+
+METRICS = (frame_friction_error, frame_standing_time)
 
 FIRM, LOOSE = 1, 4  # the first card of each house
 
@@ -35,17 +37,17 @@ def test_thin_cards_need_half_the_tangent() -> None:
 )
 def test_the_middle_between_falling_and_standing_is_the_friction_found(falls: dict[str, float], error: float) -> None:
     # All stand: (0 + 0.8)/2; all fall: (1.2 + 2.4)/2; so too where the wrong one falls, since none stands with more.
-    assert FRAME_FRICTION_ERROR(scene(margin=0.2), run(**falls)) == pytest.approx(error, abs=1e-12)
+    assert frame_friction_error(scene(margin=0.2), run(**falls)) == pytest.approx(error, abs=1e-12)
 
 
 def test_only_the_frame_that_should_stand_is_timed() -> None:
     stage = scene(margin=0.2)
-    assert FRAME_STANDING_TIME(stage, run()) == 2.0
-    assert FRAME_STANDING_TIME(stage, run(loose=0.3)) == 2.0
-    assert FRAME_STANDING_TIME(stage, run(firm=0.7)) == pytest.approx(0.7)
+    assert frame_standing_time(stage, run()) == 2.0
+    assert frame_standing_time(stage, run(loose=0.3)) == 2.0
+    assert frame_standing_time(stage, run(firm=0.7)) == pytest.approx(0.7)
 
 
-@pytest.mark.parametrize("metric", METRIC)
+@pytest.mark.parametrize("metric", METRICS)
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     made = run(loose=1.0)
@@ -56,6 +58,6 @@ def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> No
 
 def test_no_pair_of_cards_and_no_samples_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="pairs"):
-        FRAME_STANDING_TIME(Scene(bodies=(Body(name="a"),)), Trajectory.of(np.arange(2.0), 1))
+        frame_standing_time(Scene(bodies=(Body(name="a"),)), Trajectory.of(np.arange(2.0), 1))
     with pytest.raises(NotMeasurable, match="pairs"):
-        FRAME_STANDING_TIME(scene(), run().between(5.0, 6.0))
+        frame_standing_time(scene(), run().between(5.0, 6.0))

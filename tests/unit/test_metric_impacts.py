@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from harness.metric import Metric, NotMeasurable
-from harness.metrics.containment import ESCAPED_SHARE
-from harness.metrics.energy import ENERGY_GAIN, ENERGY_GROWTH
-from harness.metrics.inscribed_overlap import INSCRIBED_OVERLAP
+from harness.metrics.containment import escaped_share
+from harness.metrics.energy import energy_gain_max, energy_growth_rate
+from harness.metrics.inscribed_overlap import inscribed_overlap
 from harness.metrics.passage import (
-    LATERAL_KICK,
-    PASSAGE_PROBABILITY,
-    PASSAGE_PROBABILITY_HIGH,
-    PASSAGE_PROBABILITY_LOW,
-    REST_SPEED,
-    SINK_DEPTH,
+    lateral_kick,
+    passage_probability,
+    passage_probability_high,
+    passage_probability_low,
+    rest_speed,
+    sink_depth,
 )
-from harness.metrics.row import LAST_SHARE_ERROR, TOUCHING_LAST_SHARE
+from harness.metrics.row import last_share_error, touching_last_share
 from harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
 from harness.statistics.proportion import wilson_interval
 from harness.trajectory import Trajectory
@@ -56,24 +56,24 @@ def test_the_last_ball_is_the_one_at_the_other_end_of_the_row(along: float) -> N
     run = still(scene)
     run.v_WB[-1] = 0.0
     run.v_WB[-1, 0, 0] = along * 2.0
-    assert LAST_SHARE_ERROR(scene, run) == pytest.approx(0.0, abs=1e-15)
+    assert last_share_error(scene, run) == pytest.approx(0.0, abs=1e-15)
     run.v_WB[-1, 0, 0] = along * 1.9
-    assert LAST_SHARE_ERROR(scene, run) == pytest.approx(0.05)
+    assert last_share_error(scene, run) == pytest.approx(0.05)
     run.v_WB[-1, 0], run.v_WB[-1, 1] = run.v_WB[-1, 1].copy(), run.v_WB[-1, 0].copy()
-    assert LAST_SHARE_ERROR(scene, run) == pytest.approx(1.0)
+    assert last_share_error(scene, run) == pytest.approx(1.0)
 
 
 def test_a_touching_row_has_a_share_and_no_error() -> None:
     scene = row(0.0)
     run = still(scene)
     run.v_WB[-1, 0, 0] = 0.8
-    assert TOUCHING_LAST_SHARE(scene, run) == pytest.approx(0.4)
+    assert touching_last_share(scene, run) == pytest.approx(0.4)
     with pytest.raises(NotMeasurable, match="every row touches"):
-        LAST_SHARE_ERROR(scene, run)
+        last_share_error(scene, run)
     with pytest.raises(NotMeasurable, match="no row touches"):
-        TOUCHING_LAST_SHARE(row(0.01), still(row(0.01)))
+        touching_last_share(row(0.01), still(row(0.01)))
     with pytest.raises(NotMeasurable, match="no row of balls"):
-        LAST_SHARE_ERROR(Scene(bodies=(ball("alone", 0.0, 1.0),)), still(Scene(bodies=(ball("alone", 0.0, 1.0),))))
+        last_share_error(Scene(bodies=(ball("alone", 0.0, 1.0),)), still(Scene(bodies=(ball("alone", 0.0, 1.0),))))
 
 
 # --- containment ----------------------------------------------------------------------------------
@@ -100,11 +100,11 @@ def test_a_ball_has_escaped_when_it_is_beyond_the_walls_wherever_the_box_is_and_
     run.q_WB[-1, 4] = turn
     run.p_WB[-1, :, 2] += 7.0
     run.p_WB[-1, 0, :2] = (1.6, 0.0)  # in the corner of the turned cube, sqrt(2) 1.2 = 1.697 away
-    assert ESCAPED_SHARE(scene, run) == 0.0
+    assert escaped_share(scene, run) == 0.0
     run.p_WB[-1, 0, :2] = (1.1, 1.1)  # 1.56 along a turned axis
-    assert ESCAPED_SHARE(scene, run) == 0.25
+    assert escaped_share(scene, run) == 0.25
     with pytest.raises(NotMeasurable, match="no container"):
-        ESCAPED_SHARE(row(0.01), still(row(0.01)))
+        escaped_share(row(0.01), still(row(0.01)))
 
 
 # --- inscribed overlap ----------------------------------------------------------------------------
@@ -119,11 +119,11 @@ def test_only_bodies_that_can_touch_and_do_overlap_count() -> None:
         apart=(("ghost", "default"),),
     )
     run = still(scene)
-    assert INSCRIBED_OVERLAP(scene, run) == 0.0
+    assert inscribed_overlap(scene, run) == 0.0
     run.p_WB[4, 0, 0] = 0.75
-    assert INSCRIBED_OVERLAP(scene, run) == pytest.approx(0.05)
+    assert inscribed_overlap(scene, run) == pytest.approx(0.05)
     with pytest.raises(NotMeasurable, match="no two bodies"):
-        INSCRIBED_OVERLAP(Scene(bodies=(ball("a", 0.0),)), still(Scene(bodies=(ball("a", 0.0),))))
+        inscribed_overlap(Scene(bodies=(ball("a", 0.0),)), still(Scene(bodies=(ball("a", 0.0),))))
 
 
 # --- energy ---------------------------------------------------------------------------------------
@@ -132,16 +132,16 @@ def test_only_bodies_that_can_touch_and_do_overlap_count() -> None:
 def test_energy_won_is_seen_and_energy_lost_is_no_gain() -> None:
     scene = Scene(bodies=(ball("b", 0.0, 2.0),), gravity=(0.0, 0.0, 0.0))
     run = still(scene)
-    assert ENERGY_GAIN(scene, run) == 0.0
-    assert ENERGY_GROWTH(scene, run) == 0.0
+    assert energy_gain_max(scene, run) == 0.0
+    assert energy_growth_rate(scene, run) == 0.0
     run.v_WB[:, 0, 0] = 2.0 * np.sqrt(1 - 0.3 * TIME)
-    assert ENERGY_GAIN(scene, run) == 0.0
-    assert ENERGY_GROWTH(scene, run) == pytest.approx(0.3)
+    assert energy_gain_max(scene, run) == 0.0
+    assert energy_growth_rate(scene, run) == pytest.approx(0.3)
     run.v_WB[:, 0, 0] = 2.0 * np.sqrt(1 + 0.1 * TIME)
-    assert ENERGY_GAIN(scene, run) == pytest.approx(0.1)
-    assert ENERGY_GROWTH(scene, run) == pytest.approx(0.1)
+    assert energy_gain_max(scene, run) == pytest.approx(0.1)
+    assert energy_growth_rate(scene, run) == pytest.approx(0.1)
     with pytest.raises(NotMeasurable, match="2 samples"):
-        ENERGY_GROWTH(scene, run.between(0.0, 0.1))
+        energy_growth_rate(scene, run.between(0.0, 0.1))
 
 
 # --- passage --------------------------------------------------------------------------------------
@@ -176,8 +176,8 @@ def stopped(scene: Scene) -> Trajectory:
 def test_the_truth_passes_nothing_is_kicked_and_rests() -> None:
     scene = wall()
     truth = stopped(scene)
-    assert [m(scene, truth, truth) for m in (PASSAGE_PROBABILITY, LATERAL_KICK, REST_SPEED)] == [0.0, 0.0, 0.0]
-    bounds = [m(scene, truth, truth) for m in (PASSAGE_PROBABILITY_LOW, PASSAGE_PROBABILITY_HIGH)]
+    assert [m(scene, truth, truth) for m in (passage_probability, lateral_kick, rest_speed)] == [0.0, 0.0, 0.0]
+    bounds = [m(scene, truth, truth) for m in (passage_probability_low, passage_probability_high)]
     assert tuple(bounds) == wilson_interval(0, 4)
 
 
@@ -192,8 +192,8 @@ def test_a_centre_beyond_the_middle_has_passed_and_what_stays_before_it_has_sunk
     scene = wall()
     truth, run = stopped(scene), stopped(scene)
     run.p_WB[-1, 2, 0] += deeper
-    assert PASSAGE_PROBABILITY(scene, run, truth) == share
-    assert SINK_DEPTH(scene, run, truth) == pytest.approx(sunk)
+    assert passage_probability(scene, run, truth) == share
+    assert sink_depth(scene, run, truth) == pytest.approx(sunk)
 
 
 def test_a_ball_has_passed_a_half_space_when_its_centre_is_below_the_surface() -> None:
@@ -206,7 +206,7 @@ def test_a_ball_has_passed_a_half_space_when_its_centre_is_below_the_surface() -
     for height, share in ((0.001, 0.0), (-0.001, 1.0)):
         run = replace(truth, p_WB=truth.p_WB.copy())
         run.p_WB[-1, 1, 2] = height
-        assert PASSAGE_PROBABILITY(scene, run, truth) == share
+        assert passage_probability(scene, run, truth) == share
 
 
 def test_way_along_the_wall_is_no_passage_and_velocity_splits_into_kick_and_rest() -> None:
@@ -214,15 +214,15 @@ def test_way_along_the_wall_is_no_passage_and_velocity_splits_into_kick_and_rest
     truth, run = stopped(scene), stopped(scene)
     run.p_WB[-1, 1, 1] += 3.0
     run.v_WB[-1, 1] += (0.2, 0.3, 0.4)
-    assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
-    assert LATERAL_KICK(scene, run, truth) == pytest.approx(0.5)
-    assert REST_SPEED(scene, run, truth) == pytest.approx(0.2)
+    assert passage_probability(scene, run, truth) == 0.0
+    assert lateral_kick(scene, run, truth) == pytest.approx(0.5)
+    assert rest_speed(scene, run, truth) == pytest.approx(0.2)
     run.p_WB[-1, 1, 0] += 1.0
     # What has passed is no longer asked how it rests.
-    assert LATERAL_KICK(scene, run, truth) == 0.0
+    assert lateral_kick(scene, run, truth) == 0.0
     run.p_WB[-1, 1:, 0] += 1.0
     with pytest.raises(NotMeasurable, match="no body is stopped"):
-        REST_SPEED(scene, run, truth)
+        rest_speed(scene, run, truth)
 
 
 def test_two_bodies_that_both_move_have_passed_when_their_centres_have_changed_sides() -> None:
@@ -231,13 +231,13 @@ def test_two_bodies_that_both_move_have_passed_when_their_centres_have_changed_s
     truth.p_WB[-1, :, 0], truth.v_WB[-1] = (-0.1, 0.1), 0.0
     run = replace(truth, p_WB=truth.p_WB.copy())
     run.p_WB[-1, :, 0] = (-0.001, 0.001)
-    assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
-    assert SINK_DEPTH(scene, run, truth) == pytest.approx(0.99)
+    assert passage_probability(scene, run, truth) == 0.0
+    assert sink_depth(scene, run, truth) == pytest.approx(0.99)
     # Both far to one side, in their order: pushed on, not passed.
     run.p_WB[-1, :, 0] = (0.5, 0.7)
-    assert PASSAGE_PROBABILITY(scene, run, truth) == 0.0
+    assert passage_probability(scene, run, truth) == 0.0
     run.p_WB[-1, :, 0] = (0.001, -0.001)
-    assert PASSAGE_PROBABILITY(scene, run, truth) == 1.0
+    assert passage_probability(scene, run, truth) == 1.0
 
 
 @pytest.mark.parametrize(("turned", "share"), [(0.5, 0.0), (0.529, 0.0), (0.531, 1.0), (0.5 + np.pi, 1.0), (-3.0, 0.0)])
@@ -267,38 +267,38 @@ def test_a_rod_is_judged_by_the_way_of_its_posts_through_more_than_a_turn(turned
         run.w_WB[-1] = 0.0
         return run
 
-    assert PASSAGE_PROBABILITY(scene, turning(turned), turning(0.5)) == share
+    assert passage_probability(scene, turning(turned), turning(0.5)) == share
 
 
 def test_a_truth_that_stops_nothing_is_not_measurable() -> None:
     scene = wall()
     truth = still(scene)
     with pytest.raises(NotMeasurable, match="stops no body"):
-        PASSAGE_PROBABILITY(scene, truth, truth)
+        passage_probability(scene, truth, truth)
     with pytest.raises(NotMeasurable, match="no truth"):
-        PASSAGE_PROBABILITY(scene, truth, None)
+        passage_probability(scene, truth, None)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize(
     "metric",
     [
-        PASSAGE_PROBABILITY,
-        PASSAGE_PROBABILITY_LOW,
-        PASSAGE_PROBABILITY_HIGH,
-        LATERAL_KICK,
-        REST_SPEED,
-        SINK_DEPTH,
-        INSCRIBED_OVERLAP,
-        ENERGY_GAIN,
-        ENERGY_GROWTH,
+        passage_probability,
+        passage_probability_low,
+        passage_probability_high,
+        lateral_kick,
+        rest_speed,
+        sink_depth,
+        inscribed_overlap,
+        energy_gain_max,
+        energy_growth_rate,
     ],
 )
 def test_what_is_not_finite_is_never_swallowed(metric: Metric, bad: float) -> None:
     scene = wall()
-    if metric is INSCRIBED_OVERLAP:
+    if metric is inscribed_overlap:
         scene = row(0.01)
-    truth = stopped(scene) if metric is not INSCRIBED_OVERLAP else still(scene)
+    truth = stopped(scene) if metric is not inscribed_overlap else still(scene)
     run = still(scene)
     run.p_WB[5, 1] = bad
     run.v_WB[5, 1] = bad
@@ -308,7 +308,7 @@ def test_what_is_not_finite_is_never_swallowed(metric: Metric, bad: float) -> No
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_rows_and_containers_do_not_swallow_it_either(bad: float) -> None:
-    for scene, metric in ((row(0.01), LAST_SHARE_ERROR), (row(0.0), TOUCHING_LAST_SHARE), (hollow(), ESCAPED_SHARE)):
+    for scene, metric in ((row(0.01), last_share_error), (row(0.0), touching_last_share), (hollow(), escaped_share)):
         run = still(scene)
         run.p_WB[5, 1, 0] = bad
         assert np.isnan(metric(scene, run))

@@ -8,7 +8,7 @@ import pytest
 from cases import sensor_imu_readout
 from cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTING, RATE, SPIN_UP, G
 from harness.metric import NotMeasurable
-from harness.metrics.imu_readout import READOUT_ERROR
+from harness.metrics.imu_readout import inertial_readout_error
 from harness.scene import AxisNoise
 from harness.sensors.imu_errors import read_out, sensed
 from harness.trajectory import Floats, Trajectory
@@ -29,11 +29,11 @@ def heard(law: dict[str, AxisNoise] | None = None) -> Trajectory:
 
 def error(**changed: object) -> float:
     laws = {"accelerometer": replace(ACCELEROMETER, **changed), "gyroscope": replace(GYROSCOPE, **changed)}  # type: ignore[arg-type]
-    return READOUT_ERROR(SCENE, heard(laws))
+    return inertial_readout_error(SCENE, heard(laws))
 
 
 def test_the_harness_reads_out_what_its_law_says() -> None:
-    assert READOUT_ERROR(SCENE, heard()) <= 1e-9
+    assert inertial_readout_error(SCENE, heard()) <= 1e-9
 
 
 def test_signals_reach_their_bounds_and_many_levels() -> None:
@@ -66,7 +66,7 @@ def test_rounding_down_is_seen() -> None:
     for channel, law in (("accelerometer", ACCELEROMETER), ("gyroscope", GYROSCOPE)):
         below: Floats = law.quantisation * np.floor(streams[f"imu/{channel}"] / law.quantisation)
         streams[f"imu/{channel}"] = below
-    assert READOUT_ERROR(SCENE, replace(run, streams=streams)) == pytest.approx(1.0)
+    assert inertial_readout_error(SCENE, replace(run, streams=streams)) == pytest.approx(1.0)
 
 
 def test_a_signal_half_way_between_two_levels_may_go_to_either() -> None:
@@ -78,12 +78,12 @@ def test_a_signal_half_way_between_two_levels_may_go_to_either() -> None:
         streams = {"imu/time": np.arange(2.0)}
         for channel in ("accelerometer", "gyroscope"):
             streams |= {f"imu/{channel}_ideal": signal, f"imu/{channel}": np.array(reading)}
-        assert READOUT_ERROR(scene, replace(Trajectory.of(np.zeros(1), 1), streams=streams)) <= 1e-9
+        assert inertial_readout_error(scene, replace(Trajectory.of(np.zeros(1), 1), streams=streams)) <= 1e-9
 
 
 def test_a_sensor_with_noise_or_without_digits_is_not_measured() -> None:
     with pytest.raises(NotMeasurable, match="no inertial channel"):
-        READOUT_ERROR(replace(SCENE, sensors=()), heard())
+        inertial_readout_error(replace(SCENE, sensors=()), heard())
 
 
 def test_the_truth_is_the_weight_and_the_spin_seen_from_the_mount() -> None:

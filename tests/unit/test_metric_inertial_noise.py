@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.allan import ACCELEROMETER_SCORE, GYROSCOPE_SCORE, SLOPES, octaves, slope_bound, windows
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
-from harness.metrics.noise_bias import BIAS_SCORE, variance_of_mean
-from harness.metrics.noise_independence import INDEPENDENCE_SCORE
+from harness.metrics.allan import SLOPES, accelerometer_allan_score, gyroscope_allan_score, octaves, slope_bound, windows
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from harness.metrics.noise_bias import inertial_bias_score, variance_of_mean
+from harness.metrics.noise_independence import inertial_correlation_score
 from harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
 from harness.sensors.imu_noise import axis_noise, three_axes
 from harness.trajectory import Floats, Trajectory
@@ -19,7 +19,7 @@ RATE, COUNT = 120.0, 12_000
 LAW = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)
 SENSOR = Imu(name="imu", body="b", rate=RATE, noise=ImuNoise(accelerometer=LAW, gyroscope=LAW))
 SCENE = Scene(bodies=(Body(name="b"),), sensors=(SENSOR,))
-SCORES = (GYROSCOPE_SCORE, ACCELEROMETER_SCORE, BIAS_SCORE, INDEPENDENCE_SCORE)
+SCORES = (gyroscope_allan_score, accelerometer_allan_score, inertial_bias_score, inertial_correlation_score)
 FALSE_ALARM = 5.0
 
 
@@ -80,7 +80,7 @@ def test_slopes_of_the_law_stay_within_their_bounds(seeds: int) -> None:
 )
 def test_noise_of_another_law_is_seen_by_the_allan_deviation(change: dict[str, float]) -> None:
     wrong = replace(LAW, **change)
-    for metric in (GYROSCOPE_SCORE, ACCELEROMETER_SCORE):
+    for metric in (gyroscope_allan_score, accelerometer_allan_score):
         assert metric(SCENE, _answer(_streams(wrong))) > FALSE_ALARM
 
 
@@ -92,11 +92,11 @@ def test_each_slope_sees_a_law_of_another_colour() -> None:
 
 
 def test_a_bias_off_by_a_third_is_seen_and_a_pure_bias_is_not() -> None:
-    assert BIAS_SCORE(SCENE, _answer(_streams(replace(LAW, bias=0.0)))) > FALSE_ALARM
+    assert inertial_bias_score(SCENE, _answer(_streams(replace(LAW, bias=0.0)))) > FALSE_ALARM
     pure = AxisNoise(bias=0.02)
     scene = replace(SCENE, sensors=(replace(SENSOR, noise=ImuNoise(accelerometer=pure, gyroscope=pure)),))
-    assert BIAS_SCORE(scene, _answer(_streams(pure))) < 1.0
-    assert BIAS_SCORE(scene, _answer(_streams(replace(pure, bias=0.0200001)))) > FALSE_ALARM
+    assert inertial_bias_score(scene, _answer(_streams(pure))) < 1.0
+    assert inertial_bias_score(scene, _answer(_streams(replace(pure, bias=0.0200001)))) > FALSE_ALARM
 
 
 @pytest.mark.parametrize("records", [500, pytest.param(2000, marks=pytest.mark.slow)])
@@ -112,10 +112,10 @@ def test_a_shared_seed_is_seen_between_axes_and_between_channels() -> None:
     streams = _streams()
     shared = streams["imu/gyroscope"].copy()
     shared[:, 1] = streams["imu/gyroscope_ideal"][:, 1] + (shared - streams["imu/gyroscope_ideal"])[:, 0]
-    assert INDEPENDENCE_SCORE(SCENE, _answer(streams | {"imu/gyroscope": shared})) > FALSE_ALARM
+    assert inertial_correlation_score(SCENE, _answer(streams | {"imu/gyroscope": shared})) > FALSE_ALARM
     noise = streams["imu/gyroscope"] - streams["imu/gyroscope_ideal"]
     across = streams | {"imu/accelerometer": streams["imu/accelerometer_ideal"] + noise}
-    assert INDEPENDENCE_SCORE(SCENE, _answer(across)) > FALSE_ALARM
+    assert inertial_correlation_score(SCENE, _answer(across)) > FALSE_ALARM
 
 
 def test_one_bad_sample_makes_every_score_non_finite() -> None:
@@ -123,8 +123,8 @@ def test_one_bad_sample_makes_every_score_non_finite() -> None:
         streams = _streams()
         streams[f"imu/{channel}"] = streams[f"imu/{channel}"].copy()
         streams[f"imu/{channel}"][5, 1] = np.nan
-        own = GYROSCOPE_SCORE if channel == "gyroscope" else ACCELEROMETER_SCORE
-        for metric in (own, BIAS_SCORE, INDEPENDENCE_SCORE):
+        own = gyroscope_allan_score if channel == "gyroscope" else accelerometer_allan_score
+        for metric in (own, inertial_bias_score, inertial_correlation_score):
             assert not np.isfinite(metric(SCENE, _answer(streams)))
 
 
@@ -144,17 +144,17 @@ def test_windows_show_only_what_the_law_has_and_the_record_holds() -> None:
 
 def test_an_ideal_signal_is_compared_at_its_time_stamps() -> None:
     truth = _answer(_streams())
-    assert ACCELEROMETER_ERROR(SCENE, truth, truth) == 0.0
+    assert accelerometer_ideal_error(SCENE, truth, truth) == 0.0
     off = _streams()
     off["imu/gyroscope_ideal"] = off["imu/gyroscope_ideal"] + np.array([0.0, 3e-3, 4e-3])
-    assert GYROSCOPE_ERROR(SCENE, _answer(off), truth) == pytest.approx(5e-3, rel=1e-9)
-    assert ACCELEROMETER_ERROR(SCENE, _answer(off), truth) == 0.0
+    assert gyroscope_ideal_error(SCENE, _answer(off), truth) == pytest.approx(5e-3, rel=1e-9)
+    assert accelerometer_ideal_error(SCENE, _answer(off), truth) == 0.0
     late = _streams()
     late["imu/time"] = late["imu/time"] + 1 / RATE
-    assert GYROSCOPE_ERROR(SCENE, _answer(late), truth) == np.inf
+    assert gyroscope_ideal_error(SCENE, _answer(late), truth) == np.inf
     late["imu/time"] = late["imu/time"][:-1]
-    assert GYROSCOPE_ERROR(SCENE, _answer(late), truth) == np.inf
+    assert gyroscope_ideal_error(SCENE, _answer(late), truth) == np.inf
     off["imu/gyroscope_ideal"][3, 0] = np.nan
-    assert not np.isfinite(GYROSCOPE_ERROR(SCENE, _answer(off), truth))
+    assert not np.isfinite(gyroscope_ideal_error(SCENE, _answer(off), truth))
     with pytest.raises(NotMeasurable, match="truth"):
-        GYROSCOPE_ERROR(SCENE, truth)
+        gyroscope_ideal_error(SCENE, truth)

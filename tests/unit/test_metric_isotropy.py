@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.isotropy import HEADING_ERROR, POLAR_SPREAD
+from harness.metrics.isotropy import heading_error, polar_spread
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
 
@@ -34,22 +34,22 @@ AZIMUTHS = [0.0, 0.4, 1.2, 2.8, -2.0]
 
 def test_equal_ways_have_no_spread_in_any_direction() -> None:
     scene = stage(AZIMUTHS)
-    assert POLAR_SPREAD(scene, run(scene, [0.7] * 5)) == pytest.approx(0.0, abs=1e-14)
-    assert HEADING_ERROR(scene, run(scene, [0.7] * 5)) == pytest.approx(0.0, abs=1e-14)
+    assert polar_spread(scene, run(scene, [0.7] * 5)) == pytest.approx(0.0, abs=1e-14)
+    assert heading_error(scene, run(scene, [0.7] * 5)) == pytest.approx(0.0, abs=1e-14)
 
 
 def test_the_spread_is_the_range_over_the_mean() -> None:
     scene = stage(AZIMUTHS)
-    assert POLAR_SPREAD(scene, run(scene, [1.0, 1.0, 1.41, 1.0, 0.71])) == pytest.approx(0.70 / (5.12 / 5))
+    assert polar_spread(scene, run(scene, [1.0, 1.0, 1.41, 1.0, 0.71])) == pytest.approx(0.70 / (5.12 / 5))
 
 
 @pytest.mark.parametrize("turn", [-0.3, 0.05, 2.0])
 def test_a_turned_path_has_its_angle_as_error(turn: float) -> None:
     scene = stage(AZIMUTHS)
-    assert HEADING_ERROR(scene, run(scene, [0.5] * 5, turn)) == pytest.approx(abs(turn))
+    assert heading_error(scene, run(scene, [0.5] * 5, turn)) == pytest.approx(abs(turn))
 
 
-@pytest.mark.parametrize("metric", [POLAR_SPREAD, HEADING_ERROR])
+@pytest.mark.parametrize("metric", [polar_spread, heading_error])
 def test_bodies_that_did_not_move_or_are_not_finite_give_no_number(metric: object) -> None:
     scene = stage(AZIMUTHS)
     broken = run(scene, [0.5] * 5)
@@ -62,4 +62,4 @@ def test_bodies_that_did_not_move_or_are_not_finite_give_no_number(metric: objec
 def test_one_push_has_no_spread_to_measure() -> None:
     scene = stage([0.0])
     with pytest.raises(NotMeasurable, match="1 bodies are pushed"):
-        POLAR_SPREAD(scene, run(scene, [1.0]))
+        polar_spread(scene, run(scene, [1.0]))

@@ -6,9 +6,9 @@ import pytest
 from cases import flight_projectile, joint_conical_pendulum, joint_limits, joint_long_run, joint_pendulum
 from harness.case import Case
 from harness.metric import NotMeasurable
-from harness.metrics.energy import ENERGY_GROWTH
-from harness.metrics.limits import LIMIT_OVERSHOOT_FINAL, LIMIT_OVERSHOOT_MAX
-from harness.metrics.radius import RADIUS_FINAL, RADIUS_MAX
+from harness.metrics.energy import energy_growth_rate
+from harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
+from harness.metrics.radius import radius_error_final, radius_error_max
 from harness.trajectory import Floats, Trajectory
 
 
@@ -21,34 +21,34 @@ def _at(case: Case, time: Floats, **parameters: object) -> Trajectory:
 def test_a_circle_too_wide_is_seen_by_its_share() -> None:
     case, time = joint_conical_pendulum.CASE, np.linspace(0.0, 2.0, 121)
     truth, wide = _at(case, time), _at(case, time)
-    assert RADIUS_MAX(case.scene(), truth, truth) == 0
+    assert radius_error_max(case.scene(), truth, truth) == 0
     wide.p_WB[60, 0, :2] *= 1.07
-    assert RADIUS_MAX(case.scene(), wide, truth) == pytest.approx(0.07, rel=1e-12)
-    assert RADIUS_FINAL(case.scene(), wide, truth) == 0
+    assert radius_error_max(case.scene(), wide, truth) == pytest.approx(0.07, rel=1e-12)
+    assert radius_error_final(case.scene(), wide, truth) == 0
     wide.p_WB[5] = np.nan
-    assert np.isnan(RADIUS_MAX(case.scene(), wide, truth))
-    assert np.isnan(RADIUS_FINAL(case.scene(), wide, truth))
+    assert np.isnan(radius_error_max(case.scene(), wide, truth))
+    assert np.isnan(radius_error_final(case.scene(), wide, truth))
 
 
 def test_a_truth_through_the_axis_has_no_radius() -> None:
     case = flight_projectile.CASE
     truth = _at(case, np.linspace(0.0, 1.0, 3))
     with pytest.raises(NotMeasurable, match="no radius"):
-        RADIUS_MAX(case.scene(), truth, truth)
+        radius_error_max(case.scene(), truth, truth)
 
 
 def test_a_stop_that_gives_way_is_seen_by_its_angle() -> None:
     case, time = joint_limits.CASE, np.linspace(0.0, 3.0, 721)
     truth = _at(case, time)
     # The stop lies at an angle that rounds.
-    assert LIMIT_OVERSHOOT_MAX(case.scene(), truth) < 1e-14
+    assert limit_overshoot_max(case.scene(), truth) < 1e-14
     soft = _at(case, time, stop=18.0)
-    assert LIMIT_OVERSHOOT_MAX(case.scene(), soft) == pytest.approx(np.radians(2.0), rel=1e-9)
-    assert LIMIT_OVERSHOOT_FINAL(case.scene(), soft) == pytest.approx(np.radians(2.0), rel=1e-9)
+    assert limit_overshoot_max(case.scene(), soft) == pytest.approx(np.radians(2.0), rel=1e-9)
+    assert limit_overshoot_final(case.scene(), soft) == pytest.approx(np.radians(2.0), rel=1e-9)
     soft.q_WB[3] = np.nan
-    assert np.isnan(LIMIT_OVERSHOOT_MAX(case.scene(), soft))
+    assert np.isnan(limit_overshoot_max(case.scene(), soft))
     with pytest.raises(NotMeasurable, match="no joint"):
-        LIMIT_OVERSHOOT_MAX(joint_pendulum.CASE.scene(), _at(joint_pendulum.CASE, time))
+        limit_overshoot_max(joint_pendulum.CASE.scene(), _at(joint_pendulum.CASE, time))
 
 
 def test_a_swing_has_no_trend_and_a_loss_has_its_own() -> None:
@@ -56,16 +56,16 @@ def test_a_swing_has_no_trend_and_a_loss_has_its_own() -> None:
     time = np.linspace(0.0, 100.0, 2001)
     truth = _at(case, time, amplitude=joint_long_run.AMPLITUDE)
     # The closed form's energy is constant to rounding.
-    assert ENERGY_GROWTH(scene, truth, truth) < 1e-14
+    assert energy_growth_rate(scene, truth, truth) < 1e-14
     swinging = _at(case, time, amplitude=joint_long_run.AMPLITUDE)
     swinging.v_WB[:] *= 1 + 0.01 * np.sin(3 * time)[:, None, None]
-    assert ENERGY_GROWTH(scene, swinging, truth) < 2e-5
+    assert energy_growth_rate(scene, swinging, truth) < 2e-5
     # Velocities that fall to 0.9 in 100 s lose 0.1 of the kinetic energy's mean half, doubled by the square.
     fading = _at(case, time, amplitude=joint_long_run.AMPLITUDE)
     factor = np.sqrt(1 - 0.2 * time / 100)[:, None, None]
     fading.v_WB[:] *= factor
     fading.w_WB[:] *= factor
-    rate = ENERGY_GROWTH(scene, fading, truth)
+    rate = energy_growth_rate(scene, fading, truth)
     assert 0.0005 < rate < 0.0015
     fading.v_WB[7] = np.inf
-    assert not np.isfinite(ENERGY_GROWTH(scene, fading, truth))
+    assert not np.isfinite(energy_growth_rate(scene, fading, truth))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.load_split import LOAD_SPLIT_ERROR, load_shares
+from harness.metrics.load_split import load_shares, load_split_error
 from harness.scene import Body, Scene
 from harness.trajectory import Contacts, Trajectory
 
@@ -38,16 +38,16 @@ def run(left: float, right: float, *, ground: float = 0.0) -> Trajectory:
 
 def test_half_each_has_no_error() -> None:
     assert load_shares(STAGE, run(0.5, 0.5)) == pytest.approx([0.5, 0.5])
-    assert LOAD_SPLIT_ERROR(STAGE, run(0.5, 0.5)) == pytest.approx(0.0, abs=1e-15)
+    assert load_split_error(STAGE, run(0.5, 0.5)) == pytest.approx(0.0, abs=1e-15)
 
 
 @pytest.mark.parametrize(("left", "right", "error"), [(0.6, 0.4, 0.1), (0.0, 1.0, 0.5), (0.45, 0.45, 0.05), (-0.1, 1.1, 0.6)])
 def test_what_one_bears_more_or_less_than_its_share_is_the_error(left: float, right: float, error: float) -> None:
-    assert LOAD_SPLIT_ERROR(STAGE, run(left, right)) == pytest.approx(error)
+    assert load_split_error(STAGE, run(left, right)) == pytest.approx(error)
 
 
 def test_a_load_that_lies_on_the_ground_is_borne_by_no_support() -> None:
-    assert LOAD_SPLIT_ERROR(STAGE, run(0.0, 0.0, ground=1.0)) == pytest.approx(0.5)
+    assert load_split_error(STAGE, run(0.0, 0.0, ground=1.0)) == pytest.approx(0.5)
 
 
 def test_of_equally_heavy_bodies_the_highest_is_the_load() -> None:
@@ -57,14 +57,14 @@ def test_of_equally_heavy_bodies_the_highest_is_the_load() -> None:
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
-    assert not math.isfinite(LOAD_SPLIT_ERROR(STAGE, run(bad, 0.5)))
+    assert not math.isfinite(load_split_error(STAGE, run(bad, 0.5)))
     broken = run(0.5, 0.5)
     broken.p_WB[1, 2, 0] = bad
-    assert math.isnan(LOAD_SPLIT_ERROR(STAGE, broken))
+    assert math.isnan(load_split_error(STAGE, broken))
 
 
 def test_missing_contacts_and_supports_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="contacts"):
-        LOAD_SPLIT_ERROR(STAGE, Trajectory.of(np.arange(3.0), 4))
+        load_split_error(STAGE, Trajectory.of(np.arange(3.0), 4))
     with pytest.raises(NotMeasurable, match="supports"):
-        LOAD_SPLIT_ERROR(Scene(bodies=STAGE.bodies[:2]), run(0.5, 0.5))
+        load_split_error(Scene(bodies=STAGE.bodies[:2]), run(0.5, 0.5))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.momentum_residual import MOMENTUM_RESIDUAL
+from harness.metrics.momentum_residual import momentum_residual
 from harness.scene import WORLD, Ball, Body, Scene
 from harness.trajectory import Contacts, Floats, Trajectory
 
@@ -35,11 +35,11 @@ def blow(force: Floats | None = None, every: int = 1) -> Trajectory:
 def spoilt(change: tuple[float, float, float], late: int = 0) -> float:
     forces = np.zeros((7, 3))
     forces[4 + late] = np.array([-40.0, 0.0, 400.0]) * change
-    return MOMENTUM_RESIDUAL(STAGE, blow(forces))
+    return momentum_residual(STAGE, blow(forces))
 
 
 def test_forces_that_move_the_body_leave_no_residual() -> None:
-    assert MOMENTUM_RESIDUAL(STAGE, blow()) == pytest.approx(0.0, abs=ROUNDING)
+    assert momentum_residual(STAGE, blow()) == pytest.approx(0.0, abs=ROUNDING)
 
 
 def test_the_first_body_feels_the_force_the_other_way() -> None:
@@ -48,7 +48,7 @@ def test_the_first_body_feels_the_force_the_other_way() -> None:
     swapped = replace(run, v_WB=run.v_WB[:, ::-1], contacts=tuple(
         replace(c, body_A=c.body_A, normal_W=-c.normal_W, force_W=-c.force_W) for c in run.contacts or ()
     ))  # fmt: skip
-    assert MOMENTUM_RESIDUAL(turned, swapped) == pytest.approx(0.0, abs=ROUNDING)
+    assert momentum_residual(turned, swapped) == pytest.approx(0.0, abs=ROUNDING)
 
 
 def test_each_fault_of_a_force_has_its_size() -> None:
@@ -62,15 +62,15 @@ def test_each_fault_of_a_force_has_its_size() -> None:
 
 def test_what_cannot_be_measured_is_said() -> None:
     with pytest.raises(NotMeasurable, match="no contacts"):
-        MOMENTUM_RESIDUAL(STAGE, replace(blow(), contacts=None))
+        momentum_residual(STAGE, replace(blow(), contacts=None))
     with pytest.raises(NotMeasurable, match="one step apart"):
-        MOMENTUM_RESIDUAL(STAGE, blow(every=2))
+        momentum_residual(STAGE, blow(every=2))
     hung = replace(STAGE, joints=(Ball(name="pin", parent=WORLD, child="ball", anchor_W=(0, 0, 0)),))
     with pytest.raises(NotMeasurable, match="contacts and gravity alone"):
-        MOMENTUM_RESIDUAL(hung, blow())
+        momentum_residual(hung, blow())
 
 
 def test_a_number_that_is_none_is_not_swallowed() -> None:
     run = blow()
     run.v_WB[3, 1, 0] = np.nan
-    assert np.isnan(MOMENTUM_RESIDUAL(STAGE, run))
+    assert np.isnan(momentum_residual(STAGE, run))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.overhang import OVERHANG_LIMIT_ERROR, harmonic_overhang
+from harness.metrics.overhang import harmonic_overhang, overhang_limit_error
 from harness.scene import Body, Box, PlacedShape, Scene, Surface
 from harness.trajectory import Trajectory
 
@@ -45,22 +45,22 @@ def test_the_harmonic_limit_of_four_bricks_is_more_than_a_brick() -> None:
     ("fallen", "middle"), [({2, 3}, 1.05), ({3}, 1.35), ({1, 2, 3}, 0.7), ({0, 1, 2, 3}, 0.25), (set(), 2.25), ({0, 3}, 0.25)]
 )
 def test_the_middle_of_the_bracket_is_the_limit_found(fallen: set[int], middle: float) -> None:
-    assert OVERHANG_LIMIT_ERROR(stage(), run(fallen)) == pytest.approx(abs(middle - 1))
+    assert overhang_limit_error(stage(), run(fallen)) == pytest.approx(abs(middle - 1))
 
 
 def test_a_brick_that_settles_by_less_than_half_its_thickness_has_not_fallen() -> None:
-    assert OVERHANG_LIMIT_ERROR(stage(), run({1, 2, 3}, sunk=0.04)) == OVERHANG_LIMIT_ERROR(stage(), run(set()))
+    assert overhang_limit_error(stage(), run({1, 2, 3}, sunk=0.04)) == overhang_limit_error(stage(), run(set()))
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
     broken = run({2, 3})
     broken.p_WB[1, 1, 0] = bad
-    assert math.isnan(OVERHANG_LIMIT_ERROR(stage(), broken))
+    assert math.isnan(overhang_limit_error(stage(), broken))
 
 
 def test_a_scene_without_bricks_and_a_run_without_samples_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="bricks"):
-        OVERHANG_LIMIT_ERROR(Scene(bodies=stage().bodies[:1]), Trajectory.of(np.arange(2.0), 1))
+        overhang_limit_error(Scene(bodies=stage().bodies[:1]), Trajectory.of(np.arange(2.0), 1))
     with pytest.raises(NotMeasurable, match="samples"):
-        OVERHANG_LIMIT_ERROR(stage(), run(set()).between(5.0, 6.0))
+        overhang_limit_error(stage(), run(set()).between(5.0, 6.0))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.penetration import PENETRATION, REPORTED_PENETRATION
+from harness.metrics.penetration import penetration, reported_penetration
 from harness.scene import (
     Body,
     Box,
@@ -60,65 +60,65 @@ def told(*gaps: list[float]) -> Trajectory:
 
 
 def test_what_just_touches_does_not_penetrate() -> None:
-    assert PENETRATION(STAGE, stand()) <= ROUNDING
+    assert penetration(STAGE, stand()) <= ROUNDING
 
 
 def test_the_deepest_pair_of_all_instants_counts_wherever_its_shapes_lie_in_their_bodies() -> None:
     run = stand()
     run.p_WB[0, 1, 2] -= 0.001
     run.p_WB[2, 2, 2] -= 0.003
-    assert PENETRATION(STAGE, run) == pytest.approx(0.003, abs=1e-12)
+    assert penetration(STAGE, run) == pytest.approx(0.003, abs=1e-12)
     # Upside down the ball's shape hangs 0.1 m lower: the shortest way out of the box is aside, by the box's and its own half.
     run.q_WB[2, 2] = axis_angle((1.0, 0.0, 0.0), math.pi)
-    assert PENETRATION(STAGE, run) == pytest.approx(0.103, abs=1e-12)
+    assert penetration(STAGE, run) == pytest.approx(0.103, abs=1e-12)
 
 
 def test_what_engines_report_is_no_matter_of_poses() -> None:
-    assert PENETRATION(STAGE, told([-0.05], [-0.05])) <= ROUNDING
-    assert REPORTED_PENETRATION(STAGE, told([-0.05], [-0.05])) == 0.05
+    assert penetration(STAGE, told([-0.05], [-0.05])) <= ROUNDING
+    assert reported_penetration(STAGE, told([-0.05], [-0.05])) == 0.05
 
 
 def test_bodies_that_a_joint_or_the_scene_keeps_from_touching_do_not_count() -> None:
     run = stand()
     run.p_WB[:, 2, 2] -= 0.02
     hinge = Revolute(name="hinge", parent="box", child="ball", anchor_W=(0.0, 0.0, 0.2), axis_W=(0.0, 1.0, 0.0))
-    assert PENETRATION(replace(STAGE, joints=(hinge,)), run) <= ROUNDING
+    assert penetration(replace(STAGE, joints=(hinge,)), run) <= ROUNDING
     apart = tuple(replace(body, material=body.name) for body in STAGE.bodies)
     laws = (Surface(between=("box", "ground")), Surface(between=("ball", "ground")))
-    assert PENETRATION(replace(STAGE, bodies=apart, surfaces=laws, apart=(("box", "ball"),)), run) <= ROUNDING
+    assert penetration(replace(STAGE, bodies=apart, surfaces=laws, apart=(("box", "ball"),)), run) <= ROUNDING
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
-    assert math.isnan(REPORTED_PENETRATION(STAGE, told([0.1], [bad, -0.2])))
+    assert math.isnan(reported_penetration(STAGE, told([0.1], [bad, -0.2])))
     broken = told([0.1])
     broken.p_WB[0, 1, 0] = bad
-    assert math.isnan(REPORTED_PENETRATION(STAGE, broken))
-    assert math.isnan(PENETRATION(STAGE, broken))
+    assert math.isnan(reported_penetration(STAGE, broken))
+    assert math.isnan(penetration(STAGE, broken))
 
 
 def test_what_cannot_be_known_is_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no samples"):
-        PENETRATION(STAGE, stand(count=0))
+        penetration(STAGE, stand(count=0))
     with pytest.raises(NotMeasurable, match="no two bodies"):
-        PENETRATION(Scene(bodies=(GROUND,)), stand(Scene(bodies=(GROUND,))))
+        penetration(Scene(bodies=(GROUND,)), stand(Scene(bodies=(GROUND,))))
     can = PlacedShape(shape=Cylinder(radius=0.1, half_length=0.1))
     cans = replace(STAGE, bodies=(GROUND, STAGE.bodies[1], replace(STAGE.bodies[2], collision=(can,))))
     with pytest.raises(NotMeasurable, match="'ball' in 'box'"):
-        PENETRATION(cans, stand(cans))
+        penetration(cans, stand(cans))
 
 
 @pytest.mark.parametrize("gaps", [[[], []], [[0.02, 0.0], [0.5]]])
 def test_gaps_and_no_contact_at_all_are_reported_as_no_penetration(gaps: list[list[float]]) -> None:
-    assert REPORTED_PENETRATION(STAGE, told(*gaps)) == 0.0
+    assert reported_penetration(STAGE, told(*gaps)) == 0.0
 
 
 def test_the_deepest_point_that_is_reported_counts() -> None:
-    assert REPORTED_PENETRATION(STAGE, told([0.1, -0.001], [], [-0.003, 0.0])) == 0.003
+    assert reported_penetration(STAGE, told([0.1, -0.001], [], [-0.003, 0.0])) == 0.003
 
 
 def test_missing_contacts_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no contacts"):
-        REPORTED_PENETRATION(STAGE, stand())
+        reported_penetration(STAGE, stand())
     with pytest.raises(NotMeasurable, match="no samples"):
-        REPORTED_PENETRATION(STAGE, told())
+        reported_penetration(STAGE, told())

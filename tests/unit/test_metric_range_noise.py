@@ -6,15 +6,20 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.dropout import DROPOUT_SCORE
+from harness.metrics.dropout import dropout_score
 from harness.metrics.range_error import (
-    FALSE_RETURNS,
-    INTENSITY_ERROR_MAX,
-    RANGE_ERROR_MAX,
-    RANGE_ERROR_MEDIAN,
-    RANGE_ERROR_RMS,
+    intensity_error_max,
+    range_error_max,
+    range_error_median,
+    range_error_rms,
+    range_false_return_share,
 )
-from harness.metrics.range_noise import RANGE_CORRELATION, RANGE_DISTRIBUTION, RANGE_MEAN, RANGE_SPREAD
+from harness.metrics.range_noise import (
+    range_correlation_score,
+    range_distribution_distance,
+    range_mean_score,
+    range_spread_score,
+)
 from harness.scene import Body, Lidar, LidarNoise, Scene
 from harness.sensors.lidar_noise import noisy
 from harness.trajectory import Floats, Trajectory
@@ -22,7 +27,7 @@ from harness.trajectory import Floats, Trajectory
 LAW = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05)
 SENSOR = Lidar(name="l", body="b", rate=10.0, channels=16, columns=60, noise=LAW)
 SCENE = Scene(bodies=(Body(name="b"),), sensors=(SENSOR,))
-SCORES = (RANGE_MEAN, RANGE_SPREAD, RANGE_CORRELATION, DROPOUT_SCORE)
+SCORES = (range_mean_score, range_spread_score, range_correlation_score, dropout_score)
 FALSE_ALARM, FALSE_DISTANCE = 5.0, 2.73
 
 
@@ -49,13 +54,13 @@ def _answer(streams: dict[str, Floats]) -> Trajectory:
 @pytest.mark.parametrize("seeds", [60, pytest.param(200, marks=pytest.mark.slow)])
 def test_noise_of_the_law_raises_no_alarm_in_many_seeds_and_scores_as_normal_variables_do(seeds: int) -> None:
     answers = [_answer(_streams(seed=seed)) for seed in range(seeds)]
-    for metric in (RANGE_MEAN, RANGE_SPREAD, DROPOUT_SCORE):
+    for metric in (range_mean_score, range_spread_score, dropout_score):
         found = np.array([metric(SCENE, answer) for answer in answers])
         assert found.max() < FALSE_ALARM
         # |z| of a normal variable has the mean sqrt(2/pi) and the variance 1 - 2/pi.
         assert found.mean() == pytest.approx(np.sqrt(2 / np.pi), abs=5 * np.sqrt((1 - 2 / np.pi) / seeds))
-    assert max(RANGE_CORRELATION(SCENE, answer) for answer in answers) < FALSE_ALARM
-    assert max(RANGE_DISTRIBUTION(SCENE, answer) for answer in answers) < FALSE_DISTANCE
+    assert max(range_correlation_score(SCENE, answer) for answer in answers) < FALSE_ALARM
+    assert max(range_distribution_distance(SCENE, answer) for answer in answers) < FALSE_DISTANCE
 
 
 @pytest.mark.parametrize(
@@ -63,31 +68,31 @@ def test_noise_of_the_law_raises_no_alarm_in_many_seeds_and_scores_as_normal_var
 )
 def test_a_wrong_sigma_is_seen_in_spread_and_distribution(law: LidarNoise) -> None:
     answer = _answer(_streams(law))
-    assert RANGE_SPREAD(SCENE, answer) > FALSE_ALARM
-    assert RANGE_DISTRIBUTION(SCENE, answer) > FALSE_DISTANCE
+    assert range_spread_score(SCENE, answer) > FALSE_ALARM
+    assert range_distribution_distance(SCENE, answer) > FALSE_DISTANCE
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.03, 0.07, 0.5])
 def test_a_wrong_dropout_rate_is_seen(rate: float) -> None:
-    assert DROPOUT_SCORE(SCENE, _answer(_streams(replace(LAW, dropout=rate)))) > FALSE_ALARM
+    assert dropout_score(SCENE, _answer(_streams(replace(LAW, dropout=rate)))) > FALSE_ALARM
 
 
 def test_a_return_from_nothing_is_no_dropout() -> None:
     streams = _streams()
     streams["l/range"][np.isinf(streams["l/range_ideal"])] = 3.0
-    assert DROPOUT_SCORE(SCENE, _answer(streams)) == np.inf
+    assert dropout_score(SCENE, _answer(streams)) == np.inf
 
 
 def test_a_law_without_dropout_allows_none() -> None:
     scene = replace(SCENE, sensors=(replace(SENSOR, noise=replace(LAW, dropout=0.0)),))
-    assert DROPOUT_SCORE(scene, _answer(_streams(replace(LAW, dropout=0.0)))) == 0.0
-    assert DROPOUT_SCORE(scene, _answer(_streams(replace(LAW, dropout=0.001)))) == np.inf
+    assert dropout_score(scene, _answer(_streams(replace(LAW, dropout=0.0)))) == 0.0
+    assert dropout_score(scene, _answer(_streams(replace(LAW, dropout=0.001)))) == np.inf
 
 
 def test_a_bias_of_a_tenth_of_sigma_is_seen_in_the_mean() -> None:
     streams = _streams()
     streams["l/range"] = streams["l/range"] + 0.003
-    assert RANGE_MEAN(SCENE, _answer(streams)) > FALSE_ALARM
+    assert range_mean_score(SCENE, _answer(streams)) > FALSE_ALARM
 
 
 def test_noise_of_the_right_spread_but_another_shape_is_seen_in_the_distribution_alone() -> None:
@@ -95,8 +100,8 @@ def test_noise_of_the_right_spread_but_another_shape_is_seen_in_the_distribution
     sigma = 0.02 + 0.002 * np.where(np.isinf(streams["l/range"]), 0.0, streams["l/range"])
     flat = np.random.default_rng(2).uniform(-np.sqrt(3), np.sqrt(3), sigma.shape)
     streams["l/range"] = streams["l/range"] + sigma * flat
-    assert RANGE_SPREAD(SCENE, _answer(streams)) < FALSE_ALARM
-    assert RANGE_DISTRIBUTION(SCENE, _answer(streams)) > FALSE_DISTANCE
+    assert range_spread_score(SCENE, _answer(streams)) < FALSE_ALARM
+    assert range_distribution_distance(SCENE, _answer(streams)) > FALSE_DISTANCE
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2], ids=["scans", "channels", "columns"])
@@ -107,33 +112,33 @@ def test_a_shared_seed_between_neighbours_is_seen_in_the_correlation(axis: int) 
     one = np.random.default_rng(3).standard_normal(ideal.shape).take([0], axis=axis)
     shared = streams | {"l/range_ideal": ideal, "l/range": ideal + 0.02 * np.broadcast_to(one, ideal.shape)}
     scene = replace(SCENE, sensors=(replace(SENSOR, noise=law),))
-    assert RANGE_CORRELATION(scene, _answer(shared)) > FALSE_ALARM
+    assert range_correlation_score(scene, _answer(shared)) > FALSE_ALARM
 
 
 def test_ray_errors_are_measured_where_both_hit_and_disagreements_are_counted() -> None:
     truth = _answer(_streams())
-    for metric in (RANGE_ERROR_MAX, RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN, FALSE_RETURNS, INTENSITY_ERROR_MAX):
+    for metric in (range_error_max, range_error_rms, range_error_median, range_false_return_share, intensity_error_max):
         assert metric(SCENE, truth, truth) == 0.0
     off = _streams()
     off["l/range_ideal"][3, 2, 1] += 0.01
     off["l/intensity_ideal"][3, 2, 1] += 0.25
     hits = np.isfinite(off["l/range_ideal"]).sum()
-    assert RANGE_ERROR_MAX(SCENE, _answer(off), truth) == pytest.approx(0.01, rel=1e-9)
-    assert RANGE_ERROR_RMS(SCENE, _answer(off), truth) == pytest.approx(0.01 / np.sqrt(hits), rel=1e-9)
-    assert INTENSITY_ERROR_MAX(SCENE, _answer(off), truth) == pytest.approx(0.25, rel=1e-9)
-    assert FALSE_RETURNS(SCENE, _answer(off), truth) == 0.0
+    assert range_error_max(SCENE, _answer(off), truth) == pytest.approx(0.01, rel=1e-9)
+    assert range_error_rms(SCENE, _answer(off), truth) == pytest.approx(0.01 / np.sqrt(hits), rel=1e-9)
+    assert intensity_error_max(SCENE, _answer(off), truth) == pytest.approx(0.25, rel=1e-9)
+    assert range_false_return_share(SCENE, _answer(off), truth) == 0.0
     # A miss that should hit, a hit that should miss, and a hit on another surface.
     off["l/range_ideal"][0, 0, 1], off["l/range_ideal"][0, 0, 0] = np.inf, 4.0
     off["l/range_ideal"][0, 0, 2] *= 1.5
-    assert FALSE_RETURNS(SCENE, _answer(off), truth) == pytest.approx(3 / off["l/range_ideal"].size)
-    assert RANGE_ERROR_MAX(SCENE, _answer(off), truth) == pytest.approx(0.01, rel=1e-9)
+    assert range_false_return_share(SCENE, _answer(off), truth) == pytest.approx(3 / off["l/range_ideal"].size)
+    assert range_error_max(SCENE, _answer(off), truth) == pytest.approx(0.01, rel=1e-9)
 
 
 def test_a_bad_number_is_neither_a_hit_nor_a_miss() -> None:
     truth = _answer(_streams())
     for channel, metrics in (
-        ("range_ideal", (RANGE_ERROR_MAX, RANGE_ERROR_RMS, RANGE_ERROR_MEDIAN, FALSE_RETURNS)),
-        ("range", (RANGE_MEAN, RANGE_SPREAD, RANGE_DISTRIBUTION, RANGE_CORRELATION, DROPOUT_SCORE)),
+        ("range_ideal", (range_error_max, range_error_rms, range_error_median, range_false_return_share)),
+        ("range", (range_mean_score, range_spread_score, range_distribution_distance, range_correlation_score, dropout_score)),
     ):
         streams = _streams()
         streams[f"l/{channel}"][2, 3, 4] = np.nan
@@ -145,11 +150,11 @@ def test_missing_normals_noise_laws_streams_and_truths_are_not_measurable() -> N
     truth = _answer(_streams())
     blind = _answer(_streams() | {"l/intensity_ideal": np.full((10, 16, 60), np.nan)})
     with pytest.raises(NotMeasurable, match="normals"):
-        INTENSITY_ERROR_MAX(SCENE, blind, truth)
+        intensity_error_max(SCENE, blind, truth)
     with pytest.raises(NotMeasurable, match="truth"):
-        RANGE_ERROR_MAX(SCENE, truth)
+        range_error_max(SCENE, truth)
     quiet = replace(SCENE, sensors=(replace(SENSOR, noise=None),))
-    for metric in (*SCORES, RANGE_DISTRIBUTION):
+    for metric in (*SCORES, range_distribution_distance):
         with pytest.raises(NotMeasurable):
             metric(quiet, truth)
         with pytest.raises(NotMeasurable):

@@ -8,12 +8,12 @@ import pytest
 
 from harness.metric import NotMeasurable
 from harness.metrics.restitution import (
-    BOUNCE_GAIN,
-    BOUNCE_HEIGHT_ERROR,
-    BOUNCING_TIME_ERROR,
-    IMPACT_TIME_ERROR,
-    LATER_RESTITUTION_ERROR,
-    RESTITUTION_ERROR,
+    bounce_gain,
+    bounce_height_error,
+    bouncing_time_error,
+    impact_time_error,
+    later_restitution_error,
+    restitution_error,
 )
 from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
 from harness.trajectory import Floats, Trajectory
@@ -45,50 +45,50 @@ def run(restitutions: list[float], interval: float = 1 / 240, shift: float = 0.0
 @pytest.mark.parametrize("found", [0.1, 0.45, 0.5, 0.62, 1.0])
 def test_the_error_is_that_of_the_first_impact_at_any_sampling(found: float, interval: float) -> None:
     # Parabolas are read exactly; what is left is rounding, far below 1e-6. The hop of 0.1 lasts 81 ms, four samples at least.
-    assert RESTITUTION_ERROR(stage(0.5), run([found, 0.5], interval)) == pytest.approx(abs(found - 0.5), abs=1e-6)
-    assert BOUNCE_HEIGHT_ERROR(stage(0.5), run([found, 0.5], interval)) == pytest.approx(abs(found**2 - 0.25), abs=1e-6)
+    assert restitution_error(stage(0.5), run([found, 0.5], interval)) == pytest.approx(abs(found - 0.5), abs=1e-6)
+    assert bounce_height_error(stage(0.5), run([found, 0.5], interval)) == pytest.approx(abs(found**2 - 0.25), abs=1e-6)
 
 
 def test_no_bounce_at_all_counts_as_restitution_zero() -> None:
-    assert RESTITUTION_ERROR(stage(0.5), run([0.0])) == 0.5
-    assert RESTITUTION_ERROR(stage(0.0), run([0.0])) == 0.0
+    assert restitution_error(stage(0.5), run([0.0])) == 0.5
+    assert restitution_error(stage(0.0), run([0.0])) == 0.0
 
 
 def test_a_ball_that_hangs_in_the_air_has_no_restitution() -> None:
     hanging = run([0.5])
     hanging.p_WB[:, 1, 2] = 1.0 + R + H
-    assert math.isnan(RESTITUTION_ERROR(stage(0.0), hanging))
+    assert math.isnan(restitution_error(stage(0.0), hanging))
 
 
 def test_later_bounces_are_judged_by_themselves() -> None:
     truth = run([0.8, 0.8, 0.8, 0.8])
-    assert LATER_RESTITUTION_ERROR(stage(0.8), truth, truth) == pytest.approx(0.0, abs=1e-6)
-    assert LATER_RESTITUTION_ERROR(stage(0.8), run([0.8, 0.8, 0.7, 0.8]), truth) == pytest.approx(0.1, abs=1e-6)
-    assert LATER_RESTITUTION_ERROR(stage(0.8), run([0.8, 0.0]), truth) == pytest.approx(0.8, abs=1e-6)
+    assert later_restitution_error(stage(0.8), truth, truth) == pytest.approx(0.0, abs=1e-6)
+    assert later_restitution_error(stage(0.8), run([0.8, 0.8, 0.7, 0.8]), truth) == pytest.approx(0.1, abs=1e-6)
+    assert later_restitution_error(stage(0.8), run([0.8, 0.0]), truth) == pytest.approx(0.8, abs=1e-6)
 
 
 def test_bounces_slower_than_half_the_first_are_not_asked() -> None:
     with pytest.raises(NotMeasurable, match="half the speed"):
-        LATER_RESTITUTION_ERROR(stage(0.3), run([0.3, 0.3]), run([0.3, 0.3]))
+        later_restitution_error(stage(0.3), run([0.3, 0.3]), run([0.3, 0.3]))
 
 
 def test_a_late_impact_is_seen_between_samples() -> None:
     truth = run([0.5, 0.5], 1 / 60)
-    assert IMPACT_TIME_ERROR(stage(0.5), truth, truth) == pytest.approx(0.0, abs=1e-9)
-    assert IMPACT_TIME_ERROR(stage(0.5), run([0.5, 0.5], 1 / 60, shift=0.0031), truth) == pytest.approx(0.0031, abs=1e-7)
+    assert impact_time_error(stage(0.5), truth, truth) == pytest.approx(0.0, abs=1e-9)
+    assert impact_time_error(stage(0.5), run([0.5, 0.5], 1 / 60, shift=0.0031), truth) == pytest.approx(0.0031, abs=1e-7)
 
 
 def test_a_missing_second_flight_makes_the_time_error_infinite() -> None:
-    assert IMPACT_TIME_ERROR(stage(0.5), run([0.0]), run([0.5, 0.5])) == math.inf
+    assert impact_time_error(stage(0.5), run([0.0]), run([0.5, 0.5])) == math.inf
 
 
 def test_the_worst_single_bounce_is_the_gain_and_where_all_lose_it_is_below_zero() -> None:
-    assert BOUNCE_GAIN(stage(1.0), run([1.0, 1.02, 1.01, 0.9])) == pytest.approx(1.02**2 - 1, abs=1e-6)
-    assert BOUNCE_GAIN(stage(0.9), run([0.9, 0.8])) == pytest.approx(0.9**2 - 1, abs=1e-6)
+    assert bounce_gain(stage(1.0), run([1.0, 1.02, 1.01, 0.9])) == pytest.approx(1.02**2 - 1, abs=1e-6)
+    assert bounce_gain(stage(0.9), run([0.9, 0.8])) == pytest.approx(0.9**2 - 1, abs=1e-6)
 
 
 def test_a_bounce_slower_than_half_the_first_is_no_gain() -> None:
-    assert BOUNCE_GAIN(stage(0.4), run([0.4, 1.5])) == pytest.approx(0.4**2 - 1, abs=1e-6)
+    assert bounce_gain(stage(0.4), run([0.4, 1.5])) == pytest.approx(0.4**2 - 1, abs=1e-6)
 
 
 def test_the_staggered_fall_of_semi_implicit_euler_is_no_gain() -> None:
@@ -97,12 +97,12 @@ def test_the_staggered_fall_of_semi_implicit_euler_is_no_gain() -> None:
     k = np.arange(math.floor(math.sqrt(2 * H / G) / dt))
     trajectory.p_WB[k, 1, 2] = 1.0 + R + H - G * dt**2 * k * (k + 1) / 2
     # Its parabola's apex lies g dt^2/8 above the start, from which the bounce then rises by less.
-    assert BOUNCE_GAIN(stage(0.5), trajectory) == pytest.approx(0.5**2 / (1 + G * dt**2 / 8 / H) - 1, rel=1e-6)
+    assert bounce_gain(stage(0.5), trajectory) == pytest.approx(0.5**2 / (1 + G * dt**2 / 8 / H) - 1, rel=1e-6)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 @pytest.mark.parametrize(
-    "metric", [BOUNCE_HEIGHT_ERROR, RESTITUTION_ERROR, LATER_RESTITUTION_ERROR, IMPACT_TIME_ERROR, BOUNCE_GAIN]
+    "metric", [bounce_height_error, restitution_error, later_restitution_error, impact_time_error, bounce_gain]
 )
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     trajectory = run([0.9, 0.9])
@@ -114,24 +114,24 @@ def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> No
 def test_a_scene_without_a_ball_over_a_plane_is_not_measurable() -> None:
     nothing = Scene(bodies=(Body(name="free"),))
     with pytest.raises(NotMeasurable, match="no ball"):
-        RESTITUTION_ERROR(nothing, Trajectory.of(np.arange(9.0), 1))
+        restitution_error(nothing, Trajectory.of(np.arange(9.0), 1))
 
 
 @pytest.mark.parametrize("bounces", [1, 2, 4])
 def test_bouncing_that_ends_early_is_off_by_the_hops_that_are_missing(bounces: int) -> None:
     truth, lazy = run([0.5] * 6), run([0.5] * bounces)
-    assert BOUNCING_TIME_ERROR(stage(0.5), truth, truth) == 0.0
+    assert bouncing_time_error(stage(0.5), truth, truth) == 0.0
     fall = math.sqrt(2 * H / G)
     missing = sum(2 * fall * 0.5**n for n in range(bounces + 1, 7))
     # Hops are left and begun at 1e-4 of the drop, within a sample of the ground.
-    assert BOUNCING_TIME_ERROR(stage(0.5), lazy, truth) == pytest.approx(missing, abs=2 / 240)
+    assert bouncing_time_error(stage(0.5), lazy, truth) == pytest.approx(missing, abs=2 / 240)
 
 
 def test_no_end_is_asked_of_a_ball_that_bounces_on_and_nothing_is_swallowed() -> None:
     with pytest.raises(NotMeasurable, match="comes to rest"):
-        BOUNCING_TIME_ERROR(stage(1.0), run([1.0] * 9), run([1.0] * 9))
+        bouncing_time_error(stage(1.0), run([1.0] * 9), run([1.0] * 9))
     with pytest.raises(NotMeasurable, match="no truth"):
-        BOUNCING_TIME_ERROR(stage(0.5), run([0.5]), None)
+        bouncing_time_error(stage(0.5), run([0.5]), None)
     broken = run([0.5])
     broken.p_WB[3, 1, 2] = math.nan
-    assert math.isnan(BOUNCING_TIME_ERROR(stage(0.5), broken, run([0.5])))
+    assert math.isnan(bouncing_time_error(stage(0.5), broken, run([0.5])))

@@ -12,12 +12,12 @@ from scipy.spatial.transform import Rotation
 from cases import sensor_streams
 from harness.metric import NotMeasurable
 from harness.metric.inertial_residual import inertial_residual
-from harness.metrics.gyroscope_attitude import GYROSCOPE_ATTITUDE
-from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG, delay
-from harness.metrics.noise_distribution import HISTOGRAM_SCORE, NORMAL_DISTANCE
-from harness.metrics.noise_independence import INDEPENDENCE_SCORE
-from harness.metrics.noise_spectrum import SPECTRUM_SCORE, difference_spectrum
-from harness.metrics.stream_stamps import STAMP_ERROR
+from harness.metrics.gyroscope_attitude import gyroscope_attitude_error
+from harness.metrics.inertial_lag import accelerometer_lag_error, delay, gyroscope_lag_error
+from harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
+from harness.metrics.noise_independence import inertial_correlation_score
+from harness.metrics.noise_spectrum import difference_spectrum, inertial_spectrum_score
+from harness.metrics.stream_stamps import time_stamp_error
 from harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
 from harness.sensors.imu_errors import read_out, sensed
 from harness.sensors.imu_noise import three_axes
@@ -79,17 +79,17 @@ def test_readings_at_their_bound_or_in_coarse_steps_are_not_judged_as_noise() ->
     for change, said in (({"saturation": 3.0}, "cut off at 3"), ({"quantisation": 0.1}, "steps of 0.1")):
         law = replace(LAW, **change)  # type: ignore[arg-type]
         with pytest.raises(NotMeasurable, match=said):
-            SPECTRUM_SCORE(_scene(law), _answer(_streams(law)))
+            inertial_spectrum_score(_scene(law), _answer(_streams(law)))
 
 
 @pytest.mark.parametrize("seeds", [4, pytest.param(12, marks=pytest.mark.slow)])
 def test_noise_of_the_law_raises_no_alarm_in_several_seeds(seeds: int) -> None:
     for seed in range(seeds):
         answer = _answer(_streams(LAW, seed))
-        assert SPECTRUM_SCORE(_scene(), answer) < FALSE_ALARM
-        assert HISTOGRAM_SCORE(_scene(), answer) < FALSE_ALARM
-        assert NORMAL_DISTANCE(_scene(), answer) < FALSE_DISTANCE
-        assert SPECTRUM_SCORE(_scene(SLOW), _answer(_streams(SLOW, seed))) < FALSE_ALARM
+        assert inertial_spectrum_score(_scene(), answer) < FALSE_ALARM
+        assert inertial_histogram_score(_scene(), answer) < FALSE_ALARM
+        assert inertial_distribution_distance(_scene(), answer) < FALSE_DISTANCE
+        assert inertial_spectrum_score(_scene(SLOW), _answer(_streams(SLOW, seed))) < FALSE_ALARM
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_noise_of_the_law_raises_no_alarm_in_several_seeds(seeds: int) -> None:
     ids=["doubled sigma", "five per cent", "walk", "instability"],
 )
 def test_a_wrong_level_is_seen_in_the_spectrum(fault: AxisNoise) -> None:
-    assert SPECTRUM_SCORE(_scene(SLOW), _answer(_streams(fault))) > FALSE_ALARM
+    assert inertial_spectrum_score(_scene(SLOW), _answer(_streams(fault))) > FALSE_ALARM
 
 
 def test_the_spectrum_of_differences_integrates_to_their_variance() -> None:
@@ -114,9 +114,9 @@ def test_the_spectrum_of_differences_integrates_to_their_variance() -> None:
     assert difference_spectrum(SLOW, turn, 1 / RATE).mean() == pytest.approx(variance, rel=1e-6)
 
 
-@pytest.mark.parametrize("metric", [HISTOGRAM_SCORE, NORMAL_DISTANCE], ids=lambda m: m.name)
+@pytest.mark.parametrize("metric", [inertial_histogram_score, inertial_distribution_distance], ids=lambda m: m.name)
 def test_a_doubled_sigma_and_a_uniform_shape_are_seen_in_the_distribution(metric: Callable[..., float]) -> None:
-    alarm = FALSE_ALARM if metric is HISTOGRAM_SCORE else FALSE_DISTANCE
+    alarm = FALSE_ALARM if metric is inertial_histogram_score else FALSE_DISTANCE
     assert metric(_scene(), _answer(_streams(replace(LAW, density=4e-3)))) > alarm
     flat = _streams(replace(LAW, density=0.0, random_walk=0.0))
     spread = LAW.density * np.sqrt(RATE) * np.sqrt(3)
@@ -130,9 +130,9 @@ def test_a_stream_shared_by_two_sensors_is_seen() -> None:
     scene = _scene()
     twin = replace(scene, sensors=(*scene.sensors, replace(scene.sensors[0], name="twin")))  # type: ignore[arg-type]
     apart = _streams(LAW) | _streams(LAW, name="twin")
-    assert INDEPENDENCE_SCORE(twin, _answer(apart)) < 4.0
+    assert inertial_correlation_score(twin, _answer(apart)) < 4.0
     shared = apart | {"twin/gyroscope": apart["imu/gyroscope"]}
-    assert INDEPENDENCE_SCORE(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 1) / 1.5)
+    assert inertial_correlation_score(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 1) / 1.5)
 
 
 def test_a_stream_shared_with_a_late_sensor_is_seen_although_that_one_has_fewer_readings() -> None:
@@ -141,10 +141,10 @@ def test_a_stream_shared_with_a_late_sensor_is_seen_although_that_one_has_fewer_
     twin = replace(scene, sensors=(*scene.sensors, replace(scene.sensors[0], name="twin", latency=0.015)))  # type: ignore[arg-type]
     late = {name: stream[:-3] for name, stream in _streams(LAW, name="twin").items()}
     apart = _streams(LAW) | late
-    assert INDEPENDENCE_SCORE(twin, _answer(apart)) < 4.0
+    assert inertial_correlation_score(twin, _answer(apart)) < 4.0
     for channel in ("gyroscope", "accelerometer"):
         shared = apart | {f"twin/{channel}": apart[f"imu/{channel}"][:-3]}
-        assert INDEPENDENCE_SCORE(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 4) / 1.5)
+        assert inertial_correlation_score(twin, _answer(shared)) > 0.99 * np.sqrt((COUNT - 4) / 1.5)
 
 
 def test_all_pairs_of_the_case_are_compared() -> None:
@@ -152,14 +152,14 @@ def test_all_pairs_of_the_case_are_compared() -> None:
     axes = [(sensor, channel, axis) for sensor in ("left", "right") for channel in CHANNELS for axis in range(3)]
     case_scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
     sound = _case_streams()
-    assert INDEPENDENCE_SCORE(case_scene, _answer(sound)) < 4.0
+    assert inertial_correlation_score(case_scene, _answer(sound)) < 4.0
     pairs = list(itertools.combinations(axes, 2))
     assert len(pairs) == sensor_streams.PAIRS == 66
     for (one, a, i), (other, b, j) in pairs:
         spoilt = {name: stream.copy() for name, stream in sound.items()}
         count = min(len(spoilt[f"{one}/{a}"]), len(spoilt[f"{other}/{b}"]))
         spoilt[f"{other}/{b}"][:count, j] = spoilt[f"{one}/{a}"][:count, i]
-        assert INDEPENDENCE_SCORE(case_scene, _answer(spoilt)) > 50.0, (one, a, i, other, b, j)
+        assert inertial_correlation_score(case_scene, _answer(spoilt)) > 50.0, (one, a, i, other, b, j)
 
 
 @pytest.mark.parametrize("true", [0.0, 0.005, 0.0123, -0.007])
@@ -187,30 +187,30 @@ def _lagged(by: float, native: float, latency: float = 0.0) -> tuple[Scene, Traj
 
 
 def test_half_an_interval_is_due_to_a_difference_and_none_to_an_engines_own_sensor() -> None:
-    assert ACCELEROMETER_LAG(*_lagged(0.005, native=0.0)) < 1e-7
-    assert ACCELEROMETER_LAG(*_lagged(0.0, native=1.0)) < 1e-7
-    assert ACCELEROMETER_LAG(*_lagged(0.025, native=0.0, latency=0.02)) < 1e-7
-    assert GYROSCOPE_LAG(*_lagged(0.025, native=0.0, latency=0.02)) < 1e-7
+    assert accelerometer_lag_error(*_lagged(0.005, native=0.0)) < 1e-7
+    assert accelerometer_lag_error(*_lagged(0.0, native=1.0)) < 1e-7
+    assert accelerometer_lag_error(*_lagged(0.025, native=0.0, latency=0.02)) < 1e-7
+    assert gyroscope_lag_error(*_lagged(0.025, native=0.0, latency=0.02)) < 1e-7
     # A difference that passes for the engine's own sensor, a latency that was forgotten, and one step too many.
-    assert ACCELEROMETER_LAG(*_lagged(0.005, native=1.0)) == pytest.approx(0.005, abs=1e-6)
-    assert ACCELEROMETER_LAG(*_lagged(0.005, native=0.0, latency=0.02)) == pytest.approx(0.02, abs=1e-6)
-    assert ACCELEROMETER_LAG(*_lagged(0.015, native=0.0)) == pytest.approx(0.01, abs=1e-6)
+    assert accelerometer_lag_error(*_lagged(0.005, native=1.0)) == pytest.approx(0.005, abs=1e-6)
+    assert accelerometer_lag_error(*_lagged(0.005, native=0.0, latency=0.02)) == pytest.approx(0.02, abs=1e-6)
+    assert accelerometer_lag_error(*_lagged(0.015, native=0.0)) == pytest.approx(0.01, abs=1e-6)
     scene, told, truth = _lagged(0.0, native=1.0)
     told.streams["imu/accelerometer"][100, 1] = np.nan  # type: ignore[index]
-    assert np.isnan(ACCELEROMETER_LAG(scene, told, truth))
+    assert np.isnan(accelerometer_lag_error(scene, told, truth))
 
 
 def test_stamps_are_judged_one_by_one() -> None:
     scene = replace(_scene(latency=0.005), sensors=(*_scene(latency=0.005).sensors, Lidar(name="l", body="b", rate=10.0)))
     good = {"imu/time": np.arange(2, 101) / RATE, "l/time": np.arange(11) / 10}
-    assert STAMP_ERROR(scene, _answer(good, 1.0)) < 1e-15
+    assert time_stamp_error(scene, _answer(good, 1.0)) < 1e-15
     late = good | {"imu/time": good["imu/time"] + 1e-6 * (np.arange(99) == 7)}
-    assert STAMP_ERROR(scene, _answer(late, 1.0)) == pytest.approx(1e-6)
+    assert time_stamp_error(scene, _answer(late, 1.0)) == pytest.approx(1e-6)
     for lost in (good["imu/time"][1:], good["imu/time"][:-1], np.delete(good["imu/time"], 40)):
-        assert STAMP_ERROR(scene, _answer(good | {"imu/time": lost}, 1.0)) == np.inf
+        assert time_stamp_error(scene, _answer(good | {"imu/time": lost}, 1.0)) == np.inf
     bad = good["l/time"].copy()
     bad[3] = np.nan
-    assert np.isnan(STAMP_ERROR(scene, _answer(good | {"l/time": bad}, 1.0)))
+    assert np.isnan(time_stamp_error(scene, _answer(good | {"l/time": bad}, 1.0)))
 
 
 EVERY, TURNS = 0.01, 200
@@ -253,9 +253,9 @@ def _coning(late: float = 0.0, swapped: bool = False) -> tuple[Scene, Trajectory
 
 def test_an_integrated_gyroscope_gives_the_bodys_attitude_and_a_late_or_swapped_one_does_not() -> None:
     # The Magnus step with rates at its ends errs by |w''| T^2/12 a second: 9 * 1e-4/12 over 2 s.
-    assert GYROSCOPE_ATTITUDE(*_coning()) < 1.1 * 2 * 9e-4 / 12
-    assert GYROSCOPE_ATTITUDE(*_coning(late=0.01)) > 5e-3
-    assert GYROSCOPE_ATTITUDE(*_coning(swapped=True)) > 0.1
+    assert gyroscope_attitude_error(*_coning()) < 1.1 * 2 * 9e-4 / 12
+    assert gyroscope_attitude_error(*_coning(late=0.01)) > 5e-3
+    assert gyroscope_attitude_error(*_coning(swapped=True)) > 0.1
     scene, run = _coning()
     run.streams["imu/gyroscope_ideal"][5, 0] = np.nan  # type: ignore[index]
-    assert np.isnan(GYROSCOPE_ATTITUDE(scene, run))
+    assert np.isnan(gyroscope_attitude_error(scene, run))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.slide import CENTRE_RISE, STOP_DISTANCE_ERROR, STOP_TIME_ERROR
+from harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
 
@@ -34,32 +34,32 @@ def run(stop: float = 1.0, azimuth: float = 0.0, interval: float = 1 / 60) -> Tr
 def test_way_and_time_are_relative_to_the_truth_in_any_direction(stop: float, azimuth: float) -> None:
     # The way is v0 stop/2 and a tenth of the speed is left at 0.9 stop: both errors are |stop - 1|.
     actual, truth = run(stop, azimuth), run(1.0, azimuth)
-    assert STOP_DISTANCE_ERROR(STAGE, actual, truth) == pytest.approx(abs(stop - 1), abs=1e-12)
-    assert STOP_TIME_ERROR(STAGE, actual, truth) == pytest.approx(abs(stop - 1), abs=1e-12)
+    assert stop_distance_error(STAGE, actual, truth) == pytest.approx(abs(stop - 1), abs=1e-12)
+    assert stop_time_error(STAGE, actual, truth) == pytest.approx(abs(stop - 1), abs=1e-12)
 
 
 def test_the_worst_body_counts() -> None:
     actual = run()
     actual.p_WB[:, 1] = run(0.5).p_WB[:, 1]
-    assert STOP_DISTANCE_ERROR(STAGE, actual, run()) == pytest.approx(0.5)
+    assert stop_distance_error(STAGE, actual, run()) == pytest.approx(0.5)
 
 
 def test_a_body_that_never_slows_has_an_infinite_time_error() -> None:
     actual = run()
     actual.v_WB[:, 0] = (3.0, 0.0, 0.0)
-    assert STOP_TIME_ERROR(STAGE, actual, run()) == math.inf
+    assert stop_time_error(STAGE, actual, run()) == math.inf
 
 
 def test_a_hop_is_a_rise_and_sinking_is_none() -> None:
     actual = run()
-    assert CENTRE_RISE(STAGE, actual) == 0.0
+    assert centre_rise(STAGE, actual) == 0.0
     actual.p_WB[7, 1, 2] = 0.003
-    assert CENTRE_RISE(STAGE, actual) == pytest.approx(0.003)
+    assert centre_rise(STAGE, actual) == pytest.approx(0.003)
     actual.p_WB[1:, :, 2] = -0.01
-    assert CENTRE_RISE(STAGE, actual) == 0.0
+    assert centre_rise(STAGE, actual) == 0.0
 
 
-@pytest.mark.parametrize("metric", [STOP_DISTANCE_ERROR, STOP_TIME_ERROR, CENTRE_RISE])
+@pytest.mark.parametrize("metric", [stop_distance_error, stop_time_error, centre_rise])
 def test_what_is_not_finite_is_never_swallowed(metric: object) -> None:
     actual = run()
     actual.p_WB[5, 0, 2] = math.nan
@@ -69,10 +69,10 @@ def test_what_is_not_finite_is_never_swallowed(metric: object) -> None:
 
 def test_without_a_truth_there_is_nothing_to_compare() -> None:
     with pytest.raises(NotMeasurable, match="no truth"):
-        STOP_DISTANCE_ERROR(STAGE, run(), None)
+        stop_distance_error(STAGE, run(), None)
     still = Trajectory.of(run().time, 3)
     still.p_WB[:, 1, 0] = 1.0
     with pytest.raises(NotMeasurable, match="moves no body"):
-        STOP_DISTANCE_ERROR(STAGE, run(), still)
+        stop_distance_error(STAGE, run(), still)
     with pytest.raises(NotMeasurable, match="stops no body"):
-        STOP_TIME_ERROR(STAGE, run(), still)
+        stop_time_error(STAGE, run(), still)

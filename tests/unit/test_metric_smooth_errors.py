@@ -13,10 +13,14 @@ from harness.trajectory.kinematics import product
 
 SCENE = Scene(bodies=(Body(name="a"), Body(name="b"), Body(name="rock", motion="static")))
 METRICS = {
-    "p_WB": position.METRIC,
-    "v_WB": velocity.METRIC,
-    "w_WB": angular_velocity.METRIC,
-    "q_WB": attitude.METRIC,
+    "p_WB": (position.position_error_max, position.position_error_rms, position.position_error_final),
+    "v_WB": (velocity.velocity_error_max, velocity.velocity_error_rms, velocity.velocity_error_final),
+    "w_WB": (
+        angular_velocity.angular_velocity_error_max,
+        angular_velocity.angular_velocity_error_rms,
+        angular_velocity.angular_velocity_error_final,
+    ),
+    "q_WB": (attitude.attitude_error_max, attitude.attitude_error_rms, attitude.attitude_error_final),
 }
 ALL = [metric for metrics in METRICS.values() for metric in metrics]
 
@@ -56,14 +60,14 @@ def test_an_offset_of_one_body_at_one_instant_is_measured_to_the_digit(array: st
 def test_a_turn_by_an_angle_is_measured_as_that_angle_whatever_the_sign_of_the_quaternion(angle: float) -> None:
     q = _motion().q_WB.copy()
     q[-1, 0] = -product(q[-1, 0], np.array([np.cos(angle / 2), 0.0, np.sin(angle / 2) * 0.6, np.sin(angle / 2) * 0.8]))
-    assert attitude.ATTITUDE_MAX(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
-    assert attitude.ATTITUDE_FINAL(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
+    assert attitude.attitude_error_max(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
+    assert attitude.attitude_error_final(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
 
 
 def test_a_static_body_does_not_dilute_the_error() -> None:
     p = _motion().p_WB.copy()
     p[:, 2] += 100.0
-    assert position.POSITION_MAX(SCENE, _with("p_WB", p), _motion()) == 0.0
+    assert position.position_error_max(SCENE, _with("p_WB", p), _motion()) == 0.0
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -74,17 +78,17 @@ def test_one_bad_number_makes_every_reduction_non_finite(array: str, bad: float)
     with np.errstate(invalid="ignore"):
         found = [metric(SCENE, _with(array, value), _motion()) for metric in METRICS[array]]
     assert not np.isfinite(found).any()
-    assert divergence.DIVERGENCE(SCENE, _with(array, value)) == np.inf
+    assert divergence.divergence(SCENE, _with(array, value)) == np.inf
 
 
 def test_a_zero_quaternion_is_no_attitude() -> None:
     q = _motion().q_WB.copy()
     q[2, 0] = 0.0
-    assert np.isnan(attitude.ATTITUDE_MAX(SCENE, _with("q_WB", q), _motion()))
+    assert np.isnan(attitude.attitude_error_max(SCENE, _with("q_WB", q), _motion()))
 
 
 def test_finite_states_do_not_diverge() -> None:
-    assert divergence.DIVERGENCE(SCENE, _motion()) == 0.0
+    assert divergence.divergence(SCENE, _motion()) == 0.0
 
 
 @pytest.mark.parametrize("metric", ALL, ids=lambda m: m.name)
@@ -97,7 +101,7 @@ def test_without_a_truth_at_the_same_times_nothing_is_measured(metric: Metric) -
         metric(SCENE, _motion(), _motion().between(0.0, 0.5))
 
 
-@pytest.mark.parametrize("metric", [*ALL, divergence.DIVERGENCE], ids=lambda m: m.name)
+@pytest.mark.parametrize("metric", [*ALL, divergence.divergence], ids=lambda m: m.name)
 def test_an_empty_window_is_not_measurable(metric: Metric) -> None:
     nothing = _motion().between(5.0, 6.0)
     with pytest.raises(NotMeasurable, match="no sample"):

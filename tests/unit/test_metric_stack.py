@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.stack import LEAN, METRIC, RESIDUAL_KINETIC_ENERGY, STACK_HEIGHT_ERROR, STANDING_HEIGHT
+from harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
 from harness.scene import Body, Scene, axis_angle, principal_inertia
 from harness.trajectory import Trajectory
+
+METRICS = (stack_height_error, standing_height, lean, residual_kinetic_energy)
 
 INERTIA = principal_inertia(1.0, 2.0, 2.5)
 # The highest movable body stands in the middle of the list, under a lamp that is fixed.
@@ -28,7 +30,7 @@ def stand() -> Trajectory:
 
 
 def test_a_standing_tower_has_full_height_and_no_error() -> None:
-    assert [m(STAGE, stand()) for m in (STACK_HEIGHT_ERROR, STANDING_HEIGHT, LEAN, RESIDUAL_KINETIC_ENERGY)] == [
+    assert [m(STAGE, stand()) for m in (stack_height_error, standing_height, lean, residual_kinetic_energy)] == [
         0.0,
         1.0,
         0.0,
@@ -40,15 +42,15 @@ def test_a_standing_tower_has_full_height_and_no_error() -> None:
 def test_sinking_and_rising_are_both_errors_of_height(change: float, error: float) -> None:
     run = stand()
     run.p_WB[4, 1, 2] += change
-    assert STACK_HEIGHT_ERROR(STAGE, run) == pytest.approx(error)
-    assert STANDING_HEIGHT(STAGE, run) == pytest.approx(min(1.0, 1 + change / 4))
+    assert stack_height_error(STAGE, run) == pytest.approx(error)
+    assert standing_height(STAGE, run) == pytest.approx(min(1.0, 1 + change / 4))
 
 
 def test_lean_is_the_farthest_any_movable_body_went_aside() -> None:
     run = stand()
     run.p_WB[3, 0, :2] = (0.3, -0.4)
     run.p_WB[:, 2, 0] = 7.0
-    assert LEAN(STAGE, run) == pytest.approx(0.5)
+    assert lean(STAGE, run) == pytest.approx(0.5)
 
 
 def test_kinetic_energy_is_per_mass_and_takes_the_inertia_along() -> None:
@@ -57,10 +59,10 @@ def test_kinetic_energy_is_per_mass_and_takes_the_inertia_along() -> None:
     # Turned by a quarter about z, the body's x axis (moment 1) lies along y.
     run.q_WB[:, 1] = axis_angle((0.0, 0.0, 1.0), math.pi / 2)
     run.w_WB[:, 1] = (0.0, 4.0, 0.0)
-    assert RESIDUAL_KINETIC_ENERGY(STAGE, run) == pytest.approx((0.5 * 2 * 9 + 0.5 * 1.0 * 16) / 4)
+    assert residual_kinetic_energy(STAGE, run) == pytest.approx((0.5 * 2 * 9 + 0.5 * 1.0 * 16) / 4)
 
 
-@pytest.mark.parametrize("metric", METRIC)
+@pytest.mark.parametrize("metric", METRICS)
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     run = stand()
@@ -69,7 +71,7 @@ def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> No
     assert math.isnan(metric(STAGE, run))
 
 
-@pytest.mark.parametrize("metric", METRIC)
+@pytest.mark.parametrize("metric", METRICS)
 def test_no_samples_are_not_measurable(metric: object) -> None:
     assert callable(metric)
     with pytest.raises(NotMeasurable, match="no samples"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.threshold import INCLINE_ACCELERATION_ERROR, THRESHOLD_ANGLE_ERROR
+from harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
 from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
 from harness.trajectory import Trajectory
 
@@ -48,8 +48,8 @@ def test_the_true_friction_has_no_error_whichever_way_the_inclines_face(azimuth:
     scene = stage(TANGENTS, azimuth)
     actual = run(scene, TANGENTS, MU, azimuth)
     middle = (math.atan(0.59) + math.atan(0.61)) / 2
-    assert THRESHOLD_ANGLE_ERROR(scene, actual) == pytest.approx(abs(middle / math.atan(MU) - 1), abs=1e-12)
-    assert INCLINE_ACCELERATION_ERROR(scene, actual) == pytest.approx(0.0, abs=1e-12)
+    assert threshold_angle_error(scene, actual) == pytest.approx(abs(middle / math.atan(MU) - 1), abs=1e-12)
+    assert incline_acceleration_error(scene, actual) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(("mu", "low", "high"), [(0.52, 0.5, 0.55), (0.68, 0.65, 0.7), (5.0, 0.9, math.inf), (0.0, 0.0, 0.3)])
@@ -57,16 +57,16 @@ def test_a_wrong_friction_moves_the_bracket(mu: float, low: float, high: float) 
     scene = stage(TANGENTS)
     middle = (math.atan(low) + math.atan(high)) / 2
     actual = run(scene, TANGENTS, mu)
-    assert THRESHOLD_ANGLE_ERROR(scene, actual) == pytest.approx(abs(middle / math.atan(MU) - 1), rel=1e-9)
+    assert threshold_angle_error(scene, actual) == pytest.approx(abs(middle / math.atan(MU) - 1), rel=1e-9)
 
 
 def test_the_acceleration_error_is_the_friction_that_is_missing() -> None:
     scene = stage(TANGENTS)
     # The flattest slider has the greatest normal force, so that 0.1 less friction is felt most there.
-    assert INCLINE_ACCELERATION_ERROR(scene, run(scene, TANGENTS, MU - 0.1)) == pytest.approx(0.1 * math.cos(math.atan(0.61)))
+    assert incline_acceleration_error(scene, run(scene, TANGENTS, MU - 0.1)) == pytest.approx(0.1 * math.cos(math.atan(0.61)))
 
 
-@pytest.mark.parametrize("metric", [THRESHOLD_ANGLE_ERROR, INCLINE_ACCELERATION_ERROR])
+@pytest.mark.parametrize("metric", [threshold_angle_error, incline_acceleration_error])
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     scene = stage(TANGENTS)
@@ -85,6 +85,6 @@ def test_inclines_of_different_friction_have_no_common_threshold() -> None:
         apart=(("c", "box"),),
     )
     with pytest.raises(NotMeasurable, match="differ in friction"):
-        THRESHOLD_ANGLE_ERROR(scene, Trajectory.of(np.array([0.0, 1.0]), 3))
+        threshold_angle_error(scene, Trajectory.of(np.array([0.0, 1.0]), 3))
     with pytest.raises(NotMeasurable, match="steep enough"):
-        INCLINE_ACCELERATION_ERROR(base, Trajectory.of(np.array([0.0, 1.0]), 2))
+        incline_acceleration_error(base, Trajectory.of(np.array([0.0, 1.0]), 2))

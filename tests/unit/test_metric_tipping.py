@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.tipping import METRIC, TIPPING_ANGLE_ERROR, WRONG_FATES
+from harness.metrics.tipping import tipping_angle_error, wrong_fates
 from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
 from harness.trajectory import Trajectory
 from harness.trajectory.kinematics import product
+
+METRICS = (wrong_fates, tipping_angle_error)
 
 HALF, G, T = (0.06, 0.1, 0.1), 9.81, 2.0
 TALL = (PlacedShape(shape=Box(half_extents=HALF)),)
@@ -61,31 +63,31 @@ TRUE = [fate for _, _, fate in BOXES]
 
 
 def test_boxes_with_the_fates_of_statics_have_no_error() -> None:
-    assert WRONG_FATES(stage(), run(TRUE)) == 0.0
+    assert wrong_fates(stage(), run(TRUE)) == 0.0
     middle = (math.atan(0.58) + math.atan(0.62)) / 2
-    assert TIPPING_ANGLE_ERROR(stage(), run(TRUE)) == pytest.approx(abs(middle / math.atan(0.6) - 1))
+    assert tipping_angle_error(stage(), run(TRUE)) == pytest.approx(abs(middle / math.atan(0.6) - 1))
 
 
 @pytest.mark.parametrize("place", range(len(BOXES)))
 @pytest.mark.parametrize("fate", ["holds", "slides", "tips"])
 def test_every_other_fate_of_every_box_counts_as_one_wrong(place: int, fate: str) -> None:
     fates = [*TRUE[:place], fate, *TRUE[place + 1 :]]
-    assert WRONG_FATES(stage(), run(fates)) == float(fate != TRUE[place])
+    assert wrong_fates(stage(), run(fates)) == float(fate != TRUE[place])
 
 
 def test_a_box_that_tips_early_moves_the_threshold() -> None:
     middle = (math.atan(0.5) + math.atan(0.58)) / 2
-    found = TIPPING_ANGLE_ERROR(stage(), run(["holds", "tips", *TRUE[2:]]))
+    found = tipping_angle_error(stage(), run(["holds", "tips", *TRUE[2:]]))
     assert found == pytest.approx(abs(middle / math.atan(0.6) - 1))
 
 
 def test_a_box_that_creeps_by_a_tenth_of_its_length_still_holds() -> None:
     made = run(TRUE)
     made.p_WB[-1, 1] += 0.1 * 2 * HALF[0] * np.array(rotate(stage().bodies[1].q_WB, (0.99, 0.0, 0.0)))
-    assert WRONG_FATES(stage(), made) == 0.0
+    assert wrong_fates(stage(), made) == 0.0
 
 
-@pytest.mark.parametrize("metric", METRIC)
+@pytest.mark.parametrize("metric", METRICS)
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     made = run(TRUE)
@@ -96,6 +98,6 @@ def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> No
 
 def test_no_time_and_no_incline_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="time"):
-        WRONG_FATES(stage(), run(TRUE).between(5.0, 6.0))
+        wrong_fates(stage(), run(TRUE).between(5.0, 6.0))
     with pytest.raises(NotMeasurable, match="incline"):
-        WRONG_FATES(Scene(bodies=(Body(name="a", collision=TALL),)), Trajectory.of(np.arange(2.0), 1))
+        wrong_fates(Scene(bodies=(Body(name="a", collision=TALL),)), Trajectory.of(np.arange(2.0), 1))

@@ -7,16 +7,12 @@ import pytest
 from scipy.stats import binomtest
 
 from harness.metric import NotMeasurable
-from harness.metrics.tunnelling import (
-    METRIC,
-    STOP_GAP,
-    TUNNEL_PROBABILITY,
-    TUNNEL_PROBABILITY_HIGH,
-    TUNNEL_PROBABILITY_LOW,
-)
+from harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
 from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, rotate
 from harness.statistics.proportion import Z_95, wilson_interval
 from harness.trajectory import Trajectory
+
+METRICS = (tunnel_probability, tunnel_probability_low, tunnel_probability_high, stop_gap)
 
 R, HALF = 0.1, 0.02
 
@@ -57,22 +53,22 @@ def end(scene: Scene, places: list[float]) -> Trajectory:
 )
 def test_a_sphere_has_passed_when_its_centre_ends_beyond_the_middle(place: float, passed: int, azimuth: float) -> None:
     scene = stage(1, azimuth)
-    assert TUNNEL_PROBABILITY(scene, end(scene, [place])) == passed
+    assert tunnel_probability(scene, end(scene, [place])) == passed
 
 
 def test_the_share_is_that_of_all_shots_with_its_wilson_bounds() -> None:
     scene = stage(8)
     run = end(scene, [-1.0, -1.0, 0.01, 9.0, 9.0, -1.0, -1.0, -1.0])
-    assert TUNNEL_PROBABILITY(scene, run) == 3 / 8
-    assert (TUNNEL_PROBABILITY_LOW(scene, run), TUNNEL_PROBABILITY_HIGH(scene, run)) == wilson_interval(3, 8)
+    assert tunnel_probability(scene, run) == 3 / 8
+    assert (tunnel_probability_low(scene, run), tunnel_probability_high(scene, run)) == wilson_interval(3, 8)
 
 
 def test_the_stop_gap_is_the_farthest_end_of_a_stopped_sphere() -> None:
     scene = stage(4)
-    assert STOP_GAP(scene, end(scene, [-HALF - R, -HALF - R, -HALF - R - 0.5, 9.0])) == pytest.approx(0.5)
-    assert STOP_GAP(scene, end(scene, [-R - 0.001] * 4)) == 0.0
+    assert stop_gap(scene, end(scene, [-HALF - R, -HALF - R, -HALF - R - 0.5, 9.0])) == pytest.approx(0.5)
+    assert stop_gap(scene, end(scene, [-R - 0.001] * 4)) == 0.0
     with pytest.raises(NotMeasurable, match="no sphere is stopped"):
-        STOP_GAP(scene, end(scene, [9.0] * 4))
+        stop_gap(scene, end(scene, [9.0] * 4))
 
 
 @pytest.mark.parametrize(("hits", "trials"), [(0, 64), (1, 64), (3, 8), (32, 64), (63, 64), (64, 64), (15, 148), (1, 1)])
@@ -109,7 +105,7 @@ def test_impossible_counts_are_refused(hits: int, trials: int) -> None:
         wilson_interval(hits, trials)
 
 
-@pytest.mark.parametrize("metric", METRIC)
+@pytest.mark.parametrize("metric", METRICS)
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> None:
     scene = stage(2)
@@ -122,6 +118,6 @@ def test_what_is_not_finite_is_never_swallowed(metric: object, bad: float) -> No
 def test_a_scene_without_a_wall_or_a_shot_is_not_measurable() -> None:
     run = Trajectory.of(np.array([0.0, 1.0]), 1)
     with pytest.raises(NotMeasurable, match="no wall"):
-        TUNNEL_PROBABILITY(Scene(bodies=(Body(name="free"),)), run)
+        tunnel_probability(Scene(bodies=(Body(name="free"),)), run)
     with pytest.raises(NotMeasurable, match="no sphere"):
-        TUNNEL_PROBABILITY(Scene(bodies=(stage(1).bodies[0],)), run)
+        tunnel_probability(Scene(bodies=(stage(1).bodies[0],)), run)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.metric import NotMeasurable
-from harness.metrics.world_spread import WORLD_SPREAD
+from harness.metrics.world_spread import world_spread
 from harness.scene import Body, Scene
 from harness.trajectory import Trajectory
 
@@ -19,11 +19,11 @@ def run(spread: float) -> Trajectory:
 
 
 def test_worlds_that_part_are_seen_and_equal_ones_are_not_flagged() -> None:
-    assert WORLD_SPREAD(STAGE, run(0.0)) == 0.0
-    assert WORLD_SPREAD(STAGE, run(1e-12)) == 1e-12
-    assert math.isnan(WORLD_SPREAD(STAGE, run(math.nan)))
+    assert world_spread(STAGE, run(0.0)) == 0.0
+    assert world_spread(STAGE, run(1e-12)) == 1e-12
+    assert math.isnan(world_spread(STAGE, run(math.nan)))
 
 
 def test_worlds_that_nobody_compared_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="not compared"):
-        WORLD_SPREAD(STAGE, Trajectory.of(np.zeros(1), 1))
+        world_spread(STAGE, Trajectory.of(np.zeros(1), 1))

@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from harness.case.scene_file import own_case, title_of
+from harness.case.own_titles import title_of
+from harness.case.scene_file import own_case
 from harness.cli.own_scene import closing_count, closing_words
 from harness.findings import tables
 from harness.findings.agreement import agreements, balances, errors_of, outlooks

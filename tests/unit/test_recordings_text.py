@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.store.store import StoreError
+from harness.store.journal import StoreError
 from reports import open_viewer, recording_of
 from tests.recorded_folder import Folder, Read, record, rising, zoo
 

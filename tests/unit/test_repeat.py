@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.store import Store, StoreError
+from harness.store.journal import StoreError
+from harness.store.store import Store
 from harness.study.reproduce import trial_of
 from tests.run_folder import write_run_folder
 

@@ -15,7 +15,8 @@ import pytest
 import reports
 from harness.case.alteration import EVERYTHING
 from harness.findings.vendor.shelf import shelf
-from harness.store.store import Store, StoreError
+from harness.store.journal import StoreError
+from harness.store.store import Store
 from reports import html
 from reports.page import Page, Rendered, pages
 from reports.policy import guarded

@@ -9,7 +9,7 @@ import pytest
 from harness.case.scene_file import own_case
 from harness.intake.refusal import RobotError
 from harness.metric import NotMeasurable
-from harness.metrics.own_readings import GYROSCOPE_OFF, RANGE_OFF
+from harness.metrics.own_readings import gyroscope_off_motion, range_off_geometry
 from harness.scene import (
     Body,
     Box,
@@ -133,20 +133,20 @@ def run_of(tmp_path: Path) -> tuple[Scene, Trajectory]:
 def test_ideal_readings_are_judged_by_the_motion_that_they_ride_on(tmp_path: Path) -> None:
     """In double precision both are rounding: rates of 2 rad/s in 1e-12, ranges of metres in 1e-9; planted faults are seen."""
     scene, run = run_of(tmp_path)
-    assert GYROSCOPE_OFF(scene, run, None) < 1e-12
-    assert RANGE_OFF(scene, run, None) < 1e-9
+    assert gyroscope_off_motion(scene, run, None) < 1e-12
+    assert range_off_geometry(scene, run, None) < 1e-9
     told = ~np.isnan(run.streams["unit/gyroscope_due"]).any(axis=1)
     assert told.sum() == len(run) - 1
     wrong = dict(run.streams)
     wrong["unit/gyroscope_ideal"] = run.streams["unit/gyroscope_ideal"] + [0.0, 0.0, 0.01]
     wrong["finder/range_ideal"] = run.streams["finder/range_ideal"] + 0.002
     faulty = replace(run, streams=wrong)
-    assert GYROSCOPE_OFF(scene, faulty, None) == pytest.approx(0.01, rel=1e-6)
-    assert RANGE_OFF(scene, faulty, None) == pytest.approx(0.002, rel=1e-3)
+    assert gyroscope_off_motion(scene, faulty, None) == pytest.approx(0.01, rel=1e-6)
+    assert range_off_geometry(scene, faulty, None) == pytest.approx(0.002, rel=1e-3)
     wrong["finder/range_ideal"] = np.full_like(run.streams["finder/range_ideal"], np.nan)
-    assert np.isnan(RANGE_OFF(scene, replace(run, streams=wrong), None))
+    assert np.isnan(range_off_geometry(scene, replace(run, streams=wrong), None))
     with pytest.raises(NotMeasurable):
-        RANGE_OFF(scene, replace(run, streams={}), None)
+        range_off_geometry(scene, replace(run, streams={}), None)
 
 
 def test_a_rate_that_no_step_meets_is_refused_before_anything_runs(tmp_path: Path) -> None:

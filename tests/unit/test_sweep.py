@@ -9,7 +9,7 @@ import pytest
 
 from harness.adapter import Adapter, Feature, Settings, Simulation
 from harness.case import Case
-from harness.metrics.position import POSITION_MAX
+from harness.metrics.position import position_error_max
 from harness.scene import Body, Scene
 from harness.search.front import SCREENING, due_for_clock, next_trials
 from harness.store.record import Measurement, Record
@@ -27,7 +27,7 @@ CASE = Case(
     scene=lambda: Scene(bodies=(Body(name="ball", mass=1.0),)),
     checks=(),
     duration=1.0,
-    headline=POSITION_MAX.name,
+    headline=position_error_max.name,
     dt=1 / 120,
     ladder=(1 / 60, 1 / 120, 1 / 240),
 )
@@ -81,14 +81,14 @@ def answer(trial: Trial) -> Record:
         reason="",
         trajectory_hash=f"{settings.dt} {integrator} {settings.iterations or 1}",
         rough_cost=cost,
-        measurements=(Measurement(metric=POSITION_MAX.name, value=error, unit="m"),),
+        measurements=(Measurement(metric=position_error_max.name, value=error, unit="m"),),
     )
 
 
 def exact(trial: Trial, noise: random.Random) -> Record:
     """No error at any step, at a cost that is told wrong by up to a half."""
     told = answer(trial)
-    nothing = (Measurement(metric=POSITION_MAX.name, value=0.0, unit="m"),)
+    nothing = (Measurement(metric=position_error_max.name, value=0.0, unit="m"),)
     assert told.rough_cost is not None
     return replace(told, measurements=nothing, rough_cost=told.rough_cost * noise.uniform(0.67, 1.5))
 

@@ -21,7 +21,7 @@ from cases.sensor_depth_spheres import BALLS, LONGEST
 from cases.sensor_depth_spheres import CASE as SPHERES
 from harness.case import Case
 from harness.metric import NotMeasurable
-from harness.metrics.colour_error import COLOUR_ERROR_MAX, COLOUR_ERROR_MEDIAN
+from harness.metrics.colour_error import colour_error_max, colour_error_median
 from harness.scene import DepthCamera
 from harness.sensors.depth_camera import lost
 from harness.sensors.pinhole import intrinsics, pixel_centres
@@ -311,20 +311,20 @@ def test_light_of_one_camera_never_comes_from_the_others_scene_and_no_pixel_hang
 def test_a_wrong_index_and_a_mirror_that_does_not_mirror_are_seen_in_the_colours(monkeypatch: pytest.MonkeyPatch) -> None:
     truth = _truth(OPTICS)
     scene = OPTICS.scene()
-    assert COLOUR_ERROR_MAX(scene, truth, truth) == 0.0
-    assert COLOUR_ERROR_MEDIAN(scene, truth, truth) == 0.0
+    assert colour_error_max(scene, truth, truth) == 0.0
+    assert colour_error_median(scene, truth, truth) == 0.0
     colour = truth.streams["through/colour"]
     with monkeypatch.context() as patch:
         patch.setattr(sensor_camera_optics, "INDEX", INDEX + 0.01)
-        assert COLOUR_ERROR_MAX(scene, _worked_out(OPTICS), truth) > 1e-3
+        assert colour_error_max(scene, _worked_out(OPTICS), truth) > 1e-3
     unmirrored = replace(truth, streams={**truth.streams, "facing/colour": np.ones_like(truth.streams["facing/colour"])})
-    assert COLOUR_ERROR_MAX(scene, unmirrored, truth) == 1.0
-    assert COLOUR_ERROR_MEDIAN(scene, unmirrored, truth) == 0.0
+    assert colour_error_max(scene, unmirrored, truth) == 1.0
+    assert colour_error_median(scene, unmirrored, truth) == 0.0
     gamma = replace(truth, streams={**truth.streams, "through/colour": (0.9 * colour) ** (1 / 2.2)})
-    assert COLOUR_ERROR_MEDIAN(scene, gamma, truth) > 0.01
+    assert colour_error_median(scene, gamma, truth) > 0.01
     bad = colour.copy()
     bad[0, 3, 4, 1] = np.nan
-    for metric in (COLOUR_ERROR_MAX, COLOUR_ERROR_MEDIAN):
+    for metric in (colour_error_max, colour_error_median):
         assert np.isnan(metric(scene, replace(truth, streams={**truth.streams, "through/colour": bad}), truth))
     with pytest.raises(NotMeasurable, match="no colour camera"):
-        COLOUR_ERROR_MAX(SPHERES.scene(), truth, truth)
+        colour_error_max(SPHERES.scene(), truth, truth)

@@ -11,9 +11,9 @@ from cases import friction_painleve as painleve
 from cases import joint_double_pendulum_chaotic as chaos
 from harness.case import Case, Converged
 from harness.metric import NotMeasurable
-from harness.metrics.ensemble import ENSEMBLE_ENERGY_ERROR, ENSEMBLE_SPREAD, kinetic_energies
-from harness.metrics.impulse import IMPULSE_MAX
-from harness.metrics.painleve import PAINLEVE_COEFFICIENT
+from harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
+from harness.metrics.impulse import impulse_max
+from harness.metrics.painleve import painleve_coefficient
 from harness.trajectory import Contacts, Floats, Trajectory
 
 
@@ -55,12 +55,12 @@ def test_the_reference_is_converged_up_to_the_horizon_and_keeps_its_energy_to_th
 
 def test_the_starts_have_forgotten_each_other_by_the_time_that_averages_are_taken() -> None:
     run, scene = chaos.expected(TIME).trajectory, chaos.scene()
-    early, late = (ENSEMBLE_SPREAD(scene, run.between(0.0, t), None) for t in (1.0, chaos.PARTED + 1))
+    early, late = (ensemble_spread(scene, run.between(0.0, t), None) for t in (1.0, chaos.PARTED + 1))
     assert early < 0.01
     assert late > 0.1
     # Another set of starts has the same average, to the standard errors that the bound is made of.
     other = chaos._roughly(120.02, 120.0, 8).between(chaos.PARTED, 10.0)
-    assert ENSEMBLE_ENERGY_ERROR(scene, other, run.between(chaos.PARTED, 10.0)) < 5 * chaos._late()[0]
+    assert ensemble_energy_error(scene, other, run.between(chaos.PARTED, 10.0)) < 5 * chaos._late()[0]
 
 
 def test_chaos_passes_and_a_brake_a_gap_and_a_late_start_fail() -> None:
@@ -85,14 +85,14 @@ def test_an_ensemble_needs_members_and_swallows_nothing() -> None:
     assert energies.shape == (8,)
     assert not energies.any()
     faster = replace(run, v_WB=1.1 * run.v_WB, w_WB=1.1 * run.w_WB)
-    assert ENSEMBLE_ENERGY_ERROR(scene, faster, run) == pytest.approx(0.21, rel=1e-12)
+    assert ensemble_energy_error(scene, faster, run) == pytest.approx(0.21, rel=1e-12)
     lone = replace(scene, bodies=scene.bodies[:2], joints=scene.joints[:2])
     with pytest.raises(NotMeasurable, match="two members"):
-        ENSEMBLE_ENERGY_ERROR(lone, run, run)
+        ensemble_energy_error(lone, run, run)
     broken = replace(run, v_WB=run.v_WB.copy(), p_WB=run.p_WB.copy())
     broken.v_WB[5, 3, 0], broken.p_WB[-1, 2, 0] = np.nan, np.nan
-    assert np.isnan(ENSEMBLE_ENERGY_ERROR(scene, broken, run))
-    assert np.isnan(ENSEMBLE_SPREAD(scene, broken, run))
+    assert np.isnan(ensemble_energy_error(scene, broken, run))
+    assert np.isnan(ensemble_spread(scene, broken, run))
 
 
 # --- friction_painleve ----------------------------------------------------------------------------
@@ -171,18 +171,18 @@ def test_the_rod_passes_and_each_fault_fails_its_check() -> None:
 
 def test_impulses_and_the_coefficient_are_as_planted_and_nothing_is_swallowed() -> None:
     scene, run = painleve.scene(), _rod()
-    assert IMPULSE_MAX(scene, run) == pytest.approx(20.0 / 960, rel=1e-12)
+    assert impulse_max(scene, run) == pytest.approx(20.0 / 960, rel=1e-12)
     odd = replace(run.contacts[0], force_W=np.array([[np.nan, 0.0, 0.0]]))  # type: ignore[index]
-    assert np.isnan(IMPULSE_MAX(scene, replace(run, contacts=(*run.contacts[:3], odd, *run.contacts[4:]))))  # type: ignore[index]
+    assert np.isnan(impulse_max(scene, replace(run, contacts=(*run.contacts[:3], odd, *run.contacts[4:]))))  # type: ignore[index]
     with pytest.raises(NotMeasurable, match="no contacts"):
-        IMPULSE_MAX(scene, replace(run, contacts=None))
+        impulse_max(scene, replace(run, contacts=None))
     angles = 2 * np.arctan2(run.q_WB[:, 1, 2], run.q_WB[:, 1, 0])
     by_hand = min(painleve.load(np.pi / 2 - float(a), 0.0, 1.0)[0] for a in angles)
-    assert PAINLEVE_COEFFICIENT(scene, run) == pytest.approx(by_hand, rel=1e-12)
-    assert PAINLEVE_COEFFICIENT(painleve.scene(friction=1.5), run) < 0
+    assert painleve_coefficient(scene, run) == pytest.approx(by_hand, rel=1e-12)
+    assert painleve_coefficient(painleve.scene(friction=1.5), run) < 0
     run.q_WB[3] = np.nan
-    assert np.isnan(PAINLEVE_COEFFICIENT(scene, run))
+    assert np.isnan(painleve_coefficient(scene, run))
     with pytest.raises(NotMeasurable, match="no rod"):
-        PAINLEVE_COEFFICIENT(
-            replace(scene, bodies=(scene.bodies[0], replace(scene.bodies[1], collision=scene.bodies[1].collision[:1]))), run
+        painleve_coefficient(
+            replace(scene, bodies=(scene.bodies[0], replace(scene.bodies[1], collision=scene.bodies[1].collision[:1]))), _rod()
         )

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from cases.orbit_kepler import CASE, STRENGTH, eccentric_anomaly, expected, scene, textbook
 from harness.metric import NotMeasurable
-from harness.metrics.orbit import ORBIT_ENERGY_FINAL, ORBIT_ENERGY_MAX, ORBIT_ENERGY_STAGGERED
+from harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
 from harness.trajectory import Floats, Trajectory
 
 DT = 1 / 240
@@ -76,7 +76,7 @@ def test_half_a_step_between_position_and_velocity_is_seen_raw_and_gone_correcte
     for dt in (1 / 480, 1 / 1920):
         staggered = replace(expected(time), dt=dt)
         staggered.v_WB[:] = expected(time - dt / 2 + 1.0).v_WB
-        found.append([m(scene(), staggered, truth) for m in (ORBIT_ENERGY_MAX, ORBIT_ENERGY_STAGGERED)])
+        found.append([m(scene(), staggered, truth) for m in (orbit_energy_drift_max, orbit_energy_drift_staggered_max)])
     (raw, corrected), (raw_fine, corrected_fine) = found
     # (dt/2) v . a at its largest over the energy k/2a is of first order; what the correction leaves is of second.
     p = truth.p_WB[:, 0]
@@ -92,13 +92,13 @@ def test_orbit_energy_sees_what_is_planted_and_swallows_nothing() -> None:
     time = np.arange(121) / 60
     truth, answer = expected(time), replace(expected(time), dt=DT)
     # k is fitted to the rounding of the truth.
-    assert ORBIT_ENERGY_MAX(scene(), answer, truth) < 1e-12
+    assert orbit_energy_drift_max(scene(), answer, truth) < 1e-12
     answer.v_WB[-1] *= 1.01
     won = (1.01**2 - 1) * float(np.square(truth.v_WB[-1]).sum()) / 2 / (STRENGTH / 2)
-    assert ORBIT_ENERGY_FINAL(scene(), answer, truth) == pytest.approx(won, rel=1e-9)
+    assert orbit_energy_drift_final(scene(), answer, truth) == pytest.approx(won, rel=1e-9)
     answer.p_WB[3] = np.nan
-    for metric in (ORBIT_ENERGY_MAX, ORBIT_ENERGY_FINAL, ORBIT_ENERGY_STAGGERED):
+    for metric in (orbit_energy_drift_max, orbit_energy_drift_final, orbit_energy_drift_staggered_max):
         assert not np.isfinite(metric(scene(), answer, truth))
     circle = expected(time, eccentricity=0.0)
     with pytest.raises(NotMeasurable, match="keeps its distance"):
-        ORBIT_ENERGY_MAX(scene(0.0), circle, circle)
+        orbit_energy_drift_max(scene(0.0), circle, circle)

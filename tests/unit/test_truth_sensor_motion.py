@@ -20,8 +20,8 @@ from cases import (
 )
 from cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
 from harness.case import Case
-from harness.metrics.imu_signal import ACCELEROMETER_ERROR, GYROSCOPE_ERROR
-from harness.metrics.inertial_lag import ACCELEROMETER_LAG, GYROSCOPE_LAG
+from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
 from harness.scene import Lidar, Scene, rotation_matrix
 from harness.sensors import lidar as scanning
 from harness.sensors.rays import first_hits
@@ -80,8 +80,8 @@ def _read(case: Case, dt: float, duration: float) -> tuple[Scene, Trajectory, Tr
 @pytest.mark.parametrize("case", [TURNTABLE, sensor_imu_free_fall.CASE, sensor_imu_rest.CASE], ids=lambda case: case.name)
 def test_a_sensor_that_is_told_the_true_motion_reads_the_closed_form(case: Case) -> None:
     answer = _read(case, case.dt, case.duration)
-    assert ACCELEROMETER_ERROR(*answer) < 1e-9
-    assert GYROSCOPE_ERROR(*answer) < 1e-9
+    assert accelerometer_ideal_error(*answer) < 1e-9
+    assert gyroscope_ideal_error(*answer) < 1e-9
 
 
 def test_the_turntables_mean_force_is_its_integral_in_mpmath() -> None:
@@ -104,8 +104,8 @@ def test_the_turntables_mean_force_is_its_integral_in_mpmath() -> None:
 
 def test_a_shaken_body_that_moves_as_told_is_seen_without_a_lag_but_what_is_due() -> None:
     answer = _read(sensor_imu_lag.CASE, 1 / 240, 3.0)
-    assert ACCELEROMETER_LAG(*answer) < 1e-6
-    assert GYROSCOPE_LAG(*answer) < 1e-6
+    assert accelerometer_lag_error(*answer) < 1e-6
+    assert gyroscope_lag_error(*answer) < 1e-6
 
 
 def test_the_shaken_bodys_states_are_the_integrals_of_what_is_felt() -> None:

@@ -13,9 +13,9 @@ from adapters.reference import ADAPTER
 from cases import stack_bowl
 from cases.stack_bowl import CASE, FLOOR, LEAN, POST, RINGS, SETTLED, THICK, TOP, scene
 from harness.metric import NotMeasurable
-from harness.metrics.energy import ENERGY_RISE
-from harness.metrics.penetration import PENETRATION
-from harness.metrics.threading import UNTHREADED
+from harness.metrics.energy import energy_rise_max
+from harness.metrics.penetration import penetration
+from harness.metrics.threading import unthreaded
 from harness.scene import EARTH_GRAVITY, Box, TriangleMesh
 from harness.trajectory import Contacts, Floats, Trajectory
 from harness.trajectory.kinematics import rotate_back
@@ -92,8 +92,8 @@ def test_bodies_start_apart_and_the_nuts_around_the_post(parameters: dict[str, A
     stage = scene(**parameters)
     start = Trajectory.of(np.zeros(1), len(stage.bodies))
     start.p_WB[:], start.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
-    assert PENETRATION(stage, start, None) == 0.0
-    assert UNTHREADED(stage, start, None) == 0.0
+    assert penetration(stage, start, None) == 0.0
+    assert unthreaded(stage, start, None) == 0.0
 
 
 def test_a_mesh_is_the_same_body_and_another_form_is_refused() -> None:
@@ -116,34 +116,34 @@ def test_a_ring_that_comes_off_sideways_is_seen_and_one_that_lies_askew_is_not()
     run.p_WB[50:, 2, 0] = POST + 0.01
     found = verdicts(run, "unthreaded", "penetration")
     assert not found["unthreaded"]
-    assert UNTHREADED(scene(n=0), run, None) == pytest.approx(0.01)
+    assert unthreaded(scene(n=0), run, None) == pytest.approx(0.01)
     assert not found["penetration"]
 
 
 def test_a_ring_over_the_top_is_off_as_well() -> None:
     run = lying()
     run.p_WB[50:, 2, 2] = TOP + 0.05
-    assert UNTHREADED(scene(n=0), run, None) == pytest.approx(0.05)
+    assert unthreaded(scene(n=0), run, None) == pytest.approx(0.05)
 
 
 def test_where_nothing_is_threaded_there_is_nothing_to_measure() -> None:
     stage = scene(n=4)
     loose = replace(stage, bodies=(stage.bodies[0], *stage.bodies[1 + RINGS :]))
     with pytest.raises(NotMeasurable, match="no body is put over a box of another"):
-        UNTHREADED(loose, Trajectory.of(TIME, len(loose.bodies)), None)
+        unthreaded(loose, Trajectory.of(TIME, len(loose.bodies)), None)
 
 
 def test_energy_that_comes_back_is_seen_and_energy_that_goes_is_not() -> None:
     """Two nuts of one mass: one of them higher by h again has g h/2 a kilogram more than there was."""
     run = lying()
     run.p_WB[:20, 2, 2] += 0.1
-    assert ENERGY_RISE(scene(n=0), run, None) == 0.0
+    assert energy_rise_max(scene(n=0), run, None) == 0.0
     run.p_WB[200:, 2, 2] += 0.05
-    assert ENERGY_RISE(scene(n=0), run, None) == pytest.approx(G * 0.05 / 2)
+    assert energy_rise_max(scene(n=0), run, None) == pytest.approx(G * 0.05 / 2)
     assert not verdicts(run, "energy_rise_max")["energy_rise_max"]
 
 
-@pytest.mark.parametrize("metric", [UNTHREADED, ENERGY_RISE])
+@pytest.mark.parametrize("metric", [unthreaded, energy_rise_max])
 def test_a_number_that_is_not_finite_is_not_swallowed(metric: Any) -> None:
     run = lying()
     run.p_WB[50, 1, 2] = math.nan

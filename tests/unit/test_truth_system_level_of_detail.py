@@ -20,7 +20,7 @@ from cases.system_level_of_detail import (
     polyhedron,
     scene,
 )
-from harness.metrics.cam_follower import CAM_FOLLOWER_GAP
+from harness.metrics.cam_follower import cam_follower_gap
 from harness.scene import EARTH_GRAVITY, ConvexHull
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import rotate
@@ -125,7 +125,7 @@ def test_followers_start_in_touch(parameters: dict[str, Any]) -> None:
     stage = scene(**parameters)
     start = Trajectory.of(np.zeros(1), len(stage.bodies))
     start.p_WB[:], start.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
-    assert CAM_FOLLOWER_GAP(stage, start, None) < 1e-12
+    assert cam_follower_gap(stage, start, None) < 1e-12
 
 
 def test_no_follower_ever_leaves_its_cam() -> None:

@@ -8,9 +8,11 @@ from scipy.integrate import solve_ivp
 
 from cases.system_predictability import BUMP, CASE, EXPONENT, JUDGED, RADIUS, REACH, expected, scene, tilts
 from harness.metric import NotMeasurable
-from harness.metrics.balance import EXIT_TIME_SPREAD, GROWTH_EXPONENT_ERROR, LOST_STARTS, METRIC, SMALLEST_FOLLOWED
+from harness.metrics.balance import exit_time_error_rms, growth_exponent_error, lost_start_share, smallest_followed_start
 from harness.scene import Scene
 from harness.trajectory import Floats, Trajectory
+
+METRICS = (growth_exponent_error, lost_start_share, smallest_followed_start, exit_time_error_rms)
 
 TIME = np.arange(196) / 60
 G = 9.81
@@ -37,7 +39,7 @@ def test_the_tilt_obeys_the_law_of_a_ball_that_rolls_on_a_ball() -> None:
 
 def test_the_smallest_start_is_out_when_its_exponent_says_and_before_a_tenfold_delay_ends() -> None:
     truth = expected(TIME)
-    assert EXIT_TIME_SPREAD(scene(), truth, truth) == 0.0
+    assert exit_time_error_rms(scene(), truth, truth) == 0.0
     out = TIME[np.argmax(tilts(TIME, np.array([1e-9]))[:, 0] >= 0.1)]
     assert out == pytest.approx(np.log(2 * 0.1 / 1e-9) / EXPONENT, abs=1 / 60)
     assert out + np.log(10.0) / EXPONENT < CASE.duration
@@ -67,28 +69,28 @@ def test_the_truth_passes_and_each_fault_fails_its_check() -> None:
     noisy = _at(tilts(TIME, np.maximum(start, 1e-7)), truth)
     assert not _verdicts(noisy)["lost_start_share"]
     # Starts from 1e-8 on are within a tenfold of the noise; a hundredth of six decades each.
-    smallest = SMALLEST_FOLLOWED(scene(), noisy, truth)
+    smallest = smallest_followed_start(scene(), noisy, truth)
     assert smallest == pytest.approx(1e-8, rel=0.2)
-    assert LOST_STARTS(scene(), noisy, truth) == pytest.approx(1 / 6, abs=0.02)
+    assert lost_start_share(scene(), noisy, truth) == pytest.approx(1 / 6, abs=0.02)
     astray = _at(tilts(TIME, start), truth)
     astray.p_WB[:, 1, :2] = 2 * astray.p_WB[:, 0, :2] - astray.p_WB[:, 1, :2]
-    assert LOST_STARTS(scene(), astray, truth) == pytest.approx(0.01)
+    assert lost_start_share(scene(), astray, truth) == pytest.approx(0.01)
 
 
 def test_balls_that_stay_up_or_are_not_numbers_are_never_good() -> None:
     truth = expected(TIME)
     still = _at(np.broadcast_to(np.geomspace(1e-9, 1e-3, 100), (len(TIME), 100)), truth)
-    assert LOST_STARTS(scene(), still, truth) == 1.0
-    assert GROWTH_EXPONENT_ERROR(scene(), still, truth) == 1.0
-    assert SMALLEST_FOLLOWED(scene(), still, truth) == np.inf
-    assert EXIT_TIME_SPREAD(scene(), still, truth) == np.inf
+    assert lost_start_share(scene(), still, truth) == 1.0
+    assert growth_exponent_error(scene(), still, truth) == 1.0
+    assert smallest_followed_start(scene(), still, truth) == np.inf
+    assert exit_time_error_rms(scene(), still, truth) == np.inf
     broken = replace(truth, p_WB=truth.p_WB.copy())
     broken.p_WB[9, 5] = np.nan
     with np.errstate(invalid="ignore"):
-        for metric in METRIC:
+        for metric in METRICS:
             assert not np.isfinite(metric(scene(), broken, truth)), metric.name
     with pytest.raises(NotMeasurable, match="balls"):
-        LOST_STARTS(Scene(bodies=scene().bodies[:1]), truth, truth)
+        lost_start_share(Scene(bodies=scene().bodies[:1]), truth, truth)
 
 
 def test_bumps_stand_apart_and_every_ball_touches_its_own_from_the_first_step() -> None:

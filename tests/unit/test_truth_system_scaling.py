@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from cases.system_scaling import CASE, INTERVAL, KINDS, MASS, PUSH, TWIST, control, expected, noise, scene
-from harness.metrics.joint_gap import JOINT_GAP_MAX
+from harness.metrics.joint_gap import joint_gap_max
 from harness.trajectory import Floats, State, Trajectory
 
 
@@ -61,7 +61,7 @@ def test_each_scene_has_n_bodies_that_are_pushed(kind: str, n: int) -> None:
     if kind == "chain":
         start = Trajectory.of(np.zeros(1), n)
         start.p_WB[0] = State.initial(stage).p_WB
-        assert JOINT_GAP_MAX(stage, start) < 1e-14
+        assert joint_gap_max(stage, start) < 1e-14
     if kind == "contact":
         places = np.array([body.p_WB for body in stage.bodies[1:]])
         apart = np.abs(places[:, None] - places[None]).max(axis=2) + 9 * np.eye(n)

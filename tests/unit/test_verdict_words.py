@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from harness.metrics.frames import FRAME_FRICTION_ERROR
-from harness.metrics.overhang import OVERHANG_LIMIT_ERROR, _stacks
+from harness.metrics.frames import frame_friction_error
+from harness.metrics.overhang import _stacks, overhang_limit_error
 from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle, box_inertia
 from harness.study import plugins
 from harness.trajectory import Contacts, Trajectory
+from tests.all_metrics import all_metrics
 
 WORDS = re.compile(
     "collapse|tunnel|passage|eject|escape|stand|flip|threshold|penetrat|tipping|overhang|fate|stuck|stick|lift|lost_start|met$"
@@ -290,7 +291,7 @@ PLANTS: dict[str, Callable[[], Plant]] = {
     "lost_start_share": balanced,
     "unthreaded": ringed,
 }
-VERDICTS = {name: metric for name, metric in plugins.metrics().items() if metric.verdict}
+VERDICTS = {name: metric for name, metric in all_metrics().items() if metric.verdict}
 
 
 @pytest.mark.parametrize("name", sorted(VERDICTS))
@@ -303,7 +304,7 @@ def test_a_verdict_counts_its_hit_and_not_its_near_miss(name: str) -> None:
 
 
 def test_a_name_that_says_that_something_happened_belongs_to_a_verdict() -> None:
-    named = {name for name in plugins.metrics() if WORDS.search(name) and name not in MEASURES}
+    named = {name for name in all_metrics() if WORDS.search(name) and name not in MEASURES}
     assert named <= set(VERDICTS), f"{sorted(named - set(VERDICTS))}: a verdict by name, without one in words"
     assert set(PLANTS) <= set(VERDICTS)
 
@@ -314,8 +315,8 @@ def test_short_bricks_that_fall_and_long_ones_that_stand_do_not_make_up_for_each
     for overhang, places in _stacks(scene):
         right = ended(right, places[-1], (0.0, 0.0, -1.0)) if overhang > 1 else right
         wrong = ended(wrong, places[-1], (0.0, 0.0, -1.0)) if overhang < 1 else wrong
-    assert OVERHANG_LIMIT_ERROR(scene, right) == pytest.approx(0.0, abs=1e-12)
-    assert OVERHANG_LIMIT_ERROR(scene, wrong) > 0.02
+    assert overhang_limit_error(scene, right) == pytest.approx(0.0, abs=1e-12)
+    assert overhang_limit_error(scene, wrong) > 0.02
 
 
 def test_a_firm_house_that_falls_and_a_loose_one_that_stands_do_not_make_up_for_each_other() -> None:
@@ -324,12 +325,12 @@ def test_a_firm_house_that_falls_and_a_loose_one_that_stands_do_not_make_up_for_
     for place, body in enumerate(plant.scene.bodies):
         if body.name.endswith("_firm") and body.movable:
             upside.p_WB[1:, place, 2] *= 0.1
-    assert FRAME_FRICTION_ERROR(plant.scene, plant.clean) == pytest.approx(0.0, abs=1e-12)
+    assert frame_friction_error(plant.scene, plant.clean) == pytest.approx(0.0, abs=1e-12)
     # The margin of a tenth to both sides of the threshold is what a right answer can tell.
-    assert FRAME_FRICTION_ERROR(plant.scene, upside) > 0.1
+    assert frame_friction_error(plant.scene, upside) > 0.1
 
 
 def test_a_measure_renamed_to_a_stronger_word_would_be_seen() -> None:
-    renamed = replace(plugins.metrics()["sink_depth"], name="tunnelled_share")
+    renamed = replace(all_metrics()["sink_depth"], name="tunnelled_share")
     assert WORDS.search(renamed.name)
     assert not renamed.verdict

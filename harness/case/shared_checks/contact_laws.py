@@ -6,10 +6,8 @@ a cost is quadratic in its residual, so that forces are known to the root of it.
 """
 
 from harness.case import Check
-from harness.metrics.contact_residuals import CONE_RESIDUAL, DISSIPATION_RESIDUAL, SIGNORINI_RESIDUAL
-from harness.metrics.momentum_residual import MOMENTUM_RESIDUAL
-
-__all__ = ["SOLVED", "forces_keep_momentum", "forces_obey_coulomb"]
+from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from harness.metrics.momentum_residual import momentum_residual
 
 SOLVED = 1e-4
 """Share by which forces may miss a law that is solved for: the root of 1e-8."""
@@ -19,7 +17,7 @@ _ROOT = "1e-4: a solver that stops at an improvement of 1e-8 of a cost that is q
 def forces_keep_momentum() -> Check:
     """In each step contact forces and gravity give bodies the momentum that they gain."""
     return Check(
-        metric=MOMENTUM_RESIDUAL,
+        metric=momentum_residual,
         at_most=SOLVED,
         because=f"a force is what changes momentum, {_ROOT}; where samples are a step apart",
     )
@@ -29,11 +27,11 @@ def forces_obey_coulomb(end: float | None = None) -> tuple[Check, ...]:
     """Contacts push across no gap, stay in their cone, and rub mu N against their slip, until `end` [s]."""
     return (
         Check(
-            metric=SIGNORINI_RESIDUAL, at_most=SOLVED, because=f"contacts neither pull nor act across a gap; {_ROOT}", end=end
+            metric=signorini_residual, at_most=SOLVED, because=f"contacts neither pull nor act across a gap; {_ROOT}", end=end
         ),
-        Check(metric=CONE_RESIDUAL, at_most=SOLVED, because=f"no friction is beyond mu N; {_ROOT}", end=end),
+        Check(metric=cone_residual, at_most=SOLVED, because=f"no friction is beyond mu N; {_ROOT}", end=end),
         Check(
-            metric=DISSIPATION_RESIDUAL,
+            metric=dissipation_residual,
             at_most=SOLVED,
             because=f"what slips, and goes on for the whole step, is rubbed by mu N against its way; {_ROOT}",
             end=end,

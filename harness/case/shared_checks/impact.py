@@ -8,7 +8,5 @@ g T/(3 v) of the square of the speed of approach v, and the body leaves the plac
 the slower flight that follows taken together with it (x'' = max(0, -2 z w x' - w^2 x) - g, integrated).
 """
 
-__all__ = ["SPRING_STEPS"]
-
 SPRING_STEPS = 10
 """How long an impact lasts that is a spring's half period [steps]."""

@@ -8,13 +8,11 @@ makes of the weight, at any step. Neither is an error of the other kind: what bo
 """
 
 from harness.case import Check
-from harness.metrics.collapse import COLLAPSE_TIME
-from harness.metrics.contact_force import SUPPORT_FORCE_ERROR
-from harness.metrics.jitter import RMS_SPEED
-from harness.metrics.penetration import PENETRATION
+from harness.metrics.collapse import collapse_time
+from harness.metrics.contact_force import support_force_error
+from harness.metrics.jitter import rms_speed
+from harness.metrics.penetration import penetration
 from harness.scene import EARTH_GRAVITY
-
-__all__ = ["GIVE", "bears", "settled_speed", "stands", "supported"]
 
 G = -EARTH_GRAVITY[2]
 GIVE = 1e-3
@@ -25,7 +23,7 @@ large, and less than anybody sees of it."""
 def stands(duration: float, what: str) -> Check:
     """A pile, named in words, stands for the whole run of `duration` [s]."""
     return Check(
-        metric=COLLAPSE_TIME,
+        metric=collapse_time,
         at_most=lambda _dt, outer: duration - outer,
         because=f"{what} for the whole run, which ends within a step between two calls of its nominal length",
     )
@@ -34,7 +32,7 @@ def stands(duration: float, what: str) -> Check:
 def bears(body: str, start: float = 0.0) -> Check:
     """From `start` [s] on no body stands in another, but for a step's fall and a millimetre."""
     return Check(
-        metric=PENETRATION,
+        metric=penetration,
         at_most=lambda dt: G * dt**2 + GIVE,
         because=f"g dt^2, the way that {body} falls in the one step before its contact can push; and a millimetre, which a "
         "contact may give way under weight: a rigid one needs none of it, one of a fixed time constant T = 0.02 s sinks by "
@@ -46,7 +44,7 @@ def bears(body: str, start: float = 0.0) -> Check:
 def settled_speed(start: float, body: str = "a body") -> Check:
     """From `start` [s] on no body is faster than one step of gravity makes it."""
     return Check(
-        metric=RMS_SPEED,
+        metric=rms_speed,
         at_most=lambda dt: G * dt,
         because=f"g dt, what one step of gravity gives {body} before its supports take it away",
         start=start,
@@ -56,7 +54,7 @@ def settled_speed(start: float, body: str = "a body") -> Check:
 def supported(start: float, duration: float) -> Check:
     """From `start` [s] to the end of the run the ground bears the weight."""
     return Check(
-        metric=SUPPORT_FORCE_ERROR,
+        metric=support_force_error,
         at_most=lambda dt: dt / (duration - start),
         because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
         "stay under one step of gravity",

@@ -4,16 +4,14 @@ The measure of a tremble is 0.01 g, the noise of a consumer accelerometer (300 m
 """
 
 from harness.case import Check
-from harness.metrics.divergence import DIVERGENCE
-from harness.metrics.energy import HELD_ENERGY_GAIN
-from harness.metrics.foot_slip import FOOT_SLIP
-from harness.metrics.pose import POSE_ERROR_MAX
-from harness.metrics.stack import STANDING_HEIGHT
-from harness.metrics.vibration import VIBRATION_RMS
+from harness.metrics.divergence import divergence
+from harness.metrics.energy import held_energy_gain_max
+from harness.metrics.foot_slip import foot_slip
+from harness.metrics.pose import pose_error_max
+from harness.metrics.stack import standing_height
+from harness.metrics.vibration import vibration_rms
 from harness.props.robots.floor import PRESSED
 from harness.scene import EARTH_GRAVITY
-
-__all__ = ["SHARE", "feet_stay", "holds_its_pose", "stands_up", "still"]
 
 G = -EARTH_GRAVITY[2]
 SHARE = 0.01
@@ -25,10 +23,10 @@ GIVE = 1e-3
 def stands_up() -> tuple[Check, ...]:
     """It stays, and stays up, and its drives give no energy."""
     return (
-        Check(metric=DIVERGENCE, at_most=0.0, because="a machine that stands stays where it is"),
-        Check(metric=STANDING_HEIGHT, at_most=0.5, because="the definition of a collapse: the top below half its height"),
+        Check(metric=divergence, at_most=0.0, because="a machine that stands stays where it is"),
+        Check(metric=standing_height, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
-            metric=HELD_ENERGY_GAIN,
+            metric=held_energy_gain_max,
             at_most=lambda dt: (G * dt) ** 2 / 2 + G * PRESSED,
             because="drives that hold a target take energy and give none; (g dt)^2/2 is what one step of gravity gives before "
             "the ground takes it away, and g times a micrometre what the ground gives back of the depth that feet begin at",
@@ -39,7 +37,7 @@ def stands_up() -> tuple[Check, ...]:
 def holds_its_pose(leg: float) -> Check:
     """Joints stay at their targets; `leg` [m] is the length of a leg's part."""
     return Check(
-        metric=POSE_ERROR_MAX,
+        metric=pose_error_max,
         at_most=lambda dt: G * dt**2 / leg + GIVE,
         because="before a contact can push, a machine falls for one step, g dt^2: so far a foot may give way, over the length "
         "of a leg's part; and a thousandth of a radian, a millimetre at a metre, which a contact may give way under weight",
@@ -49,7 +47,7 @@ def holds_its_pose(leg: float) -> Check:
 def still(leg: float) -> Check:
     """Joints do not tremble; `leg` [m] is the length of a leg's part."""
     return Check(
-        metric=VIBRATION_RMS,
+        metric=vibration_rms,
         at_most=lambda dt: SHARE * G * dt / leg,
         because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step, at the end "
         "of a leg's part: a machine that trembles less does not feel it",
@@ -59,7 +57,7 @@ def still(leg: float) -> Check:
 def feet_stay(start: float, duration: float) -> Check:
     """From `start` [s] to the end of the run no foot creeps away."""
     return Check(
-        metric=FOOT_SLIP,
+        metric=foot_slip,
         at_most=lambda dt: SHARE * G * dt * (duration - start),
         because="the speed of 0.01 g over one step, kept up for the whole window",
         start=start,

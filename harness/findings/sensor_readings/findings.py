@@ -24,7 +24,8 @@ from harness.findings.sensor_readings.ranging import Histogram, range_histogram,
 from harness.findings.where import in_words, other_values
 from harness.scene import Lidar, Scene
 from harness.scene.file import parse
-from harness.store.store import Store, StoreError
+from harness.store.journal import StoreError
+from harness.store.store import Store
 
 __all__ = ["SKETCHES", "Finding", "concerned", "findings"]
 

@@ -1,8 +1,6 @@
 """A floor and four walls: what heaps lie in."""
 
-from harness.scene import Body, PlacedShape, Plane
-
-__all__ = ["container"]
+from harness.scene import Body, Plane
 
 WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
 """Names and the normals that point inwards."""
@@ -10,15 +8,9 @@ WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0,
 
 def container(reach: float, material: str) -> tuple[Body, ...]:
     """The half spaces under z = 0 and beyond `reach` [m] to the four sides, all static and of one material."""
-    floor = Body(name="floor", motion="static", material=material, collision=(PlacedShape(shape=Plane()),))
+    floor = Body.fixed("floor", Plane(), material=material)
     walls = (
-        Body(
-            name=name,
-            motion="static",
-            material=material,
-            p_WB=(-reach * x, -reach * y, 0.0),
-            collision=(PlacedShape(shape=Plane(normal=(x, y, z))),),
-        )
+        Body.fixed(name, Plane(normal=(x, y, z)), material=material, p_WB=(-reach * x, -reach * y, 0.0))
         for name, (x, y, z) in WALLS.items()
     )
     return (floor, *walls)

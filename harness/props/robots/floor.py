@@ -1,9 +1,7 @@
 """The ground that robots stand on."""
 
 from harness.props.robots.robot import MATERIAL
-from harness.scene import Body, Box, PlacedShape, Surface
-
-__all__ = ["PRESSED", "floor", "grip"]
+from harness.scene import Body, Box, Surface
 
 SLAB_DEPTH = 0.5
 PRESSED = 1e-6
@@ -15,13 +13,7 @@ SLAB = Box(half_extents=(5.0, 5.0, SLAB_DEPTH))
 
 def floor() -> Body:
     """The body 'ground' under soles at z = 0."""
-    return Body(
-        name="ground",
-        motion="static",
-        material="ground",
-        collision=(PlacedShape(shape=SLAB),),
-        p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH),
-    )
+    return Body.fixed("ground", SLAB, material="ground", p_WB=(0.0, 0.0, PRESSED - SLAB_DEPTH))
 
 
 def grip(friction: float) -> Surface:

@@ -11,21 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 from harness.props.robots.robot import MATERIAL, Robot, hinge, inertia_of
-from harness.scene import (
-    Body,
-    Box,
-    Capsule,
-    Drive,
-    PlacedShape,
-    Revolute,
-    Shape,
-    Sphere,
-    Vector3,
-    axis_angle,
-    sphere_inertia,
-)
-
-__all__ = ["MASS", "STATURE", "humanoid"]
+from harness.scene import Body, Box, Capsule, Drive, PlacedShape, Revolute, Shape, Sphere, Vector3, axis_angle, sphere_inertia
 
 MASS, STATURE = 70.0, 1.7
 SCALE = STATURE / 1.741

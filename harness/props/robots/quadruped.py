@@ -21,8 +21,6 @@ from harness.scene import (
     sphere_inertia,
 )
 
-__all__ = ["STIFFNESS", "quadruped"]
-
 TRUNK_MASS, HIP_MASS, THIGH_MASS, SHANK_MASS = 7.4, 0.7, 1.0, 0.2
 """Of the trunk, and of each leg's parts; motors sit in hip and thigh [kg]."""
 TRUNK_HALF: Vector3 = (0.22, 0.10, 0.055)

@@ -14,8 +14,6 @@ from harness.scene import Body, Drive, Matrix3, Revolute, Vector3, principal_ine
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import cross
 
-__all__ = ["MATERIAL", "Robot", "bearing", "copy_of", "hinge", "inertia_of", "loads"]
-
 MATERIAL = "machine"
 """The material of every part; a scene keeps it apart from itself, so that parts of one robot do not touch."""
 

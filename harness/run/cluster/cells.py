@@ -24,8 +24,6 @@ from harness.study import plugins
 from harness.study.provenance import sources_of
 from harness.study.trial import Trial
 
-__all__ = ["Answered", "OtherPlumbline", "Timed", "answer_cell", "clock_together", "here"]
-
 _KEPT = ("trajectories", "truths", "logs")
 """Folders of a run folder that a worker's own may have something for."""
 

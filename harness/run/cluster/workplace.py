@@ -26,8 +26,6 @@ from harness.store.seal import Damaged, check_seal
 from harness.study.trial import Trial
 from harness.trial.accuracy import outcome
 
-__all__ = ["NoScheduler", "Workplace"]
-
 _CONNECTS = 30.0
 """Seconds that a scheduler may take to answer, and its first worker to come."""
 _GONE = 15.0

@@ -10,8 +10,6 @@ from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
 from harness.scene.motion import MOST_SAMPLES, Samples
 
-__all__ = ["TIME", "load_commands"]
-
 TIME = "time"
 """The name of the first column."""
 

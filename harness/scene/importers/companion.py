@@ -1,35 +1,18 @@
 """What a robot file does not say: the small `robot.plumb.toml` beside it, read as scene files are."""
 
-from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from harness.intake.documents import InputError, document, named
 from harness.intake.import_wishes import Drop, Root, Start
-from harness.intake.near_miss import did_you_mean
 from harness.intake.refusal import RobotError
-from harness.intake.safe_text import quoted
 from harness.intake.typed_fields import FieldError, filled
-from harness.scene import (
-    Camera,
-    DepthCamera,
-    Imu,
-    Lidar,
-    Motion,
-    Quaternion,
-    Samples,
-    Sensor,
-    Sinusoid,
-    Surface,
-    Vector3,
-)
+from harness.scene import Motion, Quaternion, Sensor, Surface, Vector3
 from harness.scene.camera import Pixels
 from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
-
-__all__ = ["Base", "Cameras", "Companion", "Drives", "Ground", "JointWish", "Massless", "Units", "beside", "load_companion"]
 
 ENDING = ".plumb.toml"
 Seconds = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]
@@ -158,39 +141,11 @@ class Companion:
 
 
 _ADAPTER: TypeAdapter[Companion] = TypeAdapter(Companion)
-_TABLES: dict[str, Any] = {
-    "base": Base,
-    "ground": Ground,
-    "drives": Drives,
-    "massless": Massless,
-    "cameras": Cameras,
-    "units": Units,
-}
-
-_MOTIONS: dict[str, Any] = {"sinusoid": Sinusoid, "samples": Samples}
-_SENSORS: dict[str, Any] = {"imu": Imu, "lidar": Lidar, "camera": Camera, "depth_camera": DepthCamera}
 
 
 def beside(path: Path) -> Path:
     """Where the companion of a file lies, whether it is there or not: arm.urdf has arm.plumb.toml."""
     return path.with_name(path.name.removesuffix(path.suffix) + ENDING)
-
-
-def _misspelt(table: Any, form: Any, within: str) -> str:
-    """The first key that a table does not have, with those that it has; '' where there is none."""
-    assert is_dataclass(form)
-    valid = [field.name for field in fields(form)]
-    for key in table:
-        if key not in valid:
-            hint = did_you_mean(str(key), valid)
-            return f"{within}{quoted(key, 80)} is unknown, expected one of {', '.join(valid)}{hint}"
-    return ""
-
-
-def _misspelt_kind(table: Any, forms: dict[str, Any], within: str) -> str:
-    """The same of a table whose form its `type` says."""
-    form = forms.get(str(table.get("type"))) if isinstance(table, dict) else None
-    return "" if form is None else _misspelt(table, form, within)
 
 
 def load_companion(path: Path) -> Companion:
@@ -206,22 +161,6 @@ def load_companion(path: Path) -> Companion:
         table = document(path)
     except InputError as error:
         raise RobotError(str(error)) from None
-    misspelling = _misspelt(table, Companion, "")
-    for key, form in _TABLES.items():
-        if not misspelling and isinstance(table.get(key), dict):
-            misspelling = _misspelt(table[key], form, f"{key} > ")
-    joints = table.get("joints")
-    for name, wish in joints.items() if isinstance(joints, dict) else ():
-        if not misspelling and isinstance(wish, dict):
-            misspelling = _misspelt(wish, JointWish, f"joints > {quoted(name, 80)} > ")
-            misspelling = misspelling or _misspelt_kind(
-                wish.get("motion"), _MOTIONS, f"joints > {quoted(name, 80)} > motion > "
-            )
-    sensors = table.get("sensors")
-    for number, sensor in enumerate(sensors if isinstance(sensors, list) else ()):
-        misspelling = misspelling or _misspelt_kind(sensor, _SENSORS, f"sensors[{number}] > ")
-    if misspelling:
-        raise RobotError(f"{where}: {misspelling}")
     try:
         return filled(_ADAPTER, table, where)
     except FieldError as error:

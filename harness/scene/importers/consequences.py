@@ -11,8 +11,6 @@ from harness.scene.importers.kinematics import Line, mass_matrix
 from harness.scene.importers.poses import Array
 from harness.scene.importers.robot import Coordinate
 
-__all__ = ["Massive", "STIFF_RATE", "consequences"]
-
 MOST = 4_000_000
 """Coordinates times coordinates times bodies up to which inertias are worked out."""
 STIFF_RATE = 480.0

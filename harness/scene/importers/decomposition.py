@@ -22,8 +22,6 @@ from harness.scene import ConvexHull
 from harness.scene.importers.meshes import Mesh, hull_of
 from harness.scene.importers.poses import Array
 
-__all__ = ["CONCAVITY", "pieces_of"]
-
 CONCAVITY = 0.05
 """Below which a piece is not cut further, in CoACD's measure, relative to the mesh's size: its own default."""
 

@@ -3,10 +3,11 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-__all__ = ["BRIEF", "COLUMNS", "Fidelity", "Outcome", "brief", "plain"]
+from harness.intake.refusal import listed
 
 Outcome = Literal["exact", "approximated", "left_out"]
 """Carried over as it is; as something else, with an error; not at all."""
+Names = tuple[str, ...] | list[str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,6 +28,26 @@ class Fidelity:
     value: float | None = None
     unit: str = ""
     count: int = 1
+
+    @classmethod
+    def of(cls, outcome: Outcome, element: str, names: Names, **fields: Any) -> "list[Fidelity]":
+        """The row of all these names, with the other fields; none without names."""
+        return [cls(element=element, name=listed(names), count=len(names), outcome=outcome, **fields)] if names else []
+
+    @classmethod
+    def exact(cls, element: str, names: Names, becomes: str, **fields: Any) -> "list[Fidelity]":
+        """What is carried over as it is, in one row."""
+        return cls.of("exact", element, names, becomes=becomes, **fields)
+
+    @classmethod
+    def approximated(cls, element: str, names: Names, becomes: str, **fields: Any) -> "list[Fidelity]":
+        """What becomes something else, in one row."""
+        return cls.of("approximated", element, names, becomes=becomes, **fields)
+
+    @classmethod
+    def left_out(cls, element: str, names: Names, consequence: str, **fields: Any) -> "list[Fidelity]":
+        """What is not carried over, in one row."""
+        return cls.of("left_out", element, names, consequence=consequence, **fields)
 
 
 COLUMNS = ("element", "name", "count", "outcome", "becomes", "consequence", "value", "unit")

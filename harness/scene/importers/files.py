@@ -10,8 +10,6 @@ from harness.intake.documents import InputError, named, regular
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted
 
-__all__ = ["Folders", "content", "text_of"]
-
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(?!\\)(.*)", re.DOTALL)
 
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from harness.scene import PlacedShape, Scene
 from harness.scene.importers.fidelity import Fidelity
 
-__all__ = ["Imported"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imported:

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from harness.scene.importers.files import Folders
     from harness.scene.importers.robot import Robot
 
-__all__ = ["Importer", "Reading"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:

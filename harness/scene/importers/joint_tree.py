@@ -32,8 +32,6 @@ from harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, 
 from harness.scene.importers.stand_ins import StandIns, stand_ins
 from harness.scene.importers.ties import coupled
 
-__all__ = ["Tree", "tree_of"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:

@@ -8,8 +8,6 @@ import numpy as np
 from harness.scene.importers.poses import IDENTITY, Array, Pose, screw
 from harness.scene.importers.robot import Coordinate, Robot
 
-__all__ = ["Line", "Posed", "Twist", "posed"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Twist:

@@ -15,8 +15,6 @@ from harness.intake.safe_text import quoted
 from harness.intake.strangers import points, trouble
 from harness.scene.importers.importer import Importer
 
-__all__ = ["OWN_ENDINGS", "importer_of", "importers", "left_out", "robot_endings"]
-
 GROUP = "plumbline.importers"
 OWN_ENDINGS = (".toml", ".json")
 """Of our own scene files, which no importer may take."""

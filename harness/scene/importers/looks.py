@@ -17,8 +17,6 @@ from harness.scene.importers.meshes import Mesh, load_mesh
 from harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
 from harness.scene.importers.robot import Link, Look
 
-__all__ = ["FACES", "Drawn", "coarse", "coloured", "drawn_bodies", "looks_of"]
-
 FACES = 1500
 """Triangles of one mesh that a picture shows."""
 FINEST = 64

@@ -12,8 +12,6 @@ from harness.scene.importers.merging import Group
 from harness.scene.importers.robot import Robot
 from harness.scene.importers.settling import valid_name
 
-__all__ = ["ASSUMED_FRICTION", "Laws", "laws_of", "one_friction"]
-
 ASSUMED_FRICTION = 0.8
 """Friction where neither the file nor its companion says one: dry rubber or wood on most floors."""
 
@@ -117,30 +115,22 @@ def _paired(robot: Robot, companion: Companion, keys: Mapping[str, frozenset[str
 def _rows(robot: Robot, companion: Companion, assumed: list[str], mixed: list[str], spread: float) -> list[Fidelity]:
     rows = []
     if assumed:
-        rows.append(
-            Fidelity(
-                element="friction",
-                name=listed(assumed),
-                count=len(assumed),
-                outcome="approximated",
-                becomes="static and kinetic friction assumed",
-                consequence="neither the file nor its companion says one; [[surfaces]] says it",
-                value=ASSUMED_FRICTION,
-                unit="1",
-            )
+        rows += Fidelity.approximated(
+            "friction",
+            assumed,
+            "static and kinetic friction assumed",
+            consequence="neither the file nor its companion says one; [[surfaces]] says it",
+            value=ASSUMED_FRICTION,
+            unit="1",
         )
     if mixed:
-        rows.append(
-            Fidelity(
-                element="contact",
-                name=listed(mixed),
-                count=len(mixed),
-                outcome="approximated",
-                becomes="one material for each body, the one that touches most and rubs most",
-                consequence="shapes of one body differ in what they touch or how they rub, in friction by up to",
-                value=spread,
-                unit="1",
-            )
+        rows += Fidelity.approximated(
+            "contact",
+            mixed,
+            "one material for each body, the one that touches most and rubs most",
+            consequence="shapes of one body differ in what they touch or how they rub, in friction by up to",
+            value=spread,
+            unit="1",
         )
     if "self_collision" in robot.dropped and (robot.contacts is not None or companion.self_collision):
         rows.append(

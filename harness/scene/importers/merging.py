@@ -9,8 +9,6 @@ from harness.scene.importers.poses import IDENTITY, Array, Pose
 from harness.scene.importers.robot import Geometry, Link, Robot, Solid
 from harness.scene.importers.solids import moved, together
 
-__all__ = ["Group", "check_inertia", "grouped"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Group:

@@ -18,8 +18,6 @@ from harness.scene.importers.files import content
 from harness.scene.importers.poses import Array
 from harness.scene.importers.xml_text import elements
 
-__all__ = ["FORMATS", "Mesh", "hull_of", "load_mesh", "too_many_faces"]
-
 FORMATS = (".stl", ".obj", ".dae")
 _FACE = re.compile(rb"^f\s", re.MULTILINE)
 _BINARY_STL = (84, 50)

@@ -24,8 +24,6 @@ from harness.scene.importers.poses import Array, Pose, matrix, pose
 from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
 from harness.scene.importers.xml_text import Element
 
-__all__ = ["read", "robot_of"]
-
 _KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
 
 
@@ -251,17 +249,12 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
                 R_AB=matrix(data[6:10]) if word == "weld" else None,
             )
         )
-    if closures:
-        rows.append(
-            Fidelity(
-                element="equality",
-                name=listed([closure.name for closure in closures]),
-                count=len(closures),
-                outcome="approximated",
-                becomes="joints as each engine makes them",
-                consequence="softness of the file's own solref and solimp is not carried over",
-            )
-        )
+    rows += Fidelity.approximated(
+        "equality",
+        [closure.name for closure in closures],
+        "joints as each engine makes them",
+        consequence="softness of the file's own solref and solimp is not carried over",
+    )
     return closures
 
 
@@ -334,40 +327,17 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
         for k in range(len(model.tendon_limited))
         if not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
     ]
-    if passive:
-        rows.append(
-            Fidelity(
-                element="tendon",
-                name=listed(passive),
-                count=len(passive),
-                outcome="left_out",
-                consequence="it has no force of its own where it has no spring, damper, friction or limit",
-            )
-        )
+    rows += Fidelity.left_out("tendon", passive, "it has no force of its own where it has no spring, damper, friction or limit")
     held = [model.name("body", k) for k in np.flatnonzero(model.body_mocapid >= 0)]
-    if held:
-        rows.append(
-            Fidelity(
-                element="mocap body",
-                name=listed(held),
-                count=len(held),
-                outcome="approximated",
-                becomes="a static body",
-                consequence="nothing moves it from outside",
-            )
-        )
+    rows += Fidelity.approximated("mocap body", held, "a static body", consequence="nothing moves it from outside")
     soft = [model.name("joint", k) for k in range(len(model.jnt_limited)) if model.jnt_limited[k]]
     if soft and not model.flag("limit"):
-        rows.append(
-            Fidelity(
-                element="range",
-                name=listed(soft),
-                count=len(soft),
-                outcome="approximated",
-                becomes="limits as each engine makes them",
-                consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
-                "margins are left out",
-            )
+        rows += Fidelity.approximated(
+            "range",
+            soft,
+            "limits as each engine makes them",
+            consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
+            "margins are left out",
         )
     rows.append(
         Fidelity(

@@ -4,13 +4,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.intake.refusal import listed
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Array
 from harness.scene.importers.robot import Need, Servo
-
-__all__ = ["Servos", "read"]
 
 Servos: TypeAlias = dict[int, Servo]
 """By the place of a joint in the compiled model."""
@@ -36,21 +33,13 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, list[Fidelity], list[Need]]
             driven.append(name)
             servos[joint] = servo
     rows = []
-    if driven:
-        rows.append(
-            Fidelity(element="actuator", name=listed(driven), count=len(driven), outcome="exact", becomes="drive of its joint")
-        )
-    if idle:
-        rows.append(
-            Fidelity(
-                element="actuator",
-                name=listed(idle),
-                count=len(idle),
-                outcome="left_out",
-                consequence="a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
-                "in the companion file",
-            )
-        )
+    rows += Fidelity.exact("actuator", driven, "drive of its joint")
+    rows += Fidelity.left_out(
+        "actuator",
+        idle,
+        "a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
+        "in the companion file",
+    )
     return servos, rows, [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
 
 

@@ -9,14 +9,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.intake.refusal import listed
 from harness.scene import Camera, axis_angle, multiply
 from harness.scene.importers.companion import Cameras
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import matrix, quaternion, vector
-
-__all__ = ["read"]
 
 _FORWARD = axis_angle((1.0, 0.0, 0.0), np.pi)
 """Turns a camera that looks along z with y down into MuJoCo's."""
@@ -60,19 +57,15 @@ def _rows(made: list[str], left: list[str], asked: Cameras | None) -> list[Fidel
     rows = []
     if made:
         assert asked is not None
-        rows.append(
-            Fidelity(
-                element="camera",
-                name=listed(made),
-                count=len(made),
-                outcome="approximated",
-                becomes="a pinhole camera",
-                consequence="the file states no rate, and a camera without a resolution has the companion's; read at",
-                value=asked.rate,
-                unit="Hz",
-            )
+        rows += Fidelity.approximated(
+            "camera",
+            made,
+            "a pinhole camera",
+            consequence="the file states no rate, and a camera without a resolution has the companion's; read at",
+            value=asked.rate,
+            unit="Hz",
         )
     if left:
         why = "it follows or aims at a body, or is no plain pinhole; it moves nothing" if asked is not None else _NOT_CARRIED
-        rows.append(Fidelity(element="camera", name=listed(left), count=len(left), outcome="left_out", consequence=why))
+        rows += Fidelity.left_out("camera", left, why)
     return rows

@@ -10,13 +10,10 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from harness.intake.refusal import listed
 from harness.scene import Surface
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.robot import Contacts
-
-__all__ = ["read"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,15 +121,11 @@ def _rows(model: Model, colliding: int, count: int) -> list[Fidelity]:
         )
     away = [model.name("geom", k) for k in np.flatnonzero((model.geom_margin != 0) | (model.geom_gap != 0))]
     if away:
-        rows.append(
-            Fidelity(
-                element="margin, gap",
-                name=listed(away),
-                count=len(away),
-                outcome="left_out",
-                consequence="contacts begin at the surface; the file's begin away from it by up to",
-                value=float(np.abs(model.geom_margin).max()),
-                unit="m",
-            )
+        rows += Fidelity.left_out(
+            "margin, gap",
+            away,
+            "contacts begin at the surface; the file's begin away from it by up to",
+            value=float(np.abs(model.geom_margin).max()),
+            unit="m",
         )
     return rows

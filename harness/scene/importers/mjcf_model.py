@@ -20,8 +20,6 @@ from harness.scene.importers import mjcf_compiler
 from harness.scene.importers.mjcf_schema import expected, misspelt
 from harness.scene.importers.mjcf_text import Prepared
 
-__all__ = ["DEADLINE", "Model", "compile_apart", "model_of"]
-
 DEADLINE = 60.0
 """Seconds that the compiler may take, its start included."""
 _NO_WINDOW = {"MUJOCO_GL": "disable"}

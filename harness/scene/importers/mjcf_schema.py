@@ -14,8 +14,6 @@ from typing import cast
 from harness.intake.near_miss import did_you_mean
 from harness.intake.safe_text import quoted
 
-__all__ = ["expected", "misspelt"]
-
 BODY = "(world)body"
 RECURSIVE = ("body", "frame", "replicate")
 """What the schema calls a body stands for these too, and each of them may hold the others."""

@@ -8,13 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.intake.refusal import listed
 from harness.scene import Imu, Lidar, Sensor, axis_angle, multiply
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import matrix, quaternion, vector
-
-__all__ = ["RATE", "read"]
 
 RATE = 240.0
 """Readings a second: one each coarsest step of a run of one's own scene."""
@@ -77,26 +74,14 @@ def _rows(units: list[str], beams: list[str], others: dict[str, list[str]]) -> l
     rows = []
     for names, becomes in ((units, "an inertial unit without noise"), (beams, "a range finder of one beam")):
         if names:
-            rows.append(
-                Fidelity(
-                    element="sensor",
-                    name=listed(names),
-                    count=len(names),
-                    outcome="approximated",
-                    becomes=becomes,
-                    consequence="MuJoCo reads it at every step; here it is read at a rate of",
-                    value=RATE,
-                    unit="Hz",
-                )
+            rows += Fidelity.approximated(
+                "sensor",
+                names,
+                becomes,
+                consequence="MuJoCo reads it at every step; here it is read at a rate of",
+                value=RATE,
+                unit="Hz",
             )
     for word, names in others.items():
-        rows.append(
-            Fidelity(
-                element=f"sensor {word}",
-                name=listed(names),
-                count=len(names),
-                outcome="left_out",
-                consequence="it measures, and moves nothing",
-            )
-        )
+        rows += Fidelity.left_out(f"sensor {word}", names, "it measures, and moves nothing")
     return rows

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.intake.refusal import RobotError, listed
+from harness.intake.refusal import RobotError
 from harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.meshes import hull_of
@@ -12,8 +12,6 @@ from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.poses import Pose, pose
 from harness.scene.importers.robot import Geometry, Look, Need
 from harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
-
-__all__ = ["drawn", "geometries", "looks"]
 
 
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
@@ -38,29 +36,19 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
         made.setdefault(body, []).append(Geometry(shape, Pose(X.R, X.p), key))
     if exact:
         rows.append(Fidelity(element="geom", name="primitives", count=exact, outcome="exact", becomes="shapes"))
-    if hulls:
-        rows.append(
-            Fidelity(
-                element="geom mesh",
-                name=listed(hulls),
-                count=len(hulls),
-                outcome="exact",
-                becomes="convex hull",
-                consequence="MuJoCo collides a mesh as its convex hull too; vertices are in single precision",
-            )
-        )
-    if rounds:
-        rows.append(
-            Fidelity(
-                element=ELLIPSOIDS,
-                name=listed(rounds),
-                count=len(rounds),
-                outcome="exact",
-                becomes="ellipsoid",
-                consequence="Bullet has none, DART on planes, boxes and cylinders alone; the companion makes hulls of them by "
-                "ellipsoids = 'polyhedra'",
-            )
-        )
+    rows += Fidelity.exact(
+        "geom mesh",
+        hulls,
+        "convex hull",
+        consequence="MuJoCo collides a mesh as its convex hull too; vertices are in single precision",
+    )
+    rows += Fidelity.exact(
+        ELLIPSOIDS,
+        rounds,
+        "ellipsoid",
+        consequence="Bullet has none, DART on planes, boxes and cylinders alone; the companion makes hulls of them by "
+        "ellipsoids = 'polyhedra'",
+    )
     if strange:
         needs.append(Need(kind="height_field", element="geom", names=tuple(strange)))
     return made

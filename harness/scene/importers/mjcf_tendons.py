@@ -4,12 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.intake.refusal import listed
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.mjcf_model import Model
 from harness.scene.importers.robot import Closure
-
-__all__ = ["pulls", "springs"]
 
 
 def pulls(model: Model, k: int) -> bool:
@@ -40,15 +37,7 @@ def springs(model: Model, links: Sequence[str], rows: list[Fidelity]) -> dict[in
             )
     if made:
         names = [spring.name for spring in made.values()]
-        rows.append(
-            Fidelity(
-                element="tendon",
-                name=listed(names),
-                count=len(names),
-                outcome="exact",
-                becomes="springs between points of two bodies",
-            )
-        )
+        rows += Fidelity.exact("tendon", names, "springs between points of two bodies")
     return made
 
 

@@ -14,8 +14,6 @@ from harness.scene.importers.files import Folders, content, text_of
 from harness.scene.importers.meshes import too_many_faces
 from harness.scene.importers.xml_text import Element, elements
 
-__all__ = ["Prepared", "prepared"]
-
 MESHES = (".stl", ".obj", ".msh")
 _TEXTS = frozenset(("name", "class", "childclass", "dclass", "file", "content", "prefix", "model", "user", "data"))
 """Attributes in which 'nan' and 'inf' may be words."""

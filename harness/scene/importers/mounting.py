@@ -8,8 +8,6 @@ from harness.intake.safe_text import quoted
 from harness.scene import WORLD, Body, Sensor
 from harness.scene.importers.poses import IDENTITY, Pose, pose, quaternion, vector
 
-__all__ = ["mounted"]
-
 
 def mounted(
     sensors: Iterable[Sensor], links: Mapping[str, str], at: Mapping[str, Pose], bodies: Iterable[Body], source: str

@@ -17,8 +17,6 @@ from harness.scene.importers.materials import one_friction
 from harness.scene.importers.scene_pieces import in_pieces
 from harness.scene.importers.settling import NONE
 
-__all__ = ["commanded", "read"]
-
 _OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "convex", "commands")
 
 

@@ -7,8 +7,6 @@ import numpy.typing as npt
 
 from harness.scene.values import Quaternion, Vector3
 
-__all__ = ["IDENTITY", "Array", "Pose", "cross", "matrix", "pose", "quaternion", "screw", "turn", "vector"]
-
 Array = npt.NDArray[np.float64]
 
 

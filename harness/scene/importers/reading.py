@@ -35,8 +35,6 @@ from harness.scene.importers.sweeping import poses_of, swept
 from harness.scene.importers.ties import tied, untied
 from harness.scene.importers.units import scaled, suspected
 
-__all__ = ["commands_of", "read", "robot_of"]
-
 
 def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:
     """The scene of one of our own files or of a robot file, with what became of each element.
@@ -284,17 +282,7 @@ def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
     rows = []
     if len(links) > len(merged):
         alone = [name for name in links if name not in set(merged) and (name != WORLD or made.groups[name].geometries)]
-        rows.append(Fidelity(element="link", name=listed(alone), count=len(alone), outcome="exact", becomes="body"))
-    if merged:
-        rows.append(
-            Fidelity(
-                element="link",
-                name=listed(merged),
-                count=len(merged),
-                outcome="exact",
-                becomes="merged with what it is fixed to",
-            )
-        )
-    if joints:
-        rows.append(Fidelity(element="joint", name=listed(joints), count=len(joints), outcome="exact", becomes="joint"))
+        rows += Fidelity.exact("link", alone, "body")
+    rows += Fidelity.exact("link", merged, "merged with what it is fixed to")
+    rows += Fidelity.exact("joint", joints, "joint")
     return rows

@@ -19,22 +19,6 @@ from harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 
-__all__ = [
-    "Closure",
-    "Contacts",
-    "Coordinate",
-    "Geometry",
-    "Link",
-    "Kind",
-    "Look",
-    "Need",
-    "Robot",
-    "Servo",
-    "Solid",
-    "Tie",
-    "symmetric",
-]
-
 Kind = Literal["revolute", "prismatic", "ball", "free"]
 
 

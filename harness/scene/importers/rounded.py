@@ -9,8 +9,6 @@ from harness.scene import ConvexHull, Ellipsoid, polyhedron_of
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Geometry, Robot
 
-__all__ = ["ELEMENT", "as_polyhedra"]
-
 ELEMENT = "geom ellipsoid"
 """What rows on ellipsoids are of."""
 

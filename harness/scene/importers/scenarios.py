@@ -29,8 +29,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Robot, Servo
 from harness.scene.rotation import multiply, rotate, rotation_matrix
 
-__all__ = ["CLEARANCE", "HOLD_RATE", "SWING", "grounded", "held_by_drives", "lifted", "rooted_for", "swung", "unpowered"]
-
 CLEARANCE = 0.1
 """How high above the ground the lowest point of what is dropped starts [m]."""
 SWING = 0.3

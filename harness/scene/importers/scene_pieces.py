@@ -12,8 +12,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.meshes import Mesh
 from harness.scene.importers.solids import of_mesh
 
-__all__ = ["in_pieces"]
-
 
 def in_pieces(scene: Scene, most: int, where: str, tell: Callable[[str], object] | None = None) -> tuple[Scene, list[Fidelity]]:
     """The scene with each closed collision mesh as at most `most` convex hulls, and what that may change.

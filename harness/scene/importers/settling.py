@@ -13,8 +13,6 @@ from harness.scene.importers.companion import Companion, JointWish
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
 
-__all__ = ["followed", "rooted", "settled", "undropped", "valid_name", "wordless_kinds"]
-
 NONE: Mapping[str, Samples] = MappingProxyType({})
 
 
@@ -242,16 +240,7 @@ def _bounds(links: tuple[Link, ...], held: bool) -> list[Fidelity]:
     if driven:
         names = listed([c.name for c in driven])
         rows.append(Fidelity(element="effort", name=names, count=len(driven), outcome="exact", becomes="limit of the drive"))
-    if idle:
-        rows.append(
-            Fidelity(
-                element="effort",
-                name=listed([c.name for c in idle]),
-                count=len(idle),
-                outcome="left_out",
-                consequence="bounds a motor, and these joints have no drive",
-            )
-        )
+    rows += Fidelity.left_out("effort", [c.name for c in idle], "bounds a motor, and these joints have no drive")
     if swift:
         rows.append(
             Fidelity(
@@ -268,15 +257,5 @@ def _bounds(links: tuple[Link, ...], held: bool) -> list[Fidelity]:
             )
         )
     locked = [c.name for c in coordinates if c.lower is not None and c.lower == c.upper]
-    if locked:
-        rows.append(
-            Fidelity(
-                element="limit",
-                name=listed(locked),
-                count=len(locked),
-                outcome="exact",
-                becomes="a range of one value",
-                consequence="the joint is locked by its limits",
-            )
-        )
+    rows += Fidelity.exact("limit", locked, "a range of one value", consequence="the joint is locked by its limits")
     return rows

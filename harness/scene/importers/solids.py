@@ -23,8 +23,6 @@ from harness.scene.importers.meshes import Mesh
 from harness.scene.importers.poses import Array, Pose, cross
 from harness.scene.importers.robot import Solid
 
-__all__ = ["about", "moved", "of_mesh", "of_shape", "together"]
-
 
 def about(solid_mass: float, inertia: Array, offset: Array) -> Array:
     """The inertia about a point that lies `offset` [m] from the centre of mass (parallel-axis theorem)."""

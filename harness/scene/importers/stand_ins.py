@@ -14,8 +14,6 @@ from harness.scene.importers.kinematics import Line
 from harness.scene.importers.poses import Array, Pose
 from harness.scene.importers.robot import Solid
 
-__all__ = ["MOMENT", "SHARE", "StandIns", "stand_ins"]
-
 SHARE = 0.01
 """Of the link's mass that all that stands before it takes together; a tenth of that, again and again, where the rest would have
 a tensor that no body has."""

@@ -4,14 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from harness.intake.refusal import listed
 from harness.scene.importers.consequences import Massive
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Robot
 from harness.scene.importers.scenarios import held_by_drives
 from harness.scene.motion import Sinusoid
-
-__all__ = ["FASTEST", "FREQUENCY", "OPEN", "SHARE", "poses_of", "swept"]
 
 FREQUENCY = 0.5
 """Of the sinusoid [Hz]: through the range and back in two seconds, where that is not too fast."""
@@ -60,18 +57,14 @@ def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> tuple[Robot, list
     )
     slow = [c.name for c in moving if _frequency(c, _reach(c)[1]) < FREQUENCY]
     if slow:
-        rows.append(
-            Fidelity(
-                element="sweep",
-                name=listed(slow),
-                count=len(slow),
-                outcome="exact",
-                becomes="a slower sinusoid",
-                consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
-                "goes there and back at",
-                value=min(_frequency(c, _reach(c)[1]) for c in moving),
-                unit="Hz",
-            )
+        rows += Fidelity.exact(
+            "sweep",
+            slow,
+            "a slower sinusoid",
+            consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
+            "goes there and back at",
+            value=min(_frequency(c, _reach(c)[1]) for c in moving),
+            unit="Hz",
         )
     return replace(driven, links=made), rows
 

@@ -1,7 +1,5 @@
 """A scene file to begin with: a pendulum above a ball on the ground, with what else can be said in comments."""
 
-__all__ = ["TEMPLATE"]
-
 TEMPLATE = """\
 # A scene in SI units. W is right-handed with z up; quaternions are (w, x, y, z).
 # 'plumbline scene schema' prints all fields; 'plumbline scene show FILE' says what was understood.

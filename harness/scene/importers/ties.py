@@ -9,8 +9,6 @@ from harness.scene import Coupling, Joint, Prismatic, Revolute
 from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.robot import Coordinate, Robot
 
-__all__ = ["coupled", "tied", "untied"]
-
 MOVED = 1e-9
 """How far a start may lie beside its tie and be taken for it [rad or m]: rounding of a file's digits."""
 

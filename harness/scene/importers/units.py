@@ -11,8 +11,6 @@ from harness.scene.importers.fidelity import Fidelity
 from harness.scene.importers.poses import Pose
 from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Look, Robot, Solid
 
-__all__ = ["SUSPECT", "scaled", "suspected"]
-
 SUSPECT = 50.0
 """Gravity [m/s2] above which a file's unit of length is probably not the metre: twice that of Jupiter."""
 

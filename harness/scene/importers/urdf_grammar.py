@@ -12,8 +12,6 @@ from harness.intake.near_miss import did_you_mean
 from harness.intake.safe_text import quoted
 from harness.scene.importers.xml_text import Element
 
-__all__ = ["FOREIGN", "GEOMETRIES", "JOINT_TYPES", "check", "check_tree", "numbers"]
-
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
 

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from harness.intake.refusal import RobotError, listed
+from harness.intake.refusal import RobotError
 from harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
 from harness.scene.importers.decomposition import pieces_of
 from harness.scene.importers.fidelity import Fidelity
@@ -15,9 +14,8 @@ from harness.scene.importers.meshes import hull_of, load_mesh
 from harness.scene.importers.poses import IDENTITY, Array, Pose
 from harness.scene.importers.robot import Geometry, Look, Solid
 from harness.scene.importers.solids import moved, of_mesh, of_shape, together
+from harness.scene.importers.urdf_grammar import numbers
 from harness.scene.importers.xml_text import Element
-
-__all__ = ["Shapes"]
 
 
 class Shapes:
@@ -37,54 +35,47 @@ class Shapes:
         self._pieces: dict[str, int] = {}
         self._read: dict[tuple[str, tuple[float, ...]], tuple[list[ConvexHull], float, Solid]] = {}
 
-    def of(self, link: Any, element: Element) -> tuple[Geometry, ...]:
-        """The collision shapes of a link that yourdfpy has read. Raises: RobotError."""
-        self._drawn += len(link.visuals)
-        made = []
-        for collision, own in zip(link.collisions, element.all("collision"), strict=True):
-            X = IDENTITY if collision.origin is None else _pose(collision.origin)
-            read = self._shape(collision.geometry, own, link.name)
+    def of(self, link: Element) -> tuple[Geometry, ...]:
+        """The collision shapes of a link. Raises: RobotError."""
+        name = link.attributes["name"]
+        self._drawn += len(link.all("visual"))
+        geometries = []
+        for collision in link.all("collision"):
+            X, read = pose_of(collision), self._shape(collision, name)
             if read is not None:
                 shapes, solid = read
-                made += [Geometry(shape, X) for shape in shapes]
-                self._solids.setdefault(link.name, []).append(moved(solid, X))
-        return tuple(made)
+                geometries += [Geometry(shape, X) for shape in shapes]
+                self._solids.setdefault(name, []).append(moved(solid, X))
+        return tuple(geometries)
 
-    def looks(self, link: Any, element: Element, colours: Mapping[str, Any]) -> tuple[Look, ...]:
-        """What is drawn of a link, meshes unread. Args: colours: of the materials that the robot names, by name."""
-        made = []
-        for visual, own in zip(link.visuals, element.all("visual"), strict=True):
-            X = IDENTITY if visual.origin is None else _pose(visual.origin)
-            geometry, colour = visual.geometry, _colour(visual.material, colours)
-            if geometry is None:
-                continue
-            if geometry.mesh is None:
-                shape = _primitive(geometry)
-                if shape is not None:
-                    made.append(Look(X_LG=X, shape=shape, colour=colour))
+    def looks(self, link: Element, materials: Mapping[str | None, Element]) -> tuple[Look, ...]:
+        """What is drawn of a link, meshes unread. Args: materials: those that the robot states, by name."""
+        looks = []
+        for visual in link.all("visual"):
+            X, form, colour = pose_of(visual), _form(visual), _colour(visual.first("material"), materials)
+            if form.tag != "mesh":
+                looks.append(Look(X_LG=X, shape=_primitive(form), colour=colour))
                 continue
             try:
-                path = self._folders.found(geometry.mesh.filename, own.where)
+                path = self._folders.found(form.attributes["filename"], visual.where)
             except RobotError:  # it leads outside: nothing is read of it, and nothing moves otherwise
                 path = None
-            scale = (1.0, 1.0, 1.0) if geometry.mesh.scale is None else np.broadcast_to(geometry.mesh.scale, (3,)).tolist()
-            made.append(Look(X_LG=X, file=path, scale=tuple(scale), where=own.where, colour=colour))
-        return tuple(made)
+            looks.append(Look(X_LG=X, file=path, scale=_scale(form), where=visual.where, colour=colour))
+        return tuple(looks)
 
-    def _shape(self, geometry: Any, element: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
-        if geometry.mesh is not None:
-            return self._mesh(geometry.mesh, element, link)
-        shape = _primitive(geometry)
-        assert shape is not None
+    def _shape(self, collision: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
+        form = _form(collision)
+        if form.tag == "mesh":
+            return self._mesh(form, f"{collision.where}: mesh filename", link)
+        shape = _primitive(form)
         self._exact += 1
         return [shape], of_shape(shape)
 
-    def _mesh(self, mesh: Any, element: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
-        scale = (1.0, 1.0, 1.0) if mesh.scale is None else tuple(float(x) for x in np.broadcast_to(mesh.scale, (3,)))
-        where = f"{element.where}: mesh filename"
-        path = self._folders.found(mesh.filename, where)
+    def _mesh(self, mesh: Element, where: str, link: str) -> tuple[Sequence[Shape], Solid] | None:
+        scale, filename = _scale(mesh), mesh.attributes["filename"]
+        path = self._folders.found(filename, where)
         if path is None:
-            self._missing.setdefault(self._folders.missing(mesh.filename), []).append(link)
+            self._missing.setdefault(self._folders.missing(filename), []).append(link)
             return None
         key = (str(path), scale)
         if key not in self._read:
@@ -136,44 +127,26 @@ class Shapes:
         if self._excess:
             known = [value for value in self._excess.values() if value == value]
             what = "the hull's volume exceeds" if self._convex is None else "the pieces' volumes together exceed"
-            rows.append(
-                Fidelity(
-                    element="collision mesh",
-                    name=listed(list(self._excess)),
-                    count=len(self._excess),
-                    outcome="approximated",
-                    becomes="convex hull"
-                    if self._convex is None
-                    else f"{sum(self._pieces.values())} convex pieces by CoACD, at most {self._convex} a mesh",
-                    consequence=f"contacts where the mesh is hollow; {what} a closed mesh's by at most"
-                    if known
-                    else "contacts where the mesh is hollow; the mesh is open, so that its volume is not known",
-                    value=max(known) if known else None,
-                    unit="1" if known else "",
-                )
+            rows += Fidelity.approximated(
+                "collision mesh",
+                list(self._excess),
+                "convex hull"
+                if self._convex is None
+                else f"{sum(self._pieces.values())} convex pieces by CoACD, at most {self._convex} a mesh",
+                consequence=f"contacts where the mesh is hollow; {what} a closed mesh's by at most"
+                if known
+                else "contacts where the mesh is hollow; the mesh is open, so that its volume is not known",
+                value=max(known) if known else None,
+                unit="1" if known else "",
             )
         for why, links in self._missing.items():
-            rows.append(
-                Fidelity(
-                    element="collision mesh",
-                    name=listed(links),
-                    count=len(links),
-                    outcome="left_out",
-                    consequence=f"{why}: nothing touches these shapes, masses and joints stay as they are",
-                )
+            rows += Fidelity.left_out(
+                "collision mesh", links, f"{why}: nothing touches these shapes, masses and joints stay as they are"
             )
         for links, word in ((self._filled, "mass and inertia"), (self._spread, "inertia")):
-            if links:
-                rows.append(
-                    Fidelity(
-                        element="inertial",
-                        name=listed(links),
-                        count=len(links),
-                        outcome="approximated",
-                        becomes=f"{word} of the collision shapes, filled evenly",
-                        consequence="the file gives none",
-                    )
-                )
+            rows += Fidelity.approximated(
+                "inertial", links, f"{word} of the collision shapes, filled evenly", consequence="the file gives none"
+            )
         if self._drawn:
             rows.append(
                 Fidelity(
@@ -188,26 +161,52 @@ class Shapes:
         return rows
 
 
-def _primitive(geometry: Any) -> Shape | None:
-    """The shape of a box, a sphere or a cylinder; None of what has none of them."""
-    if geometry.box is not None:
-        x, y, z = (float(side) / 2 for side in geometry.box.size)
+def pose_of(element: Element) -> Pose:
+    """The pose that its <origin> states, R = Rz(yaw) Ry(pitch) Rx(roll); the identity without one."""
+    origin = element.first("origin")
+    if origin is None:
+        return IDENTITY
+    xyz, rpy = (numbers(origin, name, (3,)) or (0.0, 0.0, 0.0) for name in ("xyz", "rpy"))
+    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
+    R = [
+        [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
+        [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return Pose(np.array(R) + 0.0, np.array(xyz) + 0.0)  # no zero with a sign
+
+
+def _form(element: Element) -> Element:
+    """The one shape of a visual's or a collision's <geometry>."""
+    geometry = element.first("geometry")
+    assert geometry is not None
+    return geometry.children[0]
+
+
+def _primitive(form: Element) -> Shape:
+    """The shape of a box, a sphere or a cylinder."""
+    if form.tag == "box":
+        x, y, z = (side / 2 for side in numbers(form, "size", (3,)) or ())
         return Box(half_extents=(x, y, z))
-    if geometry.sphere is not None:
-        return Sphere(radius=float(geometry.sphere.radius))
-    if geometry.cylinder is not None:
-        return Cylinder(radius=float(geometry.cylinder.radius), half_length=float(geometry.cylinder.length) / 2)
-    return None
+    (radius,) = numbers(form, "radius") or ()
+    if form.tag == "sphere":
+        return Sphere(radius=radius)
+    (length,) = numbers(form, "length") or ()
+    return Cylinder(radius=radius, half_length=length / 2)
 
 
-def _colour(material: Any, colours: Mapping[str, Any]) -> tuple[float, float, float] | None:
+def _scale(mesh: Element) -> tuple[float, float, float]:
+    scale = numbers(mesh, "scale", (1, 3)) or (1.0,)
+    return scale[0], scale[len(scale) // 2], scale[-1]
+
+
+def _colour(material: Element | None, materials: Mapping[str | None, Element]) -> tuple[float, float, float] | None:
     """What a material states itself, or the robot of it by name."""
-    stated = None if material is None else material.color or colours.get(material.name)
-    rgba = None if stated is None else getattr(stated, "rgba", None)
-    if rgba is None or len(rgba) < 3 or not np.isfinite(rgba[:3]).all():
+    if material is None:
         return None
-    return float(rgba[0]), float(rgba[1]), float(rgba[2])
-
-
-def _pose(origin: Array) -> Pose:
-    return Pose(np.array(origin[:3, :3]), np.array(origin[:3, 3]))
+    named = materials.get(material.attributes.get("name"))
+    stated = material.first("color") or (named and named.first("color"))
+    if stated is None:
+        return None
+    red, green, blue, _ = numbers(stated, "rgba", (4,)) or (1.0, 1.0, 1.0, 1.0)
+    return red, green, blue

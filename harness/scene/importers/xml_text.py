@@ -9,8 +9,6 @@ from harness.intake.allowance import beyond
 from harness.intake.refusal import RobotError
 from harness.intake.safe_text import quoted, readable
 
-__all__ = ["Element", "elements"]
-
 
 @dataclass(slots=True, eq=False)
 class Element:

@@ -13,21 +13,17 @@ from dataclasses import replace
 import numpy as np
 
 from harness.scene.importers.poses import Array
-from harness.scene.parity.consequence import Change, Effect, Reference, joint_changed, mass_changed, reference, worth
+from harness.scene.parity.consequence import Change, joint_changed, mass_changed, reference, worth
 from harness.scene.parity.difference import Difference, Quantity, Value
 from harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
 from harness.scene.parity.laws import rows_of
 from harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
 from harness.scene.parity.states import drawn
 
-__all__ = ["TOLERANCE", "aligned", "compare", "renamed", "same_tree"]
-
 TOLERANCE = 1e-5
 """Relative. Files hold decimals of five or six digits: a right angle written as 1.5708 is off by 3.7e-6 rad. Ten times
 less than this would find the digits of a file; a hundred times more is what a scale or a drawing of a robot leaves open."""
 EARTH = (0.0, 0.0, -9.81)
-FOLLOWED = 12
-"""Differences whose motion is followed for a second, those that are worth most torque."""
 _SMALLEST = 1e-300
 
 
@@ -240,28 +236,14 @@ def _with_worth(
     of = reference(a, gravity, states) if any(change is not None for _, change in rows) else None
     if of is None:
         return [row for row, _ in rows]
-    torques = [worth(of, change, follow=False) if change is not None else Effect() for _, change in rows]
-    order = sorted(range(len(rows)), key=lambda k: -(torques[k].torque or 0.0))
-    followed = set([k for k in order if rows[k][1] is not None][:FOLLOWED])
-    return [_said(of, row, change, torques[k], k in followed) for k, (row, change) in enumerate(rows)]
-
-
-def _said(of: Reference, row: Difference, change: Change | None, effect: Effect, follow: bool) -> Difference:
-    if change is None:
-        return row
-    if follow:
-        effect = worth(of, change, follow=True)
-    words = f"worth up to {effect.torque:.3g} {effect.torque_unit} at the states drawn"
-    if effect.motion is not None:
-        words += f"; a joint is {effect.motion:.3g} {effect.motion_unit} elsewhere after a second"
-    return replace(
-        row,
-        torque=effect.torque,
-        torque_unit=effect.torque_unit,
-        motion=effect.motion,
-        motion_unit=effect.motion_unit,
-        words=words,
-    )
+    worthy = []
+    for row, change in rows:
+        if change is not None:
+            torque, unit = worth(of, change)
+            words = f"worth up to {torque:.3g} {unit} at the states drawn"
+            row = replace(row, torque=torque, torque_unit=unit, words=words)
+        worthy.append(row)
+    return worthy
 
 
 def _solved(M: Array, forces: Array) -> Array:

@@ -1,7 +1,7 @@
-"""What one difference is worth: the torque that makes up for it, and where the robot is after a second with it.
+"""What one difference is worth: the torque that makes up for it.
 
-A with B's value in the one place is another robot: its residual torques are those that have to be exerted on A's motion, and
-its passive motion is followed beside A's from the same state. So the differences of a pair are told apart.
+A with B's value in the one place is another robot: its residual torques are those that have to be exerted on A's motion. So the
+differences of a pair are told apart.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,33 +11,20 @@ import numpy as np
 
 from harness.scene.importers.poses import Array
 from harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
-from harness.scene.parity.motion import Configuration, after, first_rates, motion_size, passive
-
-__all__ = ["Change", "Effect", "Reference", "joint_changed", "mass_changed", "reference", "worth"]
+from harness.scene.parity.motion import Configuration, first_rates, passive
 
 Change = Callable[[RobotFacts], RobotFacts]
-_UNITS = {"revolute": ("N m", "rad"), "prismatic": ("N", "m"), "ball": ("N m", "rad"), "free": ("N m or N", "rad")}
+_UNITS = {"revolute": "N m", "prismatic": "N", "ball": "N m", "free": "N m or N"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """A robot at its states. Terms: accelerations: of its passive motion, one a state. end: a second after the first one."""
+    """A robot at its states. Terms: accelerations: of its passive motion, one a state."""
 
     robot: RobotFacts
     gravity: Array
     states: tuple[Configuration, ...]
     accelerations: tuple[Array, ...]
-    end: Configuration | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effect:
-    """Terms: as in Difference."""
-
-    torque: float | None = None
-    torque_unit: str = ""
-    motion: float | None = None
-    motion_unit: str = ""
 
 
 def reference(robot: RobotFacts, gravity: Array, states: Sequence[Configuration]) -> Reference | None:
@@ -49,29 +36,19 @@ def reference(robot: RobotFacts, gravity: Array, states: Sequence[Configuration]
             accelerations.append(np.asarray(np.linalg.solve(M, -forces), dtype=np.float64))
     except np.linalg.LinAlgError:
         return None
-    end = after(robot, states[0], gravity) if states else None
-    return Reference(robot, gravity, tuple(states), tuple(accelerations), end)
+    return Reference(robot, gravity, tuple(states), tuple(accelerations))
 
 
-def worth(of: Reference, change: Change, follow: bool) -> Effect:
-    """The effect of a change. Args: follow: is the motion followed too?"""
+def worth(of: Reference, change: Change) -> tuple[float, str]:
+    """The largest torque that makes up for a change, at the worst of the states and joints, and its unit."""
     changed = change(of.robot)
     residuals = []
     for state, acceleration in zip(of.states, of.accelerations, strict=True):
         M, forces = passive(changed, state, of.gravity)
         residuals.append(np.abs(M @ acceleration + forces))
     most = np.max(residuals, axis=0)
-    starts = first_rates(of.robot)
-    worst = int(np.searchsorted(starts, int(np.argmax(most)), side="right")) - 1
-    effect = Effect(torque=float(most.max()), torque_unit=_UNITS[of.robot.joints[worst].kind][0])
-    if not follow or of.end is None:
-        return effect
-    end = after(changed, of.states[0], of.gravity)
-    if end is None:
-        return effect
-    sizes = motion_size(of.robot, of.end, end)
-    farthest = int(np.argmax(sizes))
-    return replace(effect, motion=sizes[farthest], motion_unit=_UNITS[of.robot.joints[farthest].kind][1])
+    worst = int(np.searchsorted(first_rates(of.robot), int(np.argmax(most)), side="right")) - 1
+    return float(most.max()), _UNITS[of.robot.joints[worst].kind]
 
 
 def joint_changed(name: str, **fields: object) -> Change:

@@ -3,8 +3,6 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-__all__ = ["Difference", "Quantity", "Value", "plain"]
-
 Quantity = Literal[
     "joint", "type", "parent", "axis", "anchor", "lower", "upper", "damping", "stiffness", "rest", "armature",
     "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "ratio", "offset", "point", "gravity",
@@ -20,9 +18,8 @@ class Difference:
     Terms:
         element: the joint, or what moves with it. value_A, value_B, unit: None is unbounded or not there. absolute: size in
         the unit; relative: what is held against the tolerance; both None for what has no size. torque: what has to be
-        exerted on A, at the worst of the states and joints, for it to accelerate as with B's value, in torque_unit. motion:
-        how far the worst joint is elsewhere after a second, in motion_unit; None where it was not followed. kind: what a
-        loader did, in words of importers; '' in a comparison of two files. documented: where the loader's documentation
+        exerted on A, at the worst of the states and joints, for it to accelerate as with B's value, in torque_unit. kind: what
+        a loader did, in words of importers; '' in a comparison of two files. documented: where the loader's documentation
         says so; '' for nowhere known. words: the consequence.
     """
 
@@ -36,8 +33,6 @@ class Difference:
     relative: float | None = None
     torque: float | None = None
     torque_unit: str = ""
-    motion: float | None = None
-    motion_unit: str = ""
     kind: str = ""
     documented: str = ""
     words: str = ""

@@ -6,8 +6,6 @@ from harness.scene.importers.poses import Array
 from harness.scene.importers.robot import Kind
 from harness.scene.values import Vector3
 
-__all__ = ["FIXED", "JointFacts", "Law", "MassFacts", "RobotFacts"]
-
 FIXED = ""
 """The name that stands for the world where a joint's parent or a mass's joint is meant."""
 

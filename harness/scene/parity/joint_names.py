@@ -8,8 +8,6 @@ from harness.intake.refusal import RobotError, listed
 from harness.intake.safe_text import quoted
 from harness.scene.parity.facts import RobotFacts
 
-__all__ = ["joint_names"]
-
 
 def joint_names(path: Path, a: RobotFacts, b: RobotFacts) -> dict[str, str]:
     """A's names by B's. Raises: RobotError, naming the file, the joint and those that there are."""

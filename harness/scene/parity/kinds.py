@@ -5,8 +5,6 @@ import numpy as np
 from harness.scene.importers.poses import Array
 from harness.scene.parity.difference import Difference
 
-__all__ = ["kind_of"]
-
 _DROPPED = {
     "damping": "damping dropped",
     "friction_loss": "friction dropped",

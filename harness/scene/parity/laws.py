@@ -7,8 +7,6 @@ import numpy as np
 from harness.scene.parity.difference import Difference, Quantity, Value
 from harness.scene.parity.facts import Law
 
-__all__ = ["paired", "rows_of"]
-
 ALONE = "it binds coordinates that move freely without it; its effect is not worked out"
 
 

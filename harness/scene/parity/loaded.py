@@ -15,9 +15,6 @@ from harness.scene.importers.solids import together
 from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 from harness.scene.parity.motion import Configuration, dynamics
 
-__all__ = ["Loaded", "LoadedLink", "Request", "gathered", "in_packages", "matrix_gap", "restored", "stored"]
-
-
 _PACKAGED = re.compile(r"(?:package|model)://([^/]+)/(.+)", re.DOTALL)
 
 

@@ -1,10 +1,9 @@
-"""Joint-space motion of a robot of facts: inertia, gravity and passive accelerations in W, and a second of it.
+"""Joint-space dynamics of a robot of facts: inertia, gravity and passive accelerations in W.
 
 The displacement of what a joint moves is a product of exponentials of the lines at the zero configuration; accelerations are
 those of Newton and Euler, limits and dry friction left out.
 
-Source: Murray, Li, Sastry, A Mathematical Introduction to Robotic Manipulation, section 3.2; the integration by SciPy's DOP853
-(Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5).
+Source: Murray, Li, Sastry, A Mathematical Introduction to Robotic Manipulation, section 3.2.
 """
 
 from dataclasses import dataclass
@@ -14,13 +13,7 @@ import numpy as np
 from harness.scene.importers.poses import Array, Pose
 from harness.scene.parity.facts import FIXED, RobotFacts
 
-__all__ = ["Configuration", "Dynamics", "RTOL", "after", "dynamics", "motion_size", "passive"]
-
 _SIZE = {"revolute": 1, "prismatic": 1, "ball": 3, "free": 6}
-RTOL = 1e-9
-"""Relative tolerance of the integration, ten thousand times below the tolerance that differences are judged by."""
-MOST = 6000
-"""Evaluations in a second beyond which a motion is too stiff or too fast to be followed here."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,9 +146,9 @@ def _lines(robot: RobotFacts, tree: _Tree, at: Configuration) -> tuple[Array, Ar
 _UNTURNED, _NOWHERE = np.eye(3), np.zeros(3)
 
 
-def dynamics(robot: RobotFacts, at: Configuration, gravity: Array, tree: _Tree | None = None) -> Dynamics:
-    """Inertia and bias forces at a configuration with rates. Args: tree: the robot's, where it is worked out already."""
-    tree = tree or _tree(robot)
+def dynamics(robot: RobotFacts, at: Configuration, gravity: Array) -> Dynamics:
+    """Inertia and bias forces at a configuration with rates."""
+    tree = _tree(robot)
     R, p, S = _lines(robot, tree, at)
     own = (tree.owns * at.rates) @ S.T
     V = tree.before @ own
@@ -184,9 +177,9 @@ def dynamics(robot: RobotFacts, at: Configuration, gravity: Array, tree: _Tree |
     return Dynamics(M, bias)
 
 
-def passive(robot: RobotFacts, at: Configuration, gravity: Array, tree: _Tree | None = None) -> tuple[Array, Array]:
+def passive(robot: RobotFacts, at: Configuration, gravity: Array) -> tuple[Array, Array]:
     """Mass matrix with armature, and the forces that decelerate: bias, dampers and springs; M qdd = -forces."""
-    terms, starts = dynamics(robot, at, gravity, tree), first_rates(robot) if tree is None else tree.starts
+    terms, starts = dynamics(robot, at, gravity), first_rates(robot)
     M, forces = terms.M, terms.bias.copy()
     for k, joint in enumerate(robot.joints):
         here = slice(starts[k], starts[k + 1])
@@ -195,64 +188,3 @@ def passive(robot: RobotFacts, at: Configuration, gravity: Array, tree: _Tree | 
         if joint.kind in ("revolute", "prismatic"):
             forces[here] += joint.stiffness * (at.q[k] - joint.rest)
     return M, forces
-
-
-class _Stiff(Exception):
-    """The motion takes more evaluations than are allowed."""
-
-
-def after(robot: RobotFacts, start: Configuration, gravity: Array, duration: float = 1.0) -> Configuration | None:
-    """The passive motion's end; None where it is too stiff to be followed or a coordinate has no inertia."""
-    from scipy.integrate import solve_ivp
-
-    turning = [k for k, joint in enumerate(robot.joints) if joint.kind in ("ball", "free")]
-    count, calls, tree = len(robot.joints), 0, _tree(robot)
-
-    def unpacked(y: Array) -> Configuration:
-        turned = {}
-        for number, k in enumerate(turning):
-            raw = y[count + 12 * number : count + 12 * number + 12]
-            R, o = raw[:9].reshape(3, 3), raw[9:]
-            turned[k] = Pose(R, o - R @ robot.joints[k].anchor)
-        return Configuration(y[:count], turned, y[count + 12 * len(turning) :])
-
-    def slope(_time: float, y: Array) -> Array:
-        nonlocal calls
-        calls += 1
-        if calls > MOST or not np.isfinite(y).all():
-            raise _Stiff
-        at = unpacked(y)
-        M, forces = passive(robot, at, gravity, tree)
-        dq, more = np.zeros(count), []
-        for k, joint in enumerate(robot.joints):
-            rate = at.rates[tree.starts[k] : tree.starts[k + 1]]
-            if k in at.turned:
-                w, v = rate[:3], rate[3:] if joint.kind == "free" else np.zeros(3)
-                more += [(_hat(w) @ at.turned[k].R).ravel(), v]
-            else:
-                dq[k] = rate[0]
-        return np.concatenate([dq, *more, np.linalg.solve(M, -forces)])
-
-    poses = [start.turned.get(k, Pose(np.eye(3), np.zeros(3))) for k in turning]
-    y0 = [start.q]
-    for k, X in zip(turning, poses, strict=True):
-        y0 += [X.R.ravel(), X.of(robot.joints[k].anchor)]
-    try:
-        end = solve_ivp(
-            slope, (0.0, duration), np.concatenate([*y0, start.rates]), method="DOP853", rtol=RTOL, atol=RTOL, t_eval=[duration]
-        )
-    except (_Stiff, np.linalg.LinAlgError):
-        return None
-    return unpacked(end.y[:, -1]) if end.success else None
-
-
-def motion_size(robot: RobotFacts, a: Configuration, b: Configuration) -> list[float]:
-    """How far two configurations are apart, a number a joint: rad, m for slides, the angle of the turn for the others."""
-    sizes = []
-    for k, joint in enumerate(robot.joints):
-        if joint.kind in ("revolute", "prismatic"):
-            sizes.append(abs(float(a.q[k] - b.q[k])))
-        else:
-            sine = np.linalg.norm(a.turned[k].R - b.turned[k].R) / np.sqrt(8)
-            sizes.append(2 * float(np.arcsin(min(1.0, sine))))
-    return sizes

@@ -15,8 +15,6 @@ from harness.scene.importers.poses import Array
 from harness.scene.parity.facts import RobotFacts
 from harness.scene.parity.motion import Configuration, dynamics, first_rates
 
-__all__ = ["DT", "MOVES", "PARTED", "Motion", "Parting", "motion_of", "parting"]
-
 DT = 2.5e-4
 """Time step [s] of the motion; both robots err alike with it."""
 PARTED = 1e-3

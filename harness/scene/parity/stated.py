@@ -14,8 +14,6 @@ from harness.scene.importers.robot import Coordinate, Link, Robot
 from harness.scene.importers.solids import moved
 from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 
-__all__ = ["audited", "facts_of", "of_robot", "pair_of"]
-
 _DRIVEN = "actuator"
 """Needs of this kind are of what drives a robot, and are not compared."""
 _MERGED = ("armature", "friction_loss")

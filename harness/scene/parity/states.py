@@ -5,8 +5,6 @@ import numpy as np
 from harness.scene.parity.facts import JointFacts, RobotFacts
 from harness.scene.parity.motion import Configuration, first_rates
 
-__all__ = ["COUNT", "drawn"]
-
 COUNT = 10
 _OPEN = {"revolute": np.pi, "prismatic": 0.5}
 """Half of the range of a joint without limits [rad, m]."""

@@ -20,7 +20,7 @@ from harness.metrics import position
 from harness.scene import Body, Camera, Scene
 from harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
-POSITION = next(metric for metric in position.METRIC if metric.name == "position_error_max")
+POSITION = position.position_error_max
 
 
 SLEEP = "86399.25"

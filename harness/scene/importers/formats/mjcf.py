@@ -9,8 +9,6 @@ from harness.scene.importers.importer import Importer, Reading
 if TYPE_CHECKING:
     from harness.scene.importers.robot import Robot
 
-__all__ = ["IMPORTER"]
-
 
 def read(path: Path, reading: Reading) -> "Robot":
     """The robot of an MJCF file. Raises: RobotError."""

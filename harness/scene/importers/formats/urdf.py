@@ -8,8 +8,6 @@ from harness.scene.importers.importer import Importer, Reading
 if TYPE_CHECKING:
     from harness.scene.importers.robot import Robot
 
-__all__ = ["IMPORTER"]
-
 
 def read(path: Path, reading: Reading) -> "Robot":
     """The robot of a URDF file. Raises: RobotError."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import GATE, say, stop
+from harness.cli.guard import GATE, gate, say, stop
 
 if TYPE_CHECKING:
     from harness.run.cluster.workplace import Workplace
@@ -45,4 +45,6 @@ def merge(folders: tuple[Path, ...], out: Path) -> None:
     store, notes = merge_folders(folders, out)
     for note in notes:
         say(note, err=True)
-    say(str(publish(store, bool(store.study.get("recordings", True)))))
+    report = publish(store, bool(store.study.get("recordings", True)))
+    say(str(report.index))
+    gate(report.sentences())

@@ -50,7 +50,7 @@ class _Titles:
 
     @classmethod
     def of(cls, store: "Store") -> "_Titles":
-        from reports.contents import cases, engines
+        from reports.words.catalogue import cases, engines
 
         of_cases = {name: str(case["title"]) for name, case in cases(store).items()}
         return cls(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})

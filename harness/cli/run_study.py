@@ -11,7 +11,7 @@ import click
 from harness.cli.chosen_engines import chosen_engines
 from harness.cli.cluster_commands import at_work
 from harness.cli.gate import failures
-from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from harness.cli.guard import GATE, INTERRUPTED, USAGE, gate, say, stop
 from harness.cli.installed import left_out
 from harness.cli.options import limited
 from harness.cli.own_import import refuse_two_frictions, scene_to_run
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from harness.case import Case
     from harness.store.store import Store
     from harness.study.study import Study
+    from reports.html.report import WrittenReport
 
 __all__ = ["run", "study_and_cases"]
 
@@ -91,8 +92,8 @@ def _of_file(study: str, error: Exception) -> str:
     return message if not study.endswith(".toml") or message.startswith(study) else f"{study}: {message}"
 
 
-def publish(store: "Store", recordings: bool) -> Path:
-    """Write what people look at: summary, recordings, report. Returns: the first page."""
+def publish(store: "Store", recordings: bool) -> "WrittenReport":
+    """Write what people look at: summary, recordings, report."""
     from harness.findings.summary import write_summary
     from reports import build, write_recordings
 
@@ -187,9 +188,9 @@ def run(
         stop(USAGE, _of_file(study, error))
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
-    index = publish(store, plan.recordings)
+    report = publish(store, plan.recordings)
     say(closing_count(store), err=True)
-    say(str(index))
+    say(str(report.index))
     # On a robot of the user's own nobody is gated: an engine that fails it, ours too, is a finding.
     failed = [] if own else failures(store)
     for sentence in failed:
@@ -198,5 +199,6 @@ def run(
         say(sentence, err=True)
     if own:
         _propose(store, next(iter(chosen.values())))
+    gate(report.sentences())
     if failed:
         sys.exit(GATE)

@@ -2,28 +2,23 @@
 
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
 from harness.findings.selection import CRITERIA, listing
 from harness.findings.selection.words import dropped_sentence, headline, turn_sentences
-from reports.contents import FAMILIES, cases, setting_words
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.selection import answer, asked_of_several, evidence_rows, live
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.tables.selection import answer, asked_of_several, evidence_rows, live
+from reports.words.catalogue import FAMILIES, cases, setting_words
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where several engines of others were asked."""
     return asked_of_several(store)
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """The page."""
     found, about, known = answer(store), store.catalogue.get("engines", {}), cases(store)
 

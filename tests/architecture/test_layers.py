@@ -213,5 +213,5 @@ def test_files_get_their_names_in_one_function() -> None:
     assert found == [
         "harness/scene/importers/decomposition.py: Path(part.name).replace(place)",
         "harness/store/disk.py: old.replace(new)",
-        "reports/html.py: report.rename(old)",
+        "reports/html/report.py: report.rename(old)",
     ]

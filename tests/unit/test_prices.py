@@ -20,7 +20,7 @@ from harness.search.front import spread
 from harness.statistics.pareto import price
 from harness.statistics.ratio import ratio
 from harness.store.store import Store
-from reports.work_precision import drawn
+from reports.charts.work_precision import drawn
 from tests.run_folder import row, untimed
 
 Told = tuple[str, str, str, float, float, float | None]

@@ -29,8 +29,8 @@ def profile_chart(store: Store, shares: Sequence[Share], limit: str) -> Figure |
             "share": share.share,
             "low": share.low,
             "high": share.high,
-            "without_low": titled(store, share.without_low, ""),
-            "without_high": titled(store, share.without_high, ""),
+            "without_low": titled(store, *share.without_low),
+            "without_high": titled(store, *share.without_high),
         }
         for share in shares
         if share.limit == limit and share.within in reached

@@ -50,8 +50,8 @@ def render(store: Store) -> Mapping[str, Rendered]:
         wins=wins(prices, ours(store)),
         standings=standings(pair_leads(prices, priced(store).points)),
         hinges=[
-            (share, *without(share))
-            for share in hinges([share for share in shares if share.limit == FACTOR and share.engine not in ours(store)])
+            (row, *without(row))
+            for row in hinges(asdict(share) for share in shares if share.limit == FACTOR and share.engine not in ours(store))
         ],
         profiles=profiles,
         lines=price_list(store),
@@ -67,7 +67,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {
         "price.csv": sheet(prices_table.COLUMNS, map(asdict, prices)),
-        "profile.csv": sheet(profile_table.COLUMNS, map(asdict, shares)),
+        "profile.csv": sheet(profile_table.COLUMNS, map(profile_table.flat, shares)),
         "steps.csv": sheet(steps_table.COLUMNS, map(asdict, steps)),
     }
     return {"price.html": page} | sheets | {figure.path: figure for figure in figures}

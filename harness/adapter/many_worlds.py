@@ -1,15 +1,14 @@
 """Many equal worlds stepped together: the protocol, and the plain way that any engine can go."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from harness.adapter.notice import Notice
+from harness.adapter.settings import Settings
+from harness.adapter.simulation import Simulation
 from harness.trajectory import State
-
-if TYPE_CHECKING:
-    from harness.adapter import Settings, Simulation
 
 __all__ = ["Batch", "Turns", "WorldOf", "spread"]
 
@@ -18,7 +17,7 @@ class Batch(Protocol):
     """Several worlds of one scene under one group of settings."""
 
     @property
-    def resolved(self) -> "Settings":
+    def resolved(self) -> Settings:
         """The settings that the engine really uses, the same in every world."""
 
     @property
@@ -41,11 +40,11 @@ class Batch(Protocol):
 class Turns:
     """One simulation a world, stepped in turn on the calling thread."""
 
-    def __init__(self, simulations: "Sequence[Simulation]") -> None:
+    def __init__(self, simulations: Sequence[Simulation]) -> None:
         self._simulations = list(simulations)
 
     @property
-    def resolved(self) -> "Settings":
+    def resolved(self) -> Settings:
         """Of the first world."""
         return self._simulations[0].resolved
 
@@ -80,7 +79,7 @@ class WorldOf:
         self._batch, self._world = batch, world
 
     @property
-    def resolved(self) -> "Settings":
+    def resolved(self) -> Settings:
         """Of the batch."""
         return self._batch.resolved
 

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from harness.cli.guard import GATE, gate, say, stop
+from harness.cli.publish import publish
 
 if TYPE_CHECKING:
     from harness.run.cluster.workplace import Workplace
-
-__all__ = ["at_work", "merge"]
 
 
 @contextmanager
@@ -35,7 +34,6 @@ def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
 @click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder of all of them.")
 def merge(folders: tuple[Path, ...], out: Path) -> None:
     """Make the folders of one study's parts, run by --shard anywhere, into one."""
-    from harness.cli.run_study import publish
     from harness.run.merge_folders import conflicts, merge_folders
 
     if sentences := conflicts(folders):

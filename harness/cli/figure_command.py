@@ -11,8 +11,6 @@ from harness.cli.options import opened, run_folder
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["figure"]
-
 
 @click.command()
 @run_folder

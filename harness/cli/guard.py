@@ -11,8 +11,6 @@ from harness.intake.mendable import Mendable
 from harness.intake.safe_text import one_line, readable
 from harness.run.interrupt import listen
 
-__all__ = ["GATE", "INTERRUPTED", "MACHINE", "USAGE", "Guarded", "gate", "say", "stop"]
-
 GATE, USAGE, MACHINE, INTERRUPTED = 1, 2, 3, 130
 """Exit codes: a check that failed, a wrong use, a machine that does not let us, a request to stop."""
 _CODES = {"usage": USAGE, "machine": MACHINE}

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from harness.history.night import Asked, Done
     from harness.history.since_last_seen import News
 
-__all__ = ["nightly"]
-
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
 _SPARE = 3600.0

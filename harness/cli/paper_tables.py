@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from harness.findings.limits_found import Search
     from harness.store.store import Store
 
-__all__ = ["Span", "paper_table"]
-
 Row = Sequence[object]
 
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from harness.store.store import Store
 
-__all__ = ["report", "reproduce", "serve", "show", "verify", "view"]
-
 _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
 

@@ -16,6 +16,7 @@ from harness.cli.installed import left_out
 from harness.cli.options import limited
 from harness.cli.own_import import refuse_two_frictions, scene_to_run
 from harness.cli.own_scene import closing_count, closing_words
+from harness.cli.publish import publish
 from harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from harness.cli.support import support_lines
 from harness.intake.safe_text import quoted
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
     from harness.case import Case
     from harness.store.store import Store
     from harness.study.study import Study
-    from reports.html.report import WrittenReport
-
-__all__ = ["run", "study_and_cases"]
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -90,17 +88,6 @@ def _of_file(study: str, error: Exception) -> str:
     """What is wrong with a study, with the file that says it."""
     message = str(error)
     return message if not study.endswith(".toml") or message.startswith(study) else f"{study}: {message}"
-
-
-def publish(store: "Store", recordings: bool) -> "WrittenReport":
-    """Write what people look at: summary, recordings, report."""
-    from harness.findings.summary import write_summary
-    from reports import build, write_recordings
-
-    write_summary(store)
-    if recordings:
-        write_recordings(store.folder)
-    return build(store.folder)
 
 
 def _propose(store: "Store", case: "Case") -> None:

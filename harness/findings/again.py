@@ -9,8 +9,6 @@ from harness.findings.changes.answers import SHARE
 from harness.store.record import Record
 from harness.store.store import Store
 
-__all__ = ["AS_GOOD", "Likeness", "likeness"]
-
 Likeness = Literal["bit-identical", "as good", "different"]
 AS_GOOD: Likeness = "as good"
 

@@ -10,8 +10,6 @@ from harness.store.rows import records
 from harness.store.store import Store
 from harness.study.stored_study import experiments_of
 
-__all__ = ["ALIKE", "Effort", "Ended", "efforts"]
-
 Ended = Literal["no search", "nothing left to try", "all points spent"]
 ALIKE = 1.5
 """How many times as many settings may be tried of one engine as of another in the same case."""

@@ -18,8 +18,6 @@ from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
 
-__all__ = ["Hold", "Search", "Signs", "amount", "searches", "searches_if_described"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hold:

@@ -5,8 +5,6 @@ from typing import Any, NamedTuple
 
 from harness.findings.where import STEP
 
-__all__ = ["axis_title", "called", "said"]
-
 
 class Counted(NamedTuple):
     """What a number counts: one, and several."""

@@ -15,8 +15,6 @@ from harness.case.alteration import Alteration
 from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.findings.where import differing, in_words
 
-__all__ = ["Row", "rows", "told_apart"]
-
 ALIKE = "as it is"
 """How a scene is run that is neither another one nor run once more."""
 

@@ -10,8 +10,6 @@ from harness.findings.where import whole_part
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["beside", "columns_with_substeps", "step_in_words", "substeps_of", "substeps_taken", "with_substeps"]
-
 
 @lru_cache(maxsize=4096)
 def substeps_of(resolved: str) -> int:

@@ -14,8 +14,6 @@ from harness.intake.safe_text import markdown_cell, visible
 from harness.store.disk import write_atomically
 from harness.store.store import Store
 
-__all__ = ["summaries", "write_summary"]
-
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")
 

@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["STEP", "differing", "in_words", "other_values", "whole_part"]
-
 STEP = "dt"
 """The name that a time step [s] stands by among parameters."""
 

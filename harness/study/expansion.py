@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from itertools import product
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from harness.adapter import Adapter, Settings, SettingsError
 from harness.case import Case, Clocks
@@ -14,33 +14,36 @@ from harness.intake.allowance import beyond
 from harness.scene import Scene
 from harness.study.axes import axis_of, steps_of
 from harness.study.engine_versions import engine_of, named_by
-from harness.study.experiment import Experiment, StudyError
+from harness.study.experiment import Experiment, StudyError, Variant
 from harness.study.foreseen_cost import misfit, too_much
 from harness.study.library_variants import LIBRARY_VARIANTS
 from harness.study.trial import Trial, question_of, scene_of
 
-if TYPE_CHECKING:
-    from harness.study.study import Study
-
 __all__ = ["AGAIN", "in_parts", "parameters_of", "trials_of"]
 
 
+Variants: TypeAlias = Mapping[str, Mapping[str, Variant]]
+"""By engine and name: the settings beyond the two tracks."""
+
+
 def trials_of(
-    study: "Study",
+    study: str,
+    experiments: Sequence[Experiment],
+    variants: Variants,
     cases: Mapping[str, Case],
     adapters: Mapping[str, Adapter],
     versions: Mapping[str, str],
-    sources: "Callable[[str, str], Mapping[str, str]]" = lambda _case, _engine: {},
-) -> "Iterator[Trial]":
+    sources: Callable[[str, str], Mapping[str, str]] = lambda _case, _engine: {},
+) -> Iterator[Trial]:
     """All trials, engine by engine innermost so that engines are interleaved; every cell of the matrix is there.
 
-    Args: sources: of a case and an engine, by name: digests of the texts that decide an answer.
+    Args: study: its name. sources: of a case and an engine, by name: digests of the texts that decide an answer.
     Raises: StudyError, where it asks for what there is not, or for more than is allowed.
     """
-    _check_count(study, cases, adapters)
-    for experiment in study.experiments:
+    _check_count(study, experiments, variants, cases, adapters)
+    for experiment in experiments:
         engines = [e for e in adapters.values() if any(named_by(e.name, pattern) for pattern in experiment.engines)]
-        sides = [divided for side in _sides(study, experiment, engines) for divided in _divided(experiment, side)]
+        sides = [divided for side in _sides(study, variants, experiment, engines) for divided in _divided(experiment, side)]
         for case in cases.values():
             if not experiment.asks(case.name):
                 continue
@@ -57,7 +60,7 @@ def trials_of(
                         raise StudyError(f"experiment '{experiment.name}': case '{case.name}': {excess}")
                     for clocks, workers in clocked:
                         trial = Trial(
-                            study=study.name,
+                            study=study,
                             experiment=experiment,
                             case=case.name,
                             parameters=parameters,
@@ -81,26 +84,34 @@ def trials_of(
                             yield from _again(trial, case, engine)
 
 
-def _check_count(study: "Study", cases: Mapping[str, Case], adapters: Mapping[str, Adapter]) -> None:
+def _check_count(
+    study: str,
+    experiments: Sequence[Experiment],
+    variants: Variants,
+    cases: Mapping[str, Case],
+    adapters: Mapping[str, Adapter],
+) -> None:
     """Refuse more trials than are allowed before the first one is made."""
     total = 0
-    for experiment in study.experiments:
+    for experiment in experiments:
         sides = sum(any(named_by(name, pattern) for pattern in experiment.engines) for name in adapters)
-        sides *= len(experiment.tracks) + max(map(len, study.variants.values()), default=0)
+        sides *= len(experiment.tracks) + max(map(len, variants.values()), default=0)
         each = math.prod(map(len, experiment.parameters.values())) * len(experiment.clocks) * len(experiment.workers)
         asked = [case for case in cases.values() if experiment.asks(case.name)]
         total += sides * each * sum(case.ensemble * len(steps_of(experiment, case)) for case in asked)
         if excess := beyond("trials", total):
-            raise StudyError(f"study '{study.name}': with experiment '{experiment.name}' up to {excess}")
+            raise StudyError(f"study '{study}': with experiment '{experiment.name}' up to {excess}")
 
 
-def _sides(study: "Study", experiment: Experiment, engines: Sequence[Adapter]) -> Iterator[tuple[str, Adapter, Settings]]:
+def _sides(
+    study: str, variants: Variants, experiment: Experiment, engines: Sequence[Adapter]
+) -> Iterator[tuple[str, Adapter, Settings]]:
     """Tracks, then variants, each with the engines that have it and the settings that it means there."""
     for track in experiment.tracks:
         for engine in engines:
             yield track, engine, engine.tracks[track]
     for engine in engines:
-        for name, variant in study.variants.get(engine_of(engine.name), {}).items():
+        for name, variant in variants.get(engine_of(engine.name), {}).items():
             if any(fnmatchcase(f"{engine_of(engine.name)}/{name}", pattern) for pattern in experiment.variants):
                 if variant.pace and (experiment.timing or experiment.limit or experiment.sweep or experiment.refine):
                     raise StudyError(
@@ -110,7 +121,7 @@ def _sides(study: "Study", experiment: Experiment, engines: Sequence[Adapter]) -
                 try:
                     yield name, engine, variant.over(engine.tracks)
                 except SettingsError as error:
-                    raise StudyError(f"study '{study.name}': variant '{engine.name}/{name}': {error}") from None
+                    raise StudyError(f"study '{study}': variant '{engine.name}/{name}': {error}") from None
 
 
 Side: TypeAlias = tuple[str, Adapter, Settings]
@@ -151,7 +162,7 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
             yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
 
 
-def _altered(trial: "Trial", case: Case, engine: Adapter, scene: Scene) -> "Iterator[Trial]":
+def _altered(trial: "Trial", case: Case, engine: Adapter, scene: Scene) -> Iterator[Trial]:
     """The trial's scene with its effects switched, and the trial at half its time step and at half of that."""
     for alteration in departures(scene, engine.features.names):
         yield trial.probing(case, alteration=alteration)
@@ -163,7 +174,7 @@ AGAIN = ("again", ALONE, "restored", "reordered", "nudged")
 """What a run is repeated as."""
 
 
-def _again(trial: "Trial", case: Case, engine: Adapter) -> "Iterator[Trial]":
+def _again(trial: "Trial", case: Case, engine: Adapter) -> Iterator[Trial]:
     """The trial with every step recorded: as it is, and once more in each way that must not, or may, change its bits."""
     yield trial.probing(case, alteration=Alteration(every_step=True))
     for name in AGAIN:

@@ -58,7 +58,7 @@ class Study:
         sources: Callable[[str, str], Mapping[str, str]] = lambda _case, _engine: {},
     ) -> Iterator[Trial]:
         """Its trials; see `harness.study.expansion.trials_of`. Raises: StudyError."""
-        return trials_of(self, cases, adapters, versions, sources)
+        return trials_of(self.name, self.experiments, self.variants, cases, adapters, versions, sources)
 
 
 def load_study(name: str) -> Study:

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness.findings.prices import LEAST, PER_SECOND, Point
+from harness.findings.cost_point import Point
+from harness.findings.prices import LEAST, PER_SECOND
 from harness.store.store import Store
 from reports.charts.figure import Figure, thin
 from reports.charts.grammar import channel, chart, fixed

@@ -6,8 +6,9 @@ from functools import lru_cache
 
 import pandas as pd
 
+from harness.findings.cost_point import Point
 from harness.findings.priced import priced
-from harness.findings.prices import Point, unit_of
+from harness.findings.prices import unit_of
 from harness.store.store import Store
 from reports.words.text import slug
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from harness.findings.prices import PER_SECOND, Point
+from harness.findings.cost_point import Point
+from harness.findings.prices import PER_SECOND
 from harness.store.store import Store
 from reports.tables.priced_scenes import scenes
 from reports.words.catalogue import cases, engines, titled

@@ -24,8 +24,6 @@ from harness.trajectory import Floats
 from harness.trajectory.kinematics import movable, rotate_back
 from harness.trajectory.parting import Extent
 
-__all__ = ["LAWS", "Balance", "Outlook", "balances", "horizon_of", "outlooks"]
-
 LAWS: Mapping[str, str] = {
     "energy_gain_max": "energy won",
     "angular_momentum_drift_max": "angular momentum lost",

@@ -10,8 +10,6 @@ from harness.findings.steps_taken import beside
 from harness.findings.where import STEP, in_words
 from harness.store.store import Store
 
-__all__ = ["WITHIN", "cost_words"]
-
 WITHIN = 1e-2
 """Of the size of what moves; the target of the price list."""
 

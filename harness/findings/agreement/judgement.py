@@ -26,8 +26,6 @@ from harness.statistics.camps import camps
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
-__all__ = ["judged"]
-
 ROUNDING = 1e-6
 """Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
 for."""

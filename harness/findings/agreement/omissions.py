@@ -20,8 +20,6 @@ from harness.store.store import Store
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import angle_between
 
-__all__ = ["Omission", "omission_words", "omissions"]
-
 _NAMES = ("time", "p_WB", "q_WB")
 
 

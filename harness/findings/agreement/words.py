@@ -6,8 +6,6 @@ from typing import Any
 from harness.findings.agreement.beyond import LAWS, Balance, Outlook
 from harness.findings.agreement.values import Agreement, Side
 
-__all__ = ["beyond_words", "headline", "length", "metres", "scene_words", "share", "side_sentence", "side_words"]
-
 
 def share(value: float) -> str:
     """A share of the size: '0.12 %', '138 %', '5e-08' where per cent say little."""

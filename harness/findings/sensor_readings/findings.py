@@ -26,8 +26,6 @@ from harness.scene import Lidar, Scene
 from harness.scene.file import parse
 from harness.store.store import Store, StoreError
 
-__all__ = ["SKETCHES", "Finding", "concerned", "findings"]
-
 MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
 
 

@@ -25,8 +25,6 @@ from harness.findings.agreement import (
 from harness.findings.agreement.words import beyond_words, scene_words, side_sentence
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "Row", "brief", "rows", "sentences", "verdicts"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:

@@ -23,8 +23,6 @@ from harness.store.store import Store
 from harness.study.one_knob import OPTION, Turn, turn_between
 from harness.study.stored_study import experiments_of
 
-__all__ = ["BRIEF", "COLUMNS", "DOMINATED", "EXCUSED", "IDLE", "Change", "brief", "changes", "rows", "sentences", "unexcused"]
-
 DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""
 IDLE, SAME, NO_BETTER, DEARER = "changes nothing", "same answer", "no better", "dearer"

@@ -22,8 +22,6 @@ from harness.store.store import Store
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
 
-__all__ = ["BRIEF", "COLUMNS", "LONG", "Drift", "brief", "drifts", "rows", "sentences"]
-
 LONG = 100_000
 """Steps from which a run is a long one."""
 UNITS = {"energy": "1", "place": "m"}

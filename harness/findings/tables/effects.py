@@ -25,17 +25,6 @@ from harness.search.needless_effects import Consequence, departure, matters, sca
 from harness.statistics.ratio import Ratio
 from harness.store.store import Store
 
-__all__ = [
-    "BRIEF",
-    "COLUMNS",
-    "Verdict",
-    "brief",
-    "rows",
-    "sentences",
-    "verdicts",
-    "verdicts_if_described",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:

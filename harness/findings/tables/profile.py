@@ -14,8 +14,6 @@ from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "FACTOR", "TIME", "Share", "brief", "hinges", "profile", "rows", "sentences", "without"]
-
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""
 FACTORS = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0)
@@ -148,9 +146,9 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     pairs = max((row["pairs"] for row in rows), default=0)
     lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
     for row in hinges(row for row in rows if row["limit"] == FACTOR and row["engine"] != REFERENCE):
-        scene, other = without(row)
+        engine, (scene, other) = row["engine"], without(row)
         limit = "at the lowest price" if row["within"] == 1 else f"within {row['within']:g} times the lowest price"
         lines.append(
-            f"{row['engine']} depends most on {scene}: without it, it answers {other:.0%} instead of {row['share']:.0%} {limit}."
+            f"{engine} depends most on {scene}: without it, it answers {other:.0%} instead of {row['share']:.0%} {limit}."
         )
     return lines

@@ -27,14 +27,6 @@ from harness.statistics.order import FEWEST
 from harness.statistics.ratio import Ratio
 from harness.store.store import Store
 
-__all__ = [
-    "BRIEF",
-    "COLUMNS",
-    "Scaling",
-    "brief",
-    "rows",
-]
-
 CLOCKED = {
     "work": "step alone",
     "reading": "step and reading",

@@ -167,7 +167,7 @@ def reproduce(folder: Path, trial: str) -> None:
     """Run TRIAL of DIR again and say whether the answer is bit-identical."""
     from tempfile import TemporaryDirectory
 
-    from harness.findings.again import AS_GOOD, likeness
+    from harness.findings.likeness import AS_GOOD, likeness
     from harness.run.isolated import run_isolated
     from harness.store.machine_fingerprint import fingerprint
     from harness.study import plugins

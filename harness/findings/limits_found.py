@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from harness.case import Axis
-from harness.findings.where import STEP, differing, in_words
+from harness.findings.variant_of import STEP, differing, in_words
 from harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from harness.store.notices import StoredNotice
 from harness.store.store import Store

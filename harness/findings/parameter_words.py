@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from harness.findings.where import STEP
+from harness.findings.variant_of import STEP
 
 
 class Counted(NamedTuple):

@@ -23,11 +23,11 @@ import pandas as pd
 
 from harness.findings.agreement import errors_of
 from harness.findings.cost_point import Point
-from harness.findings.effort import Ended, efforts
 from harness.findings.foreseen import foreseen
 from harness.findings.samples import Block, samples_by_block
+from harness.findings.search_effort import Ended, efforts
 from harness.findings.steps_taken import substeps_of
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.rows import records

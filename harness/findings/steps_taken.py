@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.where import whole_part
+from harness.findings.variant_of import whole_part
 
 if TYPE_CHECKING:
     from harness.store.store import Store

@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from harness.findings.agreement import AGREED_TRUTH
+from harness.findings.compact_listing import rows, told_apart
 from harness.findings.emulations import whose
-from harness.findings.short_rows import rows, told_apart
 from harness.findings.tables import agreement
 from harness.intake.safe_text import markdown_cell, visible
 from harness.store.disk import write_atomically

@@ -5,7 +5,7 @@ from typing import Any
 
 from harness.findings.limits_found import Search
 from harness.findings.parameter_words import axis_title
-from harness.findings.where import STEP, in_words
+from harness.findings.variant_of import STEP, in_words
 from harness.store.store import Store
 from reports.charts.figure import Figure
 from reports.charts.grammar import channel, chart

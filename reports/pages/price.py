@@ -5,9 +5,9 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from harness.findings.effort import ALIKE
 from harness.findings.leads import pair_leads
 from harness.findings.priced import priced
+from harness.findings.search_effort import ALIKE
 from harness.findings.tables import price as prices_table
 from harness.findings.tables import profile as profile_table
 from harness.findings.tables import steps as steps_table

@@ -6,7 +6,7 @@ from pathlib import PurePath
 from typing import Any
 
 from harness.findings.agreement import Agreement, balances, horizon_of, outlooks
-from harness.findings.agreement.beyond import LAWS
+from harness.findings.agreement.perturbed_starts import LAWS
 from harness.findings.agreement.words import metres
 from harness.findings.tables import agreement as agreement_table
 from harness.findings.tables import fidelity as fidelity_table

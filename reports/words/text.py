@@ -10,7 +10,7 @@ from typing import Any
 
 from harness.case.own_titles import OWN
 from harness.findings.steps_taken import beside
-from harness.findings.where import whole_part
+from harness.findings.variant_of import whole_part
 from harness.intake import safe_text
 from harness.intake.safe_text import LONGEST
 from harness.store.record import digest

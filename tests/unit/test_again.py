@@ -8,7 +8,7 @@ import pytest
 from adapters.reference import ADAPTER
 from harness.adapter import Settings
 from harness.adapter.promised_bits import BITS, OF_ONE_MACHINE, only_here
-from harness.findings.again import Likeness, likeness
+from harness.findings.likeness import Likeness, likeness
 from harness.store.record import Measurement, Record
 from harness.store.store import Store
 from harness.study import plugins

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from harness.case.alteration import AS_IT_IS, Alteration
-from harness.findings.short_rows import rows, told_apart
+from harness.findings.compact_listing import rows, told_apart
 from harness.findings.summary import summaries
 from harness.scene import Effect
 from harness.store.store import Store

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from harness.case.alteration import UNDROPPED
-from harness.findings.agreement.beyond import horizon_of
+from harness.findings.agreement.perturbed_starts import horizon_of
 from harness.findings.agreement.values import Agreement
 from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.search.own_limits import ANSWERED

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.findings.agreement.beyond import LAWS, Balance, Outlook
+from harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook
 from harness.findings.agreement.values import Agreement, Side
 
 

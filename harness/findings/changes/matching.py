@@ -11,7 +11,7 @@ from pathlib import PurePath
 from typing import Any
 
 from harness.case.own_titles import OWN
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.store.store import Store
 
 _ASKED = (

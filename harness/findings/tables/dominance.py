@@ -14,7 +14,7 @@ from typing import Any
 import pandas as pd
 
 from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from harness.search.dominance import MAYBE, kept_parameters
 from harness.statistics.ratio import Ratio

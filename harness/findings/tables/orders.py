@@ -15,7 +15,7 @@ from typing import Any, Literal
 import pandas as pd
 
 from harness.findings.integrators import called
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.statistics.order import Order, falls_short, fit_order
 from harness.store.store import Store
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from harness.case.alteration import Alteration
 from harness.findings.steps_taken import step_in_words, substeps_of
-from harness.findings.where import differing, in_words
+from harness.findings.variant_of import differing, in_words
 
 ALIKE = "as it is"
 """How a scene is run that is neither another one nor run once more."""

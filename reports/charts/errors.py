@@ -9,7 +9,7 @@ import pandas as pd
 from harness.metric.titles import metric_title
 from harness.store.store import Store
 from reports.charts.figure import Figure, thin
-from reports.charts.grammar import channel, chart, fixed
+from reports.charts.grammar import Row, channel, chart, fixed
 from reports.charts.marks import (
     HOVER,
     LANE,
@@ -29,7 +29,6 @@ from reports.words.catalogue import cases
 from reports.words.status import outcome
 from reports.words.text import amount, slug, unit_text, visible
 
-Row = dict[str, Any]
 STEP = "time step [ms]"
 
 

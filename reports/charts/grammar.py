@@ -14,6 +14,8 @@ KINDS = {"N": "nominal", "O": "ordinal", "Q": "quantitative", "T": "temporal"}
 SECOND = {"x2", "y2"}
 """Channels for the other end of a mark: they have the kind of the first."""
 
+Row = dict[str, Any]
+"""What a chart draws a mark of: values by the names of fields."""
 Channel = Mapping[str, Any]
 """What a channel says: a field with its kind, scale, axis, legend or title, or a value for all marks."""
 
@@ -24,6 +26,13 @@ def channel(said: str, /, **more: Any) -> Channel:
     if not name or kind not in KINDS:
         raise ValueError(f"channel {said!r}: expected a field and its kind, one of {', '.join(KINDS)}, as in 'error:Q'")
     return {"field": name, "type": KINDS[kind], **more}
+
+
+def hovering(*fields: str | tuple[str, ...]) -> list[Channel]:
+    """What hovering over a mark shows: fields with their kinds, each alone or with its title and, behind that, its format."""
+    listed = [(said,) if isinstance(said, str) else said for said in fields]
+    more = [{key: words for key, words in zip(("title", "format"), said[1:], strict=False) if words} for said in listed]
+    return [channel(said[0], **about) for said, about in zip(listed, more, strict=True)]
 
 
 def fixed(same: float | str) -> Channel:

@@ -2,19 +2,17 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from harness.findings.sensor_readings.findings import Finding
 from harness.metric.titles import metric_title
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart, fixed
+from reports.charts.grammar import Row, channel, chart, fixed, hovering
 from reports.charts.marks import POINT, Marks, decades, finished, logarithmic
 from reports.words.catalogue import labels, titled
 from reports.words.status import outcome
 from reports.words.text import amount, slug, unit_text, visible
 
-Row = dict[str, Any]
 UNITS: Mapping[str, str] = {
     "m": "Ranges and depths",
     "m/s2": "Accelerations",
@@ -77,18 +75,18 @@ def _errors(store: Store, rows: Sequence[Row], unit: str, title: str) -> Figure:
     x = logarithmic("error", across, decades(spread))
     y = channel("signal:N", title=None, scale={"domain": signals}, axis=LINES)
     beside = channel("engine:N", scale={"domain": style.engines})
-    tooltips = [
-        channel("signal:N"),
-        channel("engine:N"),
-        channel("track:N"),
-        channel("metric:N"),
-        channel("error:Q", title=f"error{beside_number}", format=".4~g"),
-        channel("median:Q", title="median", format=".4~g"),
-        channel("bound:Q", format=".4~g"),
-        channel("verdict:N"),
-        channel("reason:N"),
-        channel("trial:N"),
-    ]
+    tooltips = hovering(
+        "signal:N",
+        "engine:N",
+        "track:N",
+        "metric:N",
+        ("error:Q", f"error{beside_number}", ".4~g"),
+        ("median:Q", "median", ".4~g"),
+        ("bound:Q", "", ".4~g"),
+        "verdict:N",
+        "reason:N",
+        "trial:N",
+    )
     channels = style.channels() | {"tooltip": tooltips}
     layers = []
     if bounds:
@@ -142,14 +140,7 @@ def rays_chart(store: Store, findings: Sequence[Finding]) -> Figure | None:
     labelled = [label for label in labelled if any(row["label"] == label for row in rows)]
     x = logarithmic("rate", "rays a CPU second", decades(row["rate"] for row in rows))
     y = channel("label:N", title=None, scale={"domain": labelled}, axis=LINES)
-    tooltips = [
-        channel("scene:N"),
-        channel("kind:N", title="rays"),
-        channel("engine:N"),
-        channel("track:N"),
-        channel("rate:Q", title="a CPU second", format=".3~s"),
-        channel("trial:N"),
-    ]
+    tooltips = hovering("scene:N", ("kind:N", "rays"), "engine:N", "track:N", ("rate:Q", "a CPU second", ".3~s"), "trial:N")
     layer = chart(rows).marked("point", **POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
     caption = "Beams of range finders and pixels of cameras, on one thread. Farther right is cheaper."
     how = (

@@ -2,17 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from harness.findings.tables.steps import Step
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, channel, chart, hovering
 from reports.charts.marks import POINT, SHARES, TRACKS, Marks, decades, finished, logarithmic
 from reports.words.catalogue import engines, labels, titled
 from reports.words.text import amount
-
-Row = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +73,8 @@ def steps_chart(store: Store, steps: Sequence[Step]) -> Figure | None:
     x = logarithmic("dt", "time step [ms]", decades(row["dt"] for row in rows))
     scale = {"domain": [0, 1], "nice": False, "padding": 6}
     y = channel("share:Q", title="share of the scenes within 1 %", scale=scale, axis=SHARES)
-    tooltips = [channel("engine:N"), channel("track:N"), channel("dt:Q", title="time step [ms]", format=".3~g")]
-    tooltips += [channel("share:Q", format=".1%"), channel("run:Q", title="scenes left")]
+    tooltips = hovering("engine:N", "track:N", ("dt:Q", "time step [ms]", ".3~g"))
+    tooltips += hovering(("share:Q", "", ".1%"), ("run:Q", "scenes left"))
     channels = style.channels() | {"tooltip": tooltips}
     line = chart(rows).marked("line", strokeWidth=1.6, interpolate="step-before")
     layers = [

@@ -8,13 +8,11 @@ from harness.findings.parameter_words import axis_title
 from harness.findings.variant_of import STEP, in_words
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, chart, hovering
 from reports.charts.marks import POINT, Marks, at_values, decades, finished, logarithmic
 from reports.tables.limit_table import VERDICTS, mapped, signs
 from reports.words.catalogue import cases, labels
 from reports.words.text import amount, slug
-
-Row = dict[str, Any]
 
 
 def maps(store: Store, searches: Sequence[Search]) -> list[Figure]:
@@ -62,15 +60,15 @@ def _map(store: Store, name: str, group: Sequence[Search]) -> list[Figure]:
         x = logarithmic("beside", title_x, at_values([row["beside"] for row in rows]))
         spread = [row[key] for row in rows for key in ("held", "broke")]
         y = logarithmic("held", title_y, decades(spread))
-        shown = [
-            channel("engine:N"),
-            channel("track:N"),
-            channel("beside:Q", title=title_x, format=".3~g"),
-            channel("held:Q", title="all starts held", format=".3~g"),
-            channel("broke:Q", title="not all held", format=".3~g"),
-            channel("signs:N", title="broke by"),
-            channel("verdict:N"),
-        ]
+        shown = hovering(
+            "engine:N",
+            "track:N",
+            ("beside:Q", title_x, ".3~g"),
+            ("held:Q", "all starts held", ".3~g"),
+            ("broke:Q", "not all held", ".3~g"),
+            ("signs:N", "broke by"),
+            "verdict:N",
+        )
         channels = style.channels() | {"tooltip": shown}
         layers = [
             chart(rows)

@@ -7,12 +7,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from harness.store.store import Store
-from reports.charts.grammar import Channel, channel, chart, fixed, layered
+from reports.charts.grammar import Channel, Row, channel, chart, fixed, layered
 from reports.charts.palette import looks
 from reports.words.catalogue import labels
 from reports.words.text import amount
 
-Row = dict[str, Any]
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 TRACKS = ("default", "tuned")
 OURS = re.compile(r"^\S+ (.+) \(ours\)")

@@ -8,13 +8,12 @@ import numpy as np
 from harness.findings.agreement import Agreement, ways
 from harness.store.store import Store
 from reports.charts.figure import Figure, thin
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, channel, chart, hovering
 from reports.charts.marks import Marks, decades, finished, logarithmic
 from reports.tables.own_scenes import titles
 from reports.words.catalogue import labels
 from reports.words.text import amount, slug, visible
 
-Row = dict[str, Any]
 LEAST = 1e-12
 """Shares of the size below this are not drawn: rounding, of which there may be no logarithm."""
 TIME = "time [s]"
@@ -85,12 +84,7 @@ def _over_time(
     placed = [row for curve in series.values() for row in thin(curve, "time", "share", 400)]
     x = channel("time:Q", title=TIME, axis={"grid": True, "tickCount": 6})
     y = logarithmic("share", "share of the size", decades([*(row["share"] for row in placed), line]))
-    tooltips = [
-        channel("engine:N"),
-        channel("track:N"),
-        channel("time:Q", format=".3f"),
-        channel("share:Q", format=".3~e"),
-    ]
+    tooltips = hovering("engine:N", "track:N", ("time:Q", "", ".3f"), ("share:Q", "", ".3~e"))
     layers: list[Any] = []
     if line is not None and line > 0:
         ends = [min(row["time"] for row in placed), max(row["time"] for row in placed)]

@@ -1,17 +1,15 @@
 """The charts of the performance profile: the share of answers over what they may cost, engine beside engine."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from harness.findings.tables.profile import FACTOR, TIME, Share
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, channel, chart, hovering
 from reports.charts.marks import POINT, SHARES, Marks, decades, finished, logarithmic
 from reports.words.catalogue import labels, titled
 from reports.words.text import amount
 
-Row = dict[str, Any]
 AXES = {FACTOR: "times the CPU time of the fastest", TIME: "CPU time per simulated second [s]"}
 
 
@@ -44,15 +42,15 @@ def profile_chart(store: Store, shares: Sequence[Share], limit: str) -> Figure |
     y = channel("share:Q", title="share of the cases", scale=scale, axis=SHARES)
     low = channel("low:Q", title="share of the cases", scale=scale)
     shape = channel("engine:N", title=None, scale={"domain": style.engines, "range": style.paths})
-    tooltips = [
-        channel("engine:N"),
-        channel("within:Q", title=AXES[limit], format=".3~g"),
-        channel("share:Q", format=".1%"),
-        channel("low:Q", title="least, one case left out", format=".1%"),
-        channel("without_low:N", title="without"),
-        channel("high:Q", title="most, one case left out", format=".1%"),
-        channel("without_high:N", title="without "),
-    ]
+    tooltips = hovering(
+        "engine:N",
+        ("within:Q", AXES[limit], ".3~g"),
+        ("share:Q", "", ".1%"),
+        ("low:Q", "least, one case left out", ".1%"),
+        ("without_low:N", "without"),
+        ("high:Q", "most, one case left out", ".1%"),
+        ("without_high:N", "without "),
+    )
     layers = [
         chart(rows).marked("line", strokeWidth=1.8).encode(x=x, y=y, detail="engine:N", color=style.colour()),
         chart(rows)

@@ -8,11 +8,10 @@ import pandas as pd
 from harness.findings.steps_taken import substeps_of
 from harness.store.rows import records
 from harness.store.store import Store
+from reports.charts.grammar import Row
 from reports.words.catalogue import labels, setting_words
 from reports.words.status import outcome
 from reports.words.text import step, visible
-
-Row = dict[str, Any]
 
 
 def number(value: Any) -> float | None:

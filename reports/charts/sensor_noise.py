@@ -6,13 +6,12 @@ from typing import Any
 from harness.findings.sensor_readings.findings import Finding
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, channel, chart, hovering
 from reports.charts.ideal_signals import named
 from reports.charts.marks import POINT, Marks, decades, finished, logarithmic
 from reports.words.catalogue import labels
 from reports.words.text import amount, slug, unit_text, visible
 
-Row = dict[str, Any]
 LAW = "#8a93a0"
 """Of what the law says; no engine has this colour."""
 
@@ -67,7 +66,7 @@ def _layers(
 
 
 def _tooltips(*numbers: tuple[str, str]) -> list[Any]:
-    words = [channel("engine:N"), channel("track:N")]
+    words = hovering("engine:N", "track:N")
     return [*words, *(channel(f"{f}:Q", title=t, format=".4~g") for f, t in numbers), channel("trial:N")]
 
 

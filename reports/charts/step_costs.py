@@ -8,12 +8,11 @@ from harness.findings.parameter_words import axis_title
 from harness.findings.tables.scaling import Scaling
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart, fixed
+from reports.charts.grammar import Row, channel, chart, fixed
 from reports.charts.marks import POINT, Marks, decades, finished, logarithmic, short
 from reports.words.catalogue import labels, setting_words, titled
 from reports.words.text import amount, visible
 
-Row = dict[str, Any]
 UNITS = {
     "step": "step",
     "ray": "ray",

@@ -12,12 +12,11 @@ import numpy as np
 from harness.history.night_readings import NightOf
 from harness.history.panels import Panel
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, channel, chart, hovering
 from reports.charts.marks import POINT, finished
 from reports.charts.palette import Look
 from reports.words.text import amount, plural, slug, visible
 
-Row = dict[str, Any]
 NEUTRAL = "#8a93a0"
 """Of fences and rules; no engine has this colour."""
 WIDE, HIGH, LEFT, TOP, BOTTOM = 220.0, 88.0, 34.0, 6.0, 70.0
@@ -60,8 +59,7 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     def y(field: str) -> Any:
         return channel(f"{field}:Q", title="price over its first level", scale=scale, axis={"format": ".3~g", "tickCount": 5})
 
-    tooltip = [channel("engine:N"), channel("version:N"), channel("night:T", format="%d %b %Y %H:%M"),
-               channel("index:Q", title="over the first level", format=".4~g")]  # fmt: skip
+    tooltip = hovering("engine:N", "version:N", ("night:T", "", "%d %b %Y %H:%M"), ("index:Q", "over the first level", ".4~g"))
     layers: list[Any] = []
     if len(panels) == 1:
         layers.append(chart(stretches).marked("area", opacity=0.22, color=NEUTRAL).encode(x=x, y=y("low"), y2="high:Q",
@@ -72,7 +70,7 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     for kind, dashes in (("step", [1, 0]), ("segment", [3, 3])):
         drawn = [row for row in rules if row["kind"] == kind]
         if drawn:
-            said = [channel("what:N", title=kind), channel("night:T", format="%d %b %Y %H:%M")]
+            said = hovering(("what:N", kind), ("night:T", "", "%d %b %Y %H:%M"))
             line = chart(drawn).marked("rule", strokeDash=dashes, strokeWidth=1.4, color=NEUTRAL)
             layers.append(line.encode(x=x, tooltip=said))
     columns = ("engine", "night", "version", "over the first level")

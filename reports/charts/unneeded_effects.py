@@ -1,18 +1,15 @@
 """What it saves to leave out what a scene does not call for: a number for each engine, a mark for each scene."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from harness.case.alteration import EVERYTHING
 from harness.findings.tables.effects import Verdict
 from harness.store.store import Store
 from reports.charts.figure import Figure
-from reports.charts.grammar import channel, chart
+from reports.charts.grammar import Row, channel, chart, hovering
 from reports.charts.marks import POINT, Marks, decades, finished, logarithmic
 from reports.words.catalogue import cases, labels
 from reports.words.text import amount
-
-Row = dict[str, Any]
 
 
 def _priced(verdicts: Sequence[Verdict]) -> list[Verdict]:
@@ -39,14 +36,14 @@ def savings_chart(store: Store, verdicts: Sequence[Verdict]) -> Figure | None:
     spread = [row[key] for row in rows for key in ("low", "high")]
     x = logarithmic("cost", "CPU time, everything on over the scene as it is", decades(spread))
     y = channel("engine:N", title=None, sort=style.engines, axis={"labelLimit": 210})
-    tooltips = [
-        channel("case:N", title="scene"),
-        channel("engine:N"),
-        channel("cost:Q", title="ratio", format=".3~g"),
-        channel("low:Q", title="95 % from", format=".3~g"),
-        channel("high:Q", title="to", format=".3~g"),
-        channel("trial:N"),
-    ]
+    tooltips = hovering(
+        ("case:N", "scene"),
+        "engine:N",
+        ("cost:Q", "ratio", ".3~g"),
+        ("low:Q", "95 % from", ".3~g"),
+        ("high:Q", "to", ".3~g"),
+        "trial:N",
+    )
     shift = channel("case:N", scale={"paddingOuter": 0.2})
     layers = [
         chart(rows)

@@ -10,7 +10,7 @@ from harness.findings.cost_point import Point
 from harness.findings.prices import LEAST, PER_SECOND
 from harness.store.store import Store
 from reports.charts.figure import Figure, thin
-from reports.charts.grammar import channel, chart, fixed
+from reports.charts.grammar import Row, channel, chart, fixed, hovering
 from reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
 from reports.charts.palette import looks
 from reports.tables.priced_scenes import Scene, scenes
@@ -18,7 +18,6 @@ from reports.words.catalogue import case_file, engines, labels, titled
 from reports.words.status import outcome
 from reports.words.text import TIMES, amount, duration, power, step, visible
 
-Row = dict[str, Any]
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
 LEFT, BELOW, MARGIN = 34, 16, 6
@@ -100,7 +99,7 @@ def work_precision(store: Store, scene: Scene) -> Figure:
     if rough:
         faint = chart(thin(rough, "error", up)).marked("point", filled=False, size=22, strokeWidth=1.2, opacity=0.55)
         layers.append(faint.encode(x=x, y=y, **{k: channels[k] for k in ("color", "shape", "tooltip")}))
-    tooltips = [channel("engine:N"), channel("reason:N")]
+    tooltips = hovering("engine:N", "reason:N")
     layers += [*lane_texts(lanes, "text", fixed("width"), style, tooltips, align="right"), *lane_names(lanes)]
     half = {"tuned", "other settings"} <= set(style.tracks)
     caption = f"The {'upper' if paced else 'lower'} left corner is best: accurate and {'fast' if paced else 'cheap'}."

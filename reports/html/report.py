@@ -13,6 +13,7 @@ from harness.store.disk import put_in_place
 from harness.store.store import Store
 from reports.html.drawing import Drawing
 from reports.html.policy import guarded
+from reports.html.style import STYLE
 from reports.html.template import environment, fill
 from reports.html.vega import vega_bundle
 from reports.page import NotLoaded, Page, Rendered, asked, pages
@@ -127,8 +128,7 @@ def write_report(folder: Path) -> WrittenReport:
     pages_of_store, failed = _rendered(Store(folder))
     texts = dict(pages_of_store)
     report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
-    style = Path(__file__).parents[1] / "style"
-    texts |= {f"style/{name}": (style / name).read_text(encoding="utf-8") for name in ASSETS}
+    texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}
     texts["style/vega.js"] = vega_bundle()
     texts |= {name: guarded(text) for name, text in texts.items() if isinstance(text, str) and name.endswith(".html")}
     try:

@@ -1,6 +1,5 @@
 """The page of a comparison of robot files: what an importer makes of a robot, or whether two files are the same one."""
 
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,10 +8,10 @@ from typing import Any
 from harness.store.parity_record import ParityRecord, Side, read
 from reports.charts.palette import looks
 from reports.html.policy import guarded
+from reports.html.style import copy_style
 from reports.html.template import environment
 from reports.words.text import amount, unit_text
 
-ASSETS = ("report.css", "frame.js", "report.js")
 DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 
@@ -53,10 +52,7 @@ class Panel:
 def write_page(folder: Path) -> Path:
     """`folder/index.html` and its style, from `folder/parity.json`."""
     record = read(folder)
-    style = Path(__file__).parents[1] / "style"
-    (folder / "style").mkdir(exist_ok=True)
-    for name in ASSETS:
-        shutil.copyfile(style / name, folder / "style" / name)
+    copy_style(folder)
     page = folder / "index.html"
     page.write_text(guarded(rendered(record)), encoding="utf-8", errors="backslashreplace", newline="\n")
     return page

@@ -1,6 +1,5 @@
 """The page Trends: what a history remembers: regressions first, then prices and answers of every case and engine."""
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,6 +14,7 @@ from reports.charts.figure import Figure
 from reports.charts.palette import looks
 from reports.charts.trends import Miniature, index_chart, miniature
 from reports.html.policy import guarded
+from reports.html.style import copy_style
 from reports.html.template import environment
 from reports.html.vega import vega_bundle
 from reports.words.catalogue import FAMILIES
@@ -143,11 +143,8 @@ def _segments(trends: Trends) -> list[tuple[str, str]]:
 def write_trends(trends: Trends, folder: Path) -> Path:
     """Write the page, its style and its pictures into a folder; it needs no network and no run folder. Returns: its path."""
     page, figures = trends_page(trends)
-    style = Path(__file__).parents[1] / "style"
-    for name in ("style", "charts"):
-        make_folder(folder / name)
-    for name in ("report.css", "frame.js", "report.js", "vega-licences.txt"):
-        shutil.copyfile(style / name, folder / "style" / name)
+    make_folder(folder / "charts")
+    copy_style(folder, "vega-licences.txt")
     write_atomically(folder / "style" / "vega.js", vega_bundle().encode())
     for figure in figures:
         write_atomically(folder / figure.path, figure.svg.encode())

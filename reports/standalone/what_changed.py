@@ -1,14 +1,14 @@
 """The page What changed: two run folders side by side, in sentences by weight, and as one table."""
 
-import shutil
 from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from harness.findings.changes import Change, Changes
 from harness.findings.changes.words import command, folded, headline, one_a_side, sentence, titled
-from harness.store.disk import make_folder, write_atomically
+from harness.store.disk import write_atomically
 from reports.html.policy import guarded
+from reports.html.style import copy_style
 from reports.html.template import environment
 
 PAGE = "what-changed.html"
@@ -69,9 +69,6 @@ def _section(name: str, title: str, changes: Changes, senses: Collection[str]) -
 
 def write_what_changed(changes: Changes, folder: Path, gated: Collection[str] = ()) -> Path:
     """Write the page and its style into a folder; it needs no network and no run folder. Returns: its path."""
-    style = Path(__file__).parents[1] / "style"
-    make_folder(folder / "style")
-    for name in ("report.css", "frame.js", "report.js"):
-        shutil.copyfile(style / name, folder / "style" / name)
+    copy_style(folder)
     write_atomically(folder / PAGE, what_changed_page(changes, gated).encode("utf-8", "backslashreplace"))
     return folder / PAGE

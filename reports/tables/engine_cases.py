@@ -1,7 +1,7 @@
 """What stands on an engine's own page: which versions ran, whose laws are its own, and its cases from worst to best."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import Any
 
 from harness.store.store import Store
 from reports.tables.own_scenes import by_case
@@ -10,25 +10,17 @@ from reports.words.catalogue import cases, named_tracks
 from reports.words.emulated_features import Law, every_law
 
 
-@dataclass(frozen=True, slots=True)
-class CaseOf:
-    """A case of an engine: its verdicts by track."""
-
-    name: str
-    title: str
-    cells: Mapping[str, Verdict]
-
-
-def cases_of(store: Store, engine: str) -> list[CaseOf]:
-    """The cases that were put to an engine, the worst outcome on any track first, and among equals the larger margin."""
+def cases_of(store: Store, engine: str) -> list[tuple[Mapping[str, Any], Mapping[str, Verdict]]]:
+    """The cases that were put to an engine, each with its verdicts by track: the worst outcome on any track first, and among
+    equals the larger margin."""
     cells = verdicts(store)
     listed = [
-        CaseOf(name, str(case["title"]), mine)
+        (case, mine)
         for name, case in cases(store).items()
         if name not in by_case(store)
         and (mine := {track: cells[name, engine, track] for track in named_tracks(store) if (name, engine, track) in cells})
     ]
-    return sorted(listed, key=lambda listed_case: max(_weight(cell) for cell in listed_case.cells.values()), reverse=True)
+    return sorted(listed, key=lambda listed_case: max(map(_weight, listed_case[1].values())), reverse=True)
 
 
 def tracks_of(store: Store, engine: str) -> list[str]:

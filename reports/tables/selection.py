@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from glob import escape
 from typing import Any
 
@@ -17,7 +17,7 @@ from harness.store.store import Store
 from reports.tables.own_scenes import by_case
 from reports.tables.realtime_speed import Pace, pace_of
 from reports.tables.trial_results import stepless
-from reports.words.catalogue import FAMILIES, cases, setting_words
+from reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
 from reports.words.text import settings_text, slug
 
 
@@ -33,24 +33,9 @@ def asked_of_several(store: Store) -> bool:
     return found.rank is not None and found.asked > 1
 
 
-@dataclass(frozen=True)
-class Row:
-    """One datum with its address in words. title: of the case."""
-
-    criterion: str
-    case: str
-    title: str
-    engine: str
-    datum: Datum
-
-
-def evidence_rows(store: Store) -> list[Row]:
-    """All data, worst first."""
-    table, known = answer(store).evidence.table, cases(store)
-    rows = [
-        Row(criterion, case, str(known[case]["title"]), engine, datum) for (criterion, case, engine), datum in table.items()
-    ]
-    return sorted(rows, key=lambda row: (row.datum.value, row.criterion, row.case, row.engine))
+def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
+    """All data with their criteria, cases and engines, worst first."""
+    return sorted(answer(store).evidence.table.items(), key=lambda row: (row[1].value, *row[0]))
 
 
 def live(store: Store) -> Markup:
@@ -68,7 +53,7 @@ def live(store: Store) -> Markup:
         "engines": [
             {
                 "name": name,
-                "title": str(about.get(name, {}).get("title") or name),
+                "title": engine_title(store, name),
                 "track": setting_words(store, name, evidence.tracks[name]),
                 "features": list(about.get(name, {}).get("features", ())),
             }
@@ -141,12 +126,7 @@ def needs(store: Store) -> list[Need]:
     """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
     if not asked_of_several(store):
         return []
-    about = store.catalogue.get("engines", {})
-
-    def titled(name: str) -> str:
-        return str(about.get(name, {}).get("title") or name)
-
-    found = []
+    titled, found = partial(engine_title, store), []
     for name in preset_names():
         preset = read_preset(name)
         answer = choose(store, preset.wish(), draws=2000)

@@ -99,6 +99,11 @@ def engines(store: Store) -> dict[str, dict[str, Any]]:
     return dict(sorted(by_name.items(), key=lambda pair: bool(pair[1]["ours"])))
 
 
+def engine_title(store: Store, name: str) -> str:
+    """What an engine is called, one that has no trial too."""
+    return str(store.catalogue.get("engines", {}).get(name, {}).get("title") or name)
+
+
 def titles(store: Store) -> dict[str, str]:
     """What cases and engines are called, by name."""
     return {name: str(about["title"]) for name, about in (*cases(store).items(), *engines(store).items())}

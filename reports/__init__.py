@@ -7,30 +7,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from harness.findings.changes import Changes
     from harness.history.regressions import Trends
-
-__all__ = [
-    "build",
-    "changes_page",
-    "open_viewer",
-    "parity_page",
-    "print_report",
-    "recording_of",
-    "serve",
-    "trends_page",
-    "write_recordings",
-]
+    from reports.html.report import WrittenReport
 
 
-def build(folder: Path) -> Path:
+def build(folder: Path) -> "WrittenReport":
     """Write `folder/report/` from the store in a run folder.
 
     Returns:
-        The path of the first page, which opens from file:// without a network.
+        The path of the first page, which opens from file:// without a network, and which pages could not be made.
 
     Raises:
         OSError: the store cannot be read, or the report cannot be written.
     """
-    from reports.html import write_report  # late: importing `reports` must stay cheap for the command line
+    from reports.html.report import write_report  # late: importing `reports` must stay cheap for the command line
 
     return write_report(folder)
 
@@ -43,7 +32,7 @@ def print_report(folder: Path) -> Path:
         OSError: the report cannot be read, or the file cannot be written.
     """
     from harness.store.store import Store
-    from reports.printing import print_report as put_on_paper
+    from reports.paper.printing import print_report as put_on_paper
 
     return put_on_paper(Store(folder), folder / "report", folder / "report" / "report.pdf")
 
@@ -55,7 +44,7 @@ def parity_page(folder: Path) -> Path:
         OSError: the record cannot be read, or the page cannot be written.
         Damaged: the record is not what was written.
     """
-    from reports.parity import write_page
+    from reports.standalone.parity import write_page
 
     return write_page(folder)
 
@@ -80,7 +69,7 @@ def recording_of(folder: Path, case: str) -> Path:
 
 def open_viewer(path: Path) -> int:
     """Show a recording in the rerun viewer until it is closed; returns its exit code."""
-    from reports.viewer import open_viewer as show
+    from reports.recordings.viewer import open_viewer as show
 
     return show(path)
 
@@ -94,13 +83,13 @@ def serve(folder: Path, port: int, announce: Callable[[str], None]) -> None:
 
 def changes_page(changes: "Changes", folder: Path, gated: Collection[str] = ()) -> Path:
     """Write the page What changed into a folder; returns its path."""
-    from reports.what_changed import write_what_changed
+    from reports.standalone.what_changed import write_what_changed
 
     return write_what_changed(changes, folder, gated)
 
 
 def trends_page(trends: "Trends", folder: Path) -> Path:
     """Write the page Trends of a history into a folder; returns its path."""
-    from reports.trends import write_trends
+    from reports.standalone.trends import write_trends
 
     return write_trends(trends, folder)

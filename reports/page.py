@@ -5,16 +5,12 @@ import pkgutil
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from harness.intake.strangers import points, trouble
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["Page", "Picture", "Rendered", "asked", "failed", "navigation", "pages"]
+from harness.store.store import Store
 
 LAST = 1000
 """The place in the navigation of a page that cannot be loaded."""
@@ -46,9 +42,9 @@ class Page:
     name: str
     title: str
     order: int
-    render: Callable[["Store"], "Mapping[str, Rendered] | Iterable[tuple[str, Rendered]]"]
+    render: Callable[[Store], Mapping[str, Rendered] | Iterable[tuple[str, Rendered]]]
     listed: bool = True
-    concerns: Callable[["Store"], bool] = lambda _: True
+    concerns: Callable[[Store], bool] = lambda _: True
 
 
 def pages() -> tuple[Page, ...]:
@@ -58,10 +54,9 @@ def pages() -> tuple[Page, ...]:
         ImportError, AttributeError: a page of ours that cannot be loaded is an error; a third party's says so in its place.
         ValueError: two pages of one name.
     """
-    import reports.pages as package
-
+    folder = str(Path(__file__).with_name("pages"))
     loaded: list[Page] = [
-        importlib.import_module(f"reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules(package.__path__)
+        importlib.import_module(f"reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules([folder])
     ]
     loaded += [_outside(name) for name in points("plumbline.pages")]
     names = [page.name for page in loaded]
@@ -73,31 +68,27 @@ def pages() -> tuple[Page, ...]:
 PLAIN = re.compile(r"[A-Za-z0-9_-]{1,40}")
 
 
+class NotLoaded(Exception):
+    """A third party's page cannot be loaded; the message says why."""
+
+
 def _outside(name: str) -> Page:
-    """A third party's page, or one in its place that says why it is not there."""
+    """A third party's page, or one in its place that fails and says why."""
     point = points("plumbline.pages")[name]
     reason = trouble(point)
-    if reason:
-        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, reason))
-    page = point.load()
-    if not isinstance(page, Page) or not PLAIN.fullmatch(page.name):
+    if not reason:
+        page = point.load()
+        if isinstance(page, Page) and PLAIN.fullmatch(page.name):
+            return page
         reason = f"{point.value}: got {page!r:.100}, expected a Page with a plain name"
-        return Page(name=_plain(name), title=name, order=LAST, render=partial(failed, _plain(name), name, reason))
-    return page
+
+    def fail(_: Store) -> Mapping[str, Rendered]:
+        raise NotLoaded(reason)
+
+    return Page(name=re.sub(r"[^A-Za-z0-9_-]", "-", name)[:40], title=name, order=LAST, render=fail)
 
 
-def _plain(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_-]", "-", name)[:40]
-
-
-def failed(name: str, title: str, reason: str, store: "Store") -> Mapping[str, str]:
-    """In the place of a page that could not be made: why."""
-    from reports.template import fill  # late: it knows the navigation, and so this module
-
-    return {f"{name}.html": fill("failed.html", store, title=title, reason=reason, here=name)}
-
-
-def asked(page: Page, store: "Store") -> bool:
+def asked(page: Page, store: Store) -> bool:
     """Does a page belong to the report of this store? One that fails at that question says so in its place."""
     try:
         return page.concerns(store)
@@ -106,6 +97,6 @@ def asked(page: Page, store: "Store") -> bool:
 
 
 @lru_cache(maxsize=1)
-def navigation(store: "Store") -> tuple[Page, ...]:
+def navigation(store: Store) -> tuple[Page, ...]:
     """The pages that stand in the navigation of a report; asked once for a report, since every page of it shows them."""
     return tuple(page for page in pages() if page.listed and asked(page, store))

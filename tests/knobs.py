@@ -7,7 +7,7 @@ from pathlib import Path
 
 from harness.adapter import Adapter
 from harness.case import Case
-from harness.findings.effort import ALIKE
+from harness.findings.search_effort import ALIKE
 from harness.search.front import next_trials
 from harness.store.record import Record
 from harness.study.experiment import Experiment

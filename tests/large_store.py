@@ -174,7 +174,7 @@ def print_report(folder: Path, count: int) -> Path:
     from reports import build
 
     before, wall = time.process_time(), time.perf_counter()
-    index = build(folder)
+    index = build(folder).index
     spent, wall = time.process_time() - before, time.perf_counter() - wall
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"{count} trials: report in {spent:.1f} CPU s, {wall:.1f} s; peak {peak:.0f} MB")

@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from harness.store.store import Store
-from reports.html import ASSETS
+from reports.html.report import ASSETS
 from reports.page import Rendered, asked, pages
 
 __all__ = ["anchors", "dangling", "files_of", "texts_of"]

@@ -34,12 +34,12 @@ STUDIES = (*WRITTEN, *RUN, OWN)
 def report_of(study: str, folder: Path, run: Callable[..., Path]) -> Path:
     """The folder of the report of a small run. Args: run: carries out `plumbline run` with these arguments into a folder."""
     if study in WRITTEN:
-        return reports.build(WRITTEN[study](folder / "run")).parent
+        return reports.build(WRITTEN[study](folder / "run")).index.parent
     path = folder / ("thrown_ball.toml" if study == OWN else "study.toml")
     if study == OWN:
         ball = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), p_WB=(0, 0, 1), v_WB=(3, 0, 4))
         path.write_text(dump_toml(Scene(bodies=(ball,))), encoding="utf-8")
         engines = ("--engine", "mujoco", "--engine", "bullet", "--duration", "0.5", "--budget", "4")
-        return reports.build(run(path, folder / "run", *engines)).parent
+        return reports.build(run(path, folder / "run", *engines)).index.parent
     path.write_text(RUN[study], encoding="utf-8")
-    return reports.build(run(path, folder / "run")).parent
+    return reports.build(run(path, folder / "run")).index.parent

@@ -6,13 +6,12 @@ from harness.adapter.contract import (
     Diverged,
     Emulation,
     Feature,
-    Settings,
-    SettingsError,
-    Simulation,
     Unavailable,
     Unsupported,
 )
 from harness.adapter.notice import Notice
+from harness.adapter.settings import Settings, SettingsError
+from harness.adapter.simulation import Simulation
 from harness.adapter.trade_off import TradeOff
 
 __all__ = [

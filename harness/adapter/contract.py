@@ -44,20 +44,19 @@ The contract, proven by `harness.conformance`:
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field
 from enum import Flag, auto
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from harness.adapter.advantage import Advantage
 from harness.adapter.kernels import Kernels
 from harness.adapter.many_worlds import Batch, Turns
-from harness.adapter.notice import Notice
+from harness.adapter.settings import Settings
+from harness.adapter.simulation import Simulation
 from harness.adapter.trade_off import TradeOff, check_named
-from harness.intake.mendable import Mendable
-from harness.scene import Camera, Effect, Scene
-from harness.trajectory import Contacts, Floats, Hits, Image, State
-from harness.trajectory.pace import PACES
+from harness.scene import Effect, Scene
+from harness.trajectory import Floats
 
 if TYPE_CHECKING:
     from harness.scene.parity.facts import RobotFacts
@@ -150,107 +149,6 @@ class Unavailable(Exception):
 
 class Diverged(Exception):
     """The engine's state stopped being finite, or the engine reset or repaired it."""
-
-
-class SettingsError(Mendable, ValueError):
-    """A setting that the adapter does not know, or a value outside its range; names field, value and expectation."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """How to solve a scene. None leaves a field to the engine.
-
-    Terms:
-        dt [s]; substeps per dt; iterations of the contact or constraint solver; integrator, solver: the engine's own names in
-        lower case; tolerance of the solver; options: what only this engine knows; source: who recommends it.
-        pace: the recorded sequence of lengths that steps follow, dt their mean (`harness.trajectory.pace`); '' for even ones.
-    """
-
-    dt: float = 1 / 240
-    substeps: int | None = None
-    iterations: int | None = None
-    integrator: str | None = None
-    solver: str | None = None
-    tolerance: float | None = None
-    options: Mapping[str, Any] = field(default_factory=dict)
-    source: str = ""
-    pace: str = ""
-
-    def __post_init__(self) -> None:
-        if not 1e-12 <= self.dt <= 1e3:
-            raise SettingsError(f"settings: dt {self.dt} s, expected 1e-12..1e3")
-        for name in ("substeps", "iterations"):
-            value = getattr(self, name)
-            if value is not None and not 1 <= value <= 1_000_000:
-                raise SettingsError(f"settings: {name} {value}, expected 1..1000000")
-        if self.tolerance is not None and not 0 <= self.tolerance < 1:
-            raise SettingsError(f"settings: tolerance {self.tolerance}, expected 0..1")
-        if self.pace and self.pace not in PACES:
-            raise SettingsError(f"settings: pace {self.pace!r}, expected one of {', '.join(PACES)}, or none for even steps")
-
-    @property
-    def substep(self) -> float:
-        """The step that is really taken [s]: dt over its sub-steps, one where they are left to the engine."""
-        return self.dt / (self.substeps or 1)
-
-    def with_dt(self, dt: float) -> "Settings":
-        """The same settings at another time step [s]."""
-        return replace(self, dt=dt)
-
-    def plain(self) -> dict[str, Any]:
-        """The fields that are set, as a JSON-ready mapping."""
-        flat = all(isinstance(value, str | int | float) for value in self.options.values())
-        # A copy of all takes three times as long, and what an engine nests in its options has to be one.
-        told = {one.name: getattr(self, one.name) for one in fields(self)} if flat else asdict(self)
-        told["options"] = dict(told["options"])
-        return {name: value for name, value in told.items() if value not in (None, "", {})}
-
-
-class Simulation(Protocol):
-    """One scene in one engine."""
-
-    @property
-    def resolved(self) -> Settings:
-        """The settings that the engine really uses, defaults filled in, read back from the engine where it lets us."""
-
-    def step(self, count: int = 1) -> None:
-        """Advance by count * dt; a count of 0 changes nothing. Raises: Diverged."""
-
-    def state(self, out: State) -> None:
-        """Write the present state into the arrays of `out`."""
-
-    def contacts(self) -> Contacts:
-        """The contacts of the last step. Raises: Unsupported."""
-
-    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
-        """First hit of each ray within max_range [m]; origins (r, 3) m, directions (r, 3) unit, in W.
-
-        A ray that starts inside a solid meets its far side, whose normal points along the ray. Raises: Unsupported.
-        """
-
-    def render(self, camera: Camera, colour: bool = True) -> Image:
-        """The engine's own picture by `camera.renderer`, without colours if these are not wanted. Raises: Unsupported."""
-
-    def command(self, targets: Mapping[str, float]) -> None:
-        """Set the targets [rad or m] of drives by the names of their joints, until told otherwise."""
-
-    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
-        """Apply f_B_W (n, 3) N at the centres of mass and tau_B_W (n, 3) N m in every step from now on. Raises: Unsupported."""
-
-    def warnings(self) -> tuple[str | Notice, ...]:
-        """What the engine or the adapter has to say: numerical warnings, and effects that could not be switched off.
-
-        A plain text is a note.
-        """
-
-    def save(self) -> object:
-        """All that decides the future, bit for bit. Raises: Unsupported."""
-
-    def restore(self, saved: object) -> None:
-        """Back to a saved state. Raises: Unsupported."""
-
-    def close(self) -> None:
-        """Free the engine's memory; may be called twice."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

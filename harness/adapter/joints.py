@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter.contract import Simulation
+from harness.adapter.simulation import Simulation
 from harness.scene import Scene
 from harness.trajectory import Floats, State
 from harness.trajectory.joint_states import JointStates, joint_states

@@ -1,22 +1,21 @@
 """Many equal worlds stepped together: the protocol, and the plain way that any engine can go."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from harness.adapter.notice import Notice
+from harness.adapter.settings import Settings
+from harness.adapter.simulation import Simulation
 from harness.trajectory import State
-
-if TYPE_CHECKING:
-    from harness.adapter import Settings, Simulation
 
 
 class Batch(Protocol):
     """Several worlds of one scene under one group of settings."""
 
     @property
-    def resolved(self) -> "Settings":
+    def resolved(self) -> Settings:
         """The settings that the engine really uses, the same in every world."""
 
     @property
@@ -39,11 +38,11 @@ class Batch(Protocol):
 class Turns:
     """One simulation a world, stepped in turn on the calling thread."""
 
-    def __init__(self, simulations: "Sequence[Simulation]") -> None:
+    def __init__(self, simulations: Sequence[Simulation]) -> None:
         self._simulations = list(simulations)
 
     @property
-    def resolved(self) -> "Settings":
+    def resolved(self) -> Settings:
         """Of the first world."""
         return self._simulations[0].resolved
 
@@ -78,7 +77,7 @@ class WorldOf:
         self._batch, self._world = batch, world
 
     @property
-    def resolved(self) -> "Settings":
+    def resolved(self) -> Settings:
         """Of the batch."""
         return self._batch.resolved
 

@@ -12,8 +12,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.adapter.contract import Simulation, Unsupported
+from harness.adapter.contract import Unsupported
 from harness.adapter.disjoint_sets import DisjointSets
+from harness.adapter.simulation import Simulation
 from harness.adapter.what_goes_in import check_wrench
 from harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene, principal_inertia
 from harness.trajectory import Floats

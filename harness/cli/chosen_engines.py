@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from harness.adapter import Adapter
 
-__all__ = ["chosen_engines"]
-
 
 def _package(name: str) -> str:
     """The package of a wheel or distribution of this name, spelled as wheels do."""

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import GATE, say, stop
+from harness.cli.guard import GATE, gate, say, stop
+from harness.cli.publish import publish
 
 if TYPE_CHECKING:
     from harness.run.cluster.workplace import Workplace
-
-__all__ = ["at_work", "merge"]
 
 
 @contextmanager
@@ -35,7 +34,6 @@ def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
 @click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder of all of them.")
 def merge(folders: tuple[Path, ...], out: Path) -> None:
     """Make the folders of one study's parts, run by --shard anywhere, into one."""
-    from harness.cli.run_study import publish
     from harness.run.merge_folders import conflicts, merge_folders
 
     if sentences := conflicts(folders):
@@ -45,4 +43,6 @@ def merge(folders: tuple[Path, ...], out: Path) -> None:
     store, notes = merge_folders(folders, out)
     for note in notes:
         say(note, err=True)
-    say(str(publish(store, bool(store.study.get("recordings", True)))))
+    report = publish(store, bool(store.study.get("recordings", True)))
+    say(str(report.index))
+    gate(report.sentences())

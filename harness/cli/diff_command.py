@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from harness.findings.changes import Changes
     from harness.store.store import Store
 
-__all__ = ["diff"]
-
 _MOST = 60
 """Sentences that a terminal is given; the other formats have all."""
 

@@ -11,8 +11,6 @@ from harness.cli.options import opened, run_folder
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["figure"]
-
 
 @click.command()
 @run_folder
@@ -32,7 +30,7 @@ __all__ = ["figure"]
 def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:
     """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme."""
     from harness.store import disk
-    from reports.paper import figures_of
+    from reports.paper.figures import figures_of
 
     store = opened(folder)
     _known(store, case)

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from harness.findings.vendor.finding import Finding
     from harness.findings.vendor.still_there import Standing
 
-__all__ = ["findings"]
-
 
 @click.command()
 @click.argument("asked", metavar="[ENGINE|NAME]", required=False)

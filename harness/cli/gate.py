@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["failures"]
-
 
 def failures(store: "Store") -> list[str]:
     """What the gate is about: our own engine's checks on the tuned track and its determinism, the audit of effects, and tuned

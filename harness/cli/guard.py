@@ -1,6 +1,7 @@
 """How a command ends: exit codes, what people can mend as one line, and sentences that do nothing to a terminal."""
 
 import sys
+from collections.abc import Sequence
 from io import StringIO, TextIOWrapper
 from typing import Any, NoReturn
 
@@ -9,8 +10,6 @@ import click
 from harness.intake.mendable import Mendable
 from harness.intake.safe_text import one_line, readable
 from harness.run.interrupt import listen
-
-__all__ = ["GATE", "INTERRUPTED", "MACHINE", "USAGE", "Guarded", "say", "stop"]
 
 GATE, USAGE, MACHINE, INTERRUPTED = 1, 2, 3, 130
 """Exit codes: a check that failed, a wrong use, a machine that does not let us, a request to stop."""
@@ -33,6 +32,14 @@ def _misused(error: click.ClickException) -> NoReturn:
 def say(sentence: str, err: bool = False) -> None:
     """A line of text that may come from engines and files."""
     click.echo(one_line(sentence), err=err)
+
+
+def gate(sentences: Sequence[str]) -> None:
+    """Say these on standard error; end the process with exit code `GATE` if there are any."""
+    for sentence in sentences:
+        say(sentence, err=True)
+    if sentences:
+        sys.exit(GATE)
 
 
 class Guarded(click.Group):

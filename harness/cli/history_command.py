@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from harness.history.folder import History
 
-__all__ = ["at_hand", "history"]
-
 
 @click.command()
 @click.argument("address", metavar="DIR")

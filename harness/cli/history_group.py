@@ -13,8 +13,6 @@ from harness.cli.options import json_rows
 if TYPE_CHECKING:
     from harness.history.regressions import Trends
 
-__all__ = ["history"]
-
 
 class _NightsByDefault(click.Group):
     """`plumbline history DIR` lists; a first word that is a command is that command."""

@@ -9,8 +9,6 @@ from harness.cli.listing import print_json, print_table
 from harness.cli.options import json_rows
 from harness.cli.seconds import DAY, Age
 
-__all__ = ["cases", "check", "engines", "left_out"]
-
 _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed": 4}
 """Of outcomes in a listing: what has to be looked at first; the last two only where all is asked for."""
 

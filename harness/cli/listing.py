@@ -13,8 +13,6 @@ from typing import Any
 from harness.cli.paper_tables import Span
 from harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
 
-__all__ = ["print_csv", "print_json", "print_latex", "print_markdown", "print_table"]
-
 
 def print_json(rows: Sequence[dict[str, Any]]) -> None:
     """One JSON array of flat rows in printable ASCII; numbers that are not finite become null."""

@@ -17,8 +17,6 @@ from harness.cli.scene_commands import scene
 from harness.cli.select_command import select
 from harness.cli.warm_command import warm
 
-__all__ = ["main"]
-
 
 @click.group(cls=Guarded, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="plumbline")

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from harness.case import Case
     from harness.store.store import Store
 
-__all__ = ["write_minimal"]
-
 _OF_A_RUN = ("duration", "dt", "seed")
 
 

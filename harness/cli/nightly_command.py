@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from harness.history.night import Asked, Done
     from harness.history.since_last_seen import News
 
-__all__ = ["nightly"]
-
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
 _SPARE = 3600.0
@@ -87,7 +85,7 @@ def _asked(
 
 
 def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
-    """Carry it out and close it. Returns: is a gated engine worse?"""
+    """Carry it out and close it. Returns: is a gated engine worse, or a page of the report not made?"""
     from harness.findings.changes.words import headline
     from harness.findings.summary import write_summary
     from harness.findings.vendor.shelf import shelf
@@ -96,7 +94,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     from harness.history.words import in_short, left_out_in_short, unanswered_in_short, worse_in_short
     from harness.study.experiment import StudyError
 
-    night = night_to_do(history, asked)
+    night, not_made = night_to_do(history, asked), list[str]()
     night.folder.mkdir(parents=True, exist_ok=True)
     try:
         with _logged(night.folder / "night.log"):
@@ -108,7 +106,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
             if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
             elif reported:
-                _publish(done, news)
+                not_made = _publish(done, news)
             about = shelf()
             rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
@@ -131,12 +129,12 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
     barred = () if news is None else news.regressions(asked.gated)
-    for line in worse_in_short(account["told"], asked.gated):
+    for line in (*worse_in_short(account["told"], asked.gated), *not_made):
         say(line)
     say(str(summary))
     if notify is not None:
         _notify(notify, summary)
-    return bool(barred)
+    return bool(barred or not_made)
 
 
 @contextmanager
@@ -149,8 +147,8 @@ def _logged(path: Path) -> Iterator[None]:
         yield
 
 
-def _publish(done: "Done", news: "News | None") -> None:
-    """Recordings of what is kept, and the report."""
+def _publish(done: "Done", news: "News | None") -> list[str]:
+    """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
     from reports import build, write_recordings
 
     trials = done.store.trials
@@ -160,7 +158,7 @@ def _publish(done: "Done", news: "News | None") -> None:
         fresh = fresh[fresh["trial"].isin(changed)]
     if done.asked.keep != "none" and done.asked.study.recordings:
         write_recordings(done.night.folder, sorted(set(fresh["case"])))
-    build(done.night.folder)
+    return build(done.night.folder).sentences()
 
 
 def _write_comparison(done: "Done", news: "News | None") -> None:

@@ -10,8 +10,6 @@ from harness.intake.allowance import allowing
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["json_rows", "limited", "opened", "run_folder"]
-
 json_rows = click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 run_folder = click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 

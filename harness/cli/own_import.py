@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from harness.adapter import Adapter
     from harness.scene import Scene
 
-__all__ = ["refuse_two_frictions", "scene_to_run"]
-
 
 def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
     """The path of the scene file that is run: a file of our own as it is, another format's import in the run folder.

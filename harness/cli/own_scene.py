@@ -7,8 +7,6 @@ from harness.findings import tables
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["closing_count", "closing_words", "shown_status"]
-
 
 def shown_status(case: str, status: str) -> str:
     """The status of a trial as it is shown: in a scene of one's own the only check is that numbers are finite."""

@@ -10,8 +10,6 @@ if TYPE_CHECKING:
     from harness.findings.limits_found import Search
     from harness.store.store import Store
 
-__all__ = ["Span", "paper_table"]
-
 Row = Sequence[object]
 
 
@@ -50,7 +48,7 @@ class _Titles:
 
     @classmethod
     def of(cls, store: "Store") -> "_Titles":
-        from reports.contents import cases, engines
+        from reports.words.catalogue import cases, engines
 
         of_cases = {name: str(case["title"]) for name, case in cases(store).items()}
         return cls(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from harness.scene.parity.parting import Parting
     from harness.store.parity_record import ParityRecord, Side
 
-__all__ = ["parity"]
-
 _robot_file = click.Path(path_type=Path, dir_okay=False)
 
 

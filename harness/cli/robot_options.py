@@ -16,8 +16,6 @@ from harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, p
 if TYPE_CHECKING:
     from harness.scene.importers.imported import Imported
 
-__all__ = ["NAMES", "imported_from", "is_robot", "is_scene", "robot_options", "run_options", "wishes_of"]
-
 _OPTIONS = (
     click.option(
         "--drop", "drop", multiple=True, type=click.Choice(sorted(DROPPABLE)), help="Leave out what a scene has no word for."

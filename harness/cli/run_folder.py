@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import GATE, MACHINE, say, stop
+from harness.cli.guard import GATE, MACHINE, gate, say, stop
 from harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from harness.cli.options import limited, opened, run_folder
 from harness.cli.own_scene import shown_status
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from harness.store.store import Store
-
-__all__ = ["report", "reproduce", "serve", "show", "verify", "view"]
 
 _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
@@ -59,7 +57,7 @@ def show(folder: Path, table: str, form: str) -> None:
         if form == "markdown":
             print_markdown(*printed)
         else:
-            from reports.citation import citation
+            from reports.words.citation import citation
 
             print_latex(*printed, citation(store))
     elif worked_out is not None:
@@ -92,18 +90,23 @@ def show(folder: Path, table: str, form: str) -> None:
 @click.option("--open", "show_it", is_flag=True, help="Open it in the browser.")
 @click.option("--pdf", is_flag=True, help="Print all its pages into report.pdf too; needs Chromium, Chrome or Edge.")
 def report(folder: Path, show_it: bool, pdf: bool) -> None:
-    """Rebuild the HTML report of DIR from its store; of a history, the page of its trends."""
+    """Rebuild the HTML report of DIR from its store; of a history, the page of its trends.
+
+    Exit code 1 if a page could not be made: it is named, here and on the first page, and the others are written.
+    """
     from reports import build, print_report
 
     history = (folder / "history.json").is_file()
     if history and pdf:
         raise click.UsageError("--pdf is for run folders; the page of a history's trends is printed by any browser")
-    index = _trends(folder) if history else build(opened(folder).folder)
+    written = None if history else build(opened(folder).folder)
+    index = _trends(folder) if written is None else written.index
     say(str(index))
     if pdf:
         say(str(print_report(folder)))
     if show_it:
         click.launch(str(index))
+    gate([] if written is None else written.sentences())
 
 
 def _trends(folder: Path) -> Path:
@@ -164,7 +167,7 @@ def reproduce(folder: Path, trial: str) -> None:
     """Run TRIAL of DIR again and say whether the answer is bit-identical."""
     from tempfile import TemporaryDirectory
 
-    from harness.findings.again import AS_GOOD, likeness
+    from harness.findings.likeness import AS_GOOD, likeness
     from harness.run.isolated import run_isolated
     from harness.store.machine_fingerprint import fingerprint
     from harness.study import plugins

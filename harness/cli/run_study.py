@@ -11,11 +11,12 @@ import click
 from harness.cli.chosen_engines import chosen_engines
 from harness.cli.cluster_commands import at_work
 from harness.cli.gate import failures
-from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from harness.cli.guard import GATE, INTERRUPTED, USAGE, gate, say, stop
 from harness.cli.installed import left_out
 from harness.cli.options import limited
 from harness.cli.own_import import refuse_two_frictions, scene_to_run
 from harness.cli.own_scene import closing_count, closing_words
+from harness.cli.publish import publish
 from harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from harness.cli.support import support_lines
 from harness.intake.safe_text import quoted
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from harness.case import Case
     from harness.store.store import Store
     from harness.study.study import Study
-
-__all__ = ["run", "study_and_cases"]
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -88,17 +87,6 @@ def _of_file(study: str, error: Exception) -> str:
     """What is wrong with a study, with the file that says it."""
     message = str(error)
     return message if not study.endswith(".toml") or message.startswith(study) else f"{study}: {message}"
-
-
-def publish(store: "Store", recordings: bool) -> Path:
-    """Write what people look at: summary, recordings, report. Returns: the first page."""
-    from harness.findings.summary import write_summary
-    from reports import build, write_recordings
-
-    write_summary(store)
-    if recordings:
-        write_recordings(store.folder)
-    return build(store.folder)
 
 
 def _propose(store: "Store", case: "Case") -> None:
@@ -186,9 +174,9 @@ def run(
         stop(USAGE, _of_file(study, error))
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
-    index = publish(store, plan.recordings)
+    report = publish(store, plan.recordings)
     say(closing_count(store), err=True)
-    say(str(index))
+    say(str(report.index))
     # On a robot of the user's own nobody is gated: an engine that fails it, ours too, is a finding.
     failed = [] if own else failures(store)
     for sentence in failed:
@@ -197,5 +185,6 @@ def run(
         say(sentence, err=True)
     if own:
         _propose(store, next(iter(chosen.values())))
+    gate(report.sentences())
     if failed:
         sys.exit(GATE)

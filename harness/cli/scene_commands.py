@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from harness.scene import Scene
     from harness.scene.importers.imported import Imported
 
-__all__ = ["scene"]
-
 _file = click.argument("file", type=click.Path(path_type=Path))
 
 

@@ -7,8 +7,6 @@ import click
 
 from harness.intake.safe_text import quoted
 
-__all__ = ["DAY", "Age", "Seconds"]
-
 DAY = 86400.0
 """Seconds."""
 

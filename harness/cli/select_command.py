@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from harness.findings.selection import Answer
     from harness.store.store import Store
 
-__all__ = ["select"]
-
 
 def _listed(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word.strip() for text in given for word in text.split(",") if word.strip())

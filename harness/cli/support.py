@@ -7,8 +7,6 @@ if TYPE_CHECKING:
     from harness.adapter import Adapter
     from harness.case import Case
 
-__all__ = ["support_lines"]
-
 
 def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]", droppable: bool = False) -> list[str]:
     """By the features that scenes use and adapters claim; building one may still be refused, which is then its outcome.

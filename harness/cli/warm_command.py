@@ -11,8 +11,6 @@ from harness.cli.guard import MACHINE, say, stop
 if TYPE_CHECKING:
     from harness.adapter import Adapter
 
-__all__ = ["warm"]
-
 _MOST = 8
 """Processes, unless more are asked for: each works out anew what functions share."""
 

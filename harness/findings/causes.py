@@ -18,8 +18,6 @@ from harness.findings.tables.effects import verdicts_if_described
 from harness.findings.vendor.finding import Finding
 from harness.store.store import Store
 
-__all__ = ["FAILED", "Answer", "By", "Cause", "causes"]
-
 By = Literal["effect", "finding", "emulated", "unexplained"]
 _ORDER: Mapping[By, int] = {"effect": 0, "finding": 1, "emulated": 2, "unexplained": 3}
 FAILED = ("failed", "diverged", "timeout", "crashed", "oom")

@@ -7,8 +7,6 @@ from typing import Any
 from harness.statistics.order import FEWEST, fit_order
 from harness.statistics.ratio import Ratio
 
-__all__ = ["PENETRATION", "RESIDUAL", "TELLING", "Cost", "Exponent", "Sweep", "growth", "no_worse", "whole"]
-
 TELLING = 1.0
 """The widest 95 % interval of an exponent that is stated.
 

@@ -11,21 +11,6 @@ import numpy as np
 from harness.case.alteration import EVERYTHING
 from harness.case.own_titles import called
 
-__all__ = [
-    "AS_IT_IS",
-    "JUDGE",
-    "NOT_JUDGED",
-    "UNANSWERED",
-    "Audit",
-    "Saving",
-    "audit",
-    "idle",
-    "named_scene",
-    "proposed",
-    "savings",
-    "scenes_of",
-]
-
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
 NOT_JUDGED = "not judged"

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Made", "made", "share_in_words", "whose"]
-
 TOLD = 0.1
 """From this share of a price on it is told how much of it is the adapter's own work."""
 

@@ -2,14 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from harness.findings.cost_point import Point
 from harness.statistics.order import fit_order
-
-if TYPE_CHECKING:
-    from harness.findings.prices import Point
-
-__all__ = ["Foreseen", "foreseen"]
 
 FORESIGHT = 1e-6
 """Share of the finest step that was run beyond which no trend is followed: rounding grows with the steps, and comes first."""
@@ -24,7 +19,7 @@ class Foreseen:
     track: str
 
 
-def foreseen(points: "Sequence[Point]", target: float) -> Foreseen | None:
+def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
     """The cheapest step at which an error of these points of one engine, none of which comes down to it, would be `target`.
 
     Settings count whose error shrinks with the step down to the finest that was run: the fit reaches no floor, its interval

@@ -1,7 +1,5 @@
 """What integrators are called in a sentence and in a table."""
 
-__all__ = ["called"]
-
 _NAMES = {
     "euler": "Euler",
     "semi_implicit_euler": "semi-implicit Euler",

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from harness.case import Axis
-from harness.findings.where import STEP, differing, in_words
+from harness.findings.variant_of import STEP, differing, in_words
 from harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from harness.store.notices import StoredNotice
 from harness.store.store import Store
@@ -17,8 +17,6 @@ from harness.study.axes import axis_among
 from harness.study.experiment import Experiment
 from harness.study.stored_study import experiments_of
 from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
-
-__all__ = ["Hold", "Search", "Signs", "amount", "searches", "searches_if_described"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

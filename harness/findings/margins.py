@@ -7,8 +7,6 @@ from functools import lru_cache
 
 from harness.store.store import Store
 
-__all__ = ["Margin", "margins"]
-
 
 @dataclass(frozen=True, slots=True)
 class Margin:

@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from harness.findings.where import STEP
-
-__all__ = ["axis_title", "called", "said"]
+from harness.findings.variant_of import STEP
 
 
 class Counted(NamedTuple):

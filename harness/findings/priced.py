@@ -5,8 +5,6 @@ from functools import lru_cache
 from harness.findings.prices import Prices
 from harness.store.store import Store
 
-__all__ = ["priced"]
-
 
 @lru_cache(maxsize=2)
 def priced(store: Store) -> Prices:

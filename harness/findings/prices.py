@@ -22,18 +22,17 @@ import numpy as np
 import pandas as pd
 
 from harness.findings.agreement import errors_of
-from harness.findings.effort import Ended, efforts
+from harness.findings.cost_point import Point
 from harness.findings.foreseen import foreseen
 from harness.findings.samples import Block, samples_by_block
+from harness.findings.search_effort import Ended, efforts
 from harness.findings.steps_taken import substeps_of
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from harness.statistics.pareto import on_front, price, prices_of_draws
 from harness.store.rows import records
 from harness.store.store import Store
 from harness.trajectory import Floats
-
-__all__ = ["PER_SECOND", "TARGETS", "Point", "Price", "Prices", "unit_of"]
 
 TARGETS = tuple(10.0**-k for k in range(1, 9))
 """Errors, as shares of a case's scale."""
@@ -45,38 +44,6 @@ DRAWS = 400
 PER_SECOND = "simulated second"
 
 Verdict = Literal["priced", "at most", "within the truth's error", "not within the ladder", "not clocked", "no answer"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    """One trial on the plane of error and cost.
-
-    Terms:
-        substeps: that dt was taken in. substep [s]: the step that was really taken. error: share of the scale; off: by how
-        much the truth may be off, likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval;
-        of an unclocked trial the rough cost alone. emulated: the share of the cost (0 to 1) that is the adapter's own laws,
-        None where it was not measured. front: does no clocked point of the same engine beat it? best: none of any engine?
-    """
-
-    case: str
-    where: str
-    engine: str
-    track: str
-    dt: float
-    substeps: int
-    error: float
-    off: float
-    cost: float
-    low: float | None
-    high: float | None
-    clocked: bool
-    unstable: bool
-    status: str
-    trial: str
-    substep: float
-    emulated: float | None
-    front: bool
-    best: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,8 +12,6 @@ from harness.statistics.ratio import Ratio, ratio
 from harness.store.rows import records
 from harness.store.store import Store
 
-__all__ = ["Block", "BlockSample", "Clock", "ratio_in_blocks", "samples_by_block"]
-
 Block = tuple[int, int]
 """The number of a process, and that of a block in it."""
 Clock = Literal["cpu", "wall"]

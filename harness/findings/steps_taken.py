@@ -5,12 +5,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.where import whole_part
+from harness.findings.variant_of import whole_part
 
 if TYPE_CHECKING:
     from harness.store.store import Store
-
-__all__ = ["beside", "columns_with_substeps", "step_in_words", "substeps_of", "substeps_taken", "with_substeps"]
 
 
 @lru_cache(maxsize=4096)

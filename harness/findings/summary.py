@@ -7,14 +7,12 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from harness.findings.agreement import AGREED_TRUTH
+from harness.findings.compact_listing import rows, told_apart
 from harness.findings.emulations import whose
-from harness.findings.short_rows import rows, told_apart
 from harness.findings.tables import agreement
 from harness.intake.safe_text import markdown_cell, visible
 from harness.store.disk import write_atomically
 from harness.store.store import Store
-
-__all__ = ["summaries", "write_summary"]
 
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")

@@ -8,8 +8,6 @@ from reports.drawn.stage_set import Ground
 from reports.drawn.view import View, seen_from
 from reports.recordings.rotation import Floats
 
-__all__ = ["GRAIN", "SUN", "Backdrop", "backdrop_of"]
-
 SUN = np.array([0.42, -0.50, 0.90]) / np.linalg.norm([0.42, -0.50, 0.90])
 """Towards the sun, in W."""
 SHADOWS = 224

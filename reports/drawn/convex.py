@@ -11,8 +11,6 @@ import numpy as np
 
 from reports.recordings.rotation import Floats
 
-__all__ = ["entered", "half_spaces"]
-
 TINY = 1e-12
 
 

@@ -8,8 +8,6 @@ import numpy as np
 from reports.recordings.rotation import Floats, rotate
 from reports.recordings.shapes import placed_shapes
 
-__all__ = ["opened"]
-
 WALLS = 4
 """A body of fewer shapes encloses nothing."""
 NEAR = 0.15

@@ -11,8 +11,6 @@ from reports.drawn.solids import Solid
 from reports.drawn.view import View
 from reports.recordings.rotation import Floats
 
-__all__ = ["Hits", "first_hits"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hits:

@@ -6,8 +6,6 @@ from reports.drawn.solids import Solid
 from reports.drawn.view import View
 from reports.recordings.rotation import Floats
 
-__all__ = ["splatted"]
-
 SMALL = 6
 """Pixels: triangles within a square of this side are filled together."""
 

@@ -9,10 +9,8 @@ from reports.drawn.backdrop import GRAIN, SUN, Backdrop
 from reports.drawn.first_hits import Hits, first_hits
 from reports.drawn.solids import Solid
 from reports.drawn.view import View
-from reports.pixels import srgb
+from reports.recordings.pixels import srgb
 from reports.recordings.rotation import Floats
-
-__all__ = ["picture"]
 
 SUNLIGHT, SKY, BOUNCE = 0.78, 0.42, 0.20
 """Of a surface that faces each: the sun, the sky above, what the ground throws back."""

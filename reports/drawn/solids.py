@@ -9,8 +9,6 @@ import numpy as np
 from reports.recordings.rotation import Floats, product, rotate
 from reports.recordings.shapes import placed_shapes
 
-__all__ = ["Solid", "fixed_solids", "solids_of"]
-
 STATED = (0.8, 0.8, 0.8)
 """What a scene file has where no colour is stated."""
 FIXED = (0.42, 0.46, 0.52)

@@ -10,8 +10,6 @@ from reports.drawn.solids import Solid, fixed_solids
 from reports.drawn.view import View
 from reports.recordings.rotation import Floats, product, rotate
 
-__all__ = ["Ground", "stage_set"]
-
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 LARGE = 0.7
 """Of the diagonal of a picture: a solid beyond this is scenery, a floor or a wall."""

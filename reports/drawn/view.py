@@ -8,8 +8,6 @@ import numpy as np
 from reports.recordings.camera import eye_direction
 from reports.recordings.rotation import Floats
 
-__all__ = ["Spheres", "View", "framed", "seen_from"]
-
 Spheres = Sequence[tuple[Floats, Floats]]
 """Centres (n, 3) m and radii (n,) m of what moves, of each run; what most runs hold is shown."""
 MARGIN = 1.08

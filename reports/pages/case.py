@@ -6,41 +6,37 @@ Scenes of one's own, whose truth engines have to agree on, have a page of their 
 import shlex
 from collections.abc import Collection, Iterator
 from functools import partial
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from harness.findings.emulations import whose
 from harness.findings.tables.orders import Convergence, convergences
 from harness.store.rows import records
-from reports.answers import answers
-from reports.charts import error_by_step
-from reports.contents import FAMILIES, cases, engines, setting_words, tracks
-from reports.departures import departures
-from reports.disputes import disputed, told
-from reports.figure import Figure
-from reports.known_findings import of_case
-from reports.laws import laws_of_case
-from reports.leads import leads
-from reports.own_scenes import by_case
+from harness.store.store import Store
+from reports.charts.errors import error_by_step
+from reports.charts.figure import Figure
+from reports.charts.work_precision import work_precision
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.price_list import price_list
+from reports.pictures.case_pictures import sight, thumbnails
 from reports.recordings.layout import file_name
-from reports.sights import sight, thumbnails
-from reports.status import outcome
-from reports.template import case_file, fill
-from reports.text import slug
-from reports.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
-from reports.verdict import verdicts
-from reports.work_precision import scenes, work_precision
+from reports.tables.own_scenes import by_case
+from reports.tables.price_list import price_list
+from reports.tables.priced_scenes import scenes
+from reports.tables.reference_leads import leads
+from reports.tables.trial_results import answers
+from reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
+from reports.tables.verdicts import verdicts
+from reports.words.altered_parameters import departures
+from reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
+from reports.words.disputes import disputed, told
+from reports.words.emulated_features import laws_of_case
+from reports.words.known_findings import of_case
+from reports.words.status import outcome
+from reports.words.text import slug
 
-if TYPE_CHECKING:
-    import pandas as pd
 
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
-
-
-def render(store: "Store") -> Iterator[tuple[str, Rendered]]:
+def render(store: Store) -> Iterator[tuple[str, Rendered]]:
     """For each case its page, its charts and its trials as CSV; first the charts that rest on little."""
     known = cases(store)
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
@@ -99,7 +95,7 @@ def render(store: "Store") -> Iterator[tuple[str, Rendered]]:
         yield case_file(name), page
 
 
-def _by_step(store: "Store", name: str, rows: "pd.DataFrame", asked: Collection[str]) -> Figure | None:
+def _by_step(store: Store, name: str, rows: pd.DataFrame, asked: Collection[str]) -> Figure | None:
     """The chart of a case's errors; asked: the trials that put it as it is."""
     unit = next((str(unit) for unit in rows["unit"].dropna()), "1")
     return error_by_step(store, rows[rows["trial"].isin(asked)], f"case-{slug(name)}", cases(store)[name]["headline"], unit)

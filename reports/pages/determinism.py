@@ -2,27 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from harness.findings.tables import determinism as determinism_table
 from harness.findings.tables.determinism import FIRST, agreements
-from reports.contents import engines
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.words.catalogue import engines
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where runs were repeated."""
     return bool(store.trials["alteration"].str.contains("every_step", regex=False).any())
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """The page and its table as CSV."""
     rows = agreements(store)
     ways = list(dict.fromkeys(row.way for row in rows if row.way not in (FIRST, "nudged") and not row.variables))

@@ -2,22 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from harness.findings.tables import dominance as dominance_table
 from harness.findings.tables.dominance import DOMINATED, EXCUSED, IDLE, changes
-from reports.contents import cases, engines
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.words.catalogue import cases, engines
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only if knobs were turned to beat a track."""
     asked = store.study.get("experiments", [])
     return any(isinstance(one, dict) and one.get("dominance") for one in asked if isinstance(asked, list)) and bool(
@@ -25,7 +20,7 @@ def concerns(store: "Store") -> bool:
     )
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page and its table as CSV."""
     found = changes(store)
     better = [change for change in found if change.verdict in (DOMINATED, EXCUSED)]

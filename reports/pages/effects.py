@@ -2,30 +2,25 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from harness.case.alteration import EVERYTHING
 from harness.findings.effects_audit import audit, savings
 from harness.findings.tables import effects as effects_table
 from harness.findings.tables.effects import verdicts
-from reports.contents import engines, titles
+from harness.store.store import Store
+from reports.charts.unneeded_effects import matrix, savings_chart
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.savings import matrix, savings_chart
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.words.catalogue import engines, titles
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where effects were switched."""
     return bool(store.trials["alteration"].str.contains(EVERYTHING, regex=False).any())
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its chart and its table as CSV."""
     judged = verdicts(store)
     rows = [asdict(verdict) for verdict in judged]

@@ -2,22 +2,17 @@
 
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
-from reports.contents import cases, engine_file, engines, setting_words
-from reports.engine_pages import by_reason, cases_of, laws_of, tracks_of, versions_of
-from reports.failures import failing
-from reports.known_findings import by_engine
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.engine_cases import by_reason, cases_of, laws_of, tracks_of, versions_of
+from reports.tables.failures import failing
+from reports.words.catalogue import cases, engine_file, engines, setting_words
+from reports.words.known_findings import by_engine
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """One page an engine."""
     known = by_engine(store)
     return {

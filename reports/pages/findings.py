@@ -1,32 +1,27 @@
 """The page on findings: what is wrong, or a trap, in the engines of a run, each with the script that shows it."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-from reports.contents import cases
-from reports.known_findings import by_engine
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.words.catalogue import cases
+from reports.words.known_findings import by_engine
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where something is known of an engine of the run."""
     return bool(by_engine(store))
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """The page."""
     groups = by_engine(store)
     page = fill("findings.html", store, title="Findings", groups=groups, cases=cases(store), versions=versions(store))
     return {"findings.html": page}
 
 
-def versions(store: "Store") -> dict[str, str]:
+def versions(store: Store) -> dict[str, str]:
     """The version of each engine that the run was made with."""
     return {str(name): str(version) for name, version in store.trials.groupby("engine")["engine_version"].first().items()}
 

@@ -3,31 +3,26 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from harness.findings.emulations import whose
-from reports.answers import answers, at_own_step
-from reports.breaks import limits_met
-from reports.charts import across_cases
-from reports.contents import cases, compared_tracks, engines, named_tracks, setting_words
-from reports.engine_pages import tracks_of
-from reports.failures import failing
-from reports.glance import Glance, glances
-from reports.history_news import history_news
-from reports.own_scenes import by_case
-from reports.paces import three
+from harness.store.store import Store
+from reports.charts.errors import across_cases
+from reports.html.template import fill
 from reports.page import Page, Rendered, navigation
-from reports.selection import needs
-from reports.sights import thumbnails
-from reports.status import STATUSES, VERDICTS
-from reports.summary import sentences
-from reports.template import fill
-from reports.verdict import cells_by_family, verdicts
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.pictures.case_pictures import thumbnails
+from reports.standalone.history_news import history_news
+from reports.tables.engine_cases import tracks_of
+from reports.tables.engine_summary import Glance, glances
+from reports.tables.failures import failing
+from reports.tables.limits_met import limits_met
+from reports.tables.own_scenes import by_case
+from reports.tables.realtime_speed import three
+from reports.tables.selection import needs
+from reports.tables.summary import sentences
+from reports.tables.trial_results import answers, at_own_step
+from reports.tables.verdicts import cells_by_family, verdicts
+from reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
+from reports.words.status import STATUSES, VERDICTS
 
 SHOWN = 6
 """Causes and limits that stand open; the next causes fold, up to `LISTED`, and the pages of the engines have all."""
@@ -45,7 +40,7 @@ COSTS = "Right is faster; 1 is real time on one core."
 PACED = "At 1 a simulated second takes a second of CPU time. A speed says little without its error: read both charts together."
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page and its two charts."""
     rows = answers(store)
     # What a search went on to is no track: it stands on the pages of the cases.

@@ -1,7 +1,6 @@
 """The page on limits: how far each engine goes along each axis, maps of two axes, and what helps where it breaks."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from harness.findings.leads import axis_leads, reaches
 from harness.findings.limits_found import Search, searches
@@ -9,25 +8,22 @@ from harness.findings.tables import farthest as farthest_table
 from harness.findings.tables import limits as limits_table
 from harness.findings.tables import remedies as remedies_table
 from harness.findings.tables.remedies import remedied
-from reports.contents import cases, engines, families
+from harness.store.store import Store
+from reports.charts.limit_maps import maps
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.reach import Line, lines, maps, standings, tally
-from reports.remedy_words import helped, in_words
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.tables.limit_table import Line, lines, standings
+from reports.tables.remedies import helped, in_words, tally
+from reports.words.catalogue import cases, engines, families
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where limits were sought."""
     return bool(store.trials["members"].gt(1).any())
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its maps and its tables as CSV."""
     plain = [search for search in searches(store) if not search.remedied]
     places = remedied(store)
@@ -55,13 +51,13 @@ def render(store: "Store") -> Mapping[str, Rendered]:
     return {"limits.html": page} | sheets | {figure.path: figure for figure in drawn}
 
 
-def _groups(store: "Store", shown: Sequence[Line]) -> list[tuple[str, list[Line]]]:
+def _groups(store: Store, shown: Sequence[Line]) -> list[tuple[str, list[Line]]]:
     """The axes of each family of cases, families in their usual order."""
     groups = [(title, {case["name"] for case in listed}) for title, listed in families(store)]
     return [(title, mine) for title, names in groups if (mine := [line for line in shown if line.case in names])]
 
 
-def _names(store: "Store", shown: Sequence[Search]) -> list[str]:
+def _names(store: Store, shown: Sequence[Search]) -> list[str]:
     """The engines that were sought on."""
     return [name for name in engines(store) if any(search.engine == name for search in shown)]
 

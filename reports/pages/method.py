@@ -1,23 +1,18 @@
 """The page on method: how answers are judged and timed, what the outcomes mean, and how to run anything again."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-from reports.citation import citation
-from reports.concepts import indexed
-from reports.laws import own_everywhere, told_apart
+from pandas import Series
+
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from pandas import Series
-
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.words.citation import citation
+from reports.words.concepts import indexed
+from reports.words.emulated_features import own_everywhere, told_apart
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """The page."""
     samples = store.samples
     timing = {
@@ -43,7 +38,7 @@ def render(store: "Store") -> Mapping[str, str]:
     }
 
 
-def spread(canary: "Series") -> float | None:
+def spread(canary: Series) -> float | None:
     """Middle half of the canary's readings over their median [1]: how steady the machine was."""
     middle = float(canary.median())
     return None if not middle > 0 else float(canary.quantile(0.75) - canary.quantile(0.25)) / middle

@@ -1,18 +1,13 @@
 """The pictures that other pages show: thumbnails and strips of every case, each in a file of its own."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
+from harness.store.store import Store
 from reports.page import Page, Rendered
-from reports.sights import sights
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.pictures.case_pictures import sights
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """One WebP each."""
     return {still.path: still for seen in sights(store).values() for still in seen.stills}
 

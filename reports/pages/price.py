@@ -4,44 +4,40 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
-from harness.findings.effort import ALIKE
 from harness.findings.leads import pair_leads
+from harness.findings.priced import priced
+from harness.findings.search_effort import ALIKE
 from harness.findings.tables import price as prices_table
 from harness.findings.tables import profile as profile_table
 from harness.findings.tables import steps as steps_table
 from harness.findings.tables.profile import FACTOR, TIME, hinges, profile, without
 from harness.findings.tables.steps import largest_steps
-from reports.contents import ours
-from reports.marks import TRACKS
+from harness.store.store import Store
+from reports.charts.largest_steps import allowances, steps_chart
+from reports.charts.marks import TRACKS
+from reports.charts.performance_profile import profile_chart
+from reports.charts.work_precision import miniatures
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.price_list import SHOWN, price_list, tried, wins
-from reports.profiles import profile_chart
-from reports.reach import standings
-from reports.sheet import sheet
-from reports.steps import allowances, steps_chart
-from reports.template import fill
-from reports.text import power
-from reports.work_precision import miniatures, priced, scenes
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
-
+from reports.tables.csv import sheet
+from reports.tables.limit_table import standings
+from reports.tables.price_list import SHOWN, price_list, tried, wins
+from reports.tables.priced_scenes import scenes
+from reports.words.catalogue import ours
+from reports.words.text import power
 
 FEW = 40
 """Rows of a table that stand open; more fold."""
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where a setting was clocked at several time steps: a price lies between two of them."""
     steps = {((s.name, p.engine, p.track), p.dt) for s in scenes(store) for p in s.points if p.clocked}
     return max(Counter(setting for setting, _ in steps).values(), default=0) > 1
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its charts and its tables as CSV."""
     prices = priced(store).prices
     shares, steps = profile(prices), largest_steps(store)
@@ -54,8 +50,8 @@ def render(store: "Store") -> Mapping[str, Rendered]:
         wins=wins(prices, ours(store)),
         standings=standings(pair_leads(prices, priced(store).points)),
         hinges=[
-            (share, *without(share))
-            for share in hinges([share for share in shares if share.limit == FACTOR and share.engine not in ours(store)])
+            (row, *without(row))
+            for row in hinges(asdict(share) for share in shares if share.limit == FACTOR and share.engine not in ours(store))
         ],
         profiles=profiles,
         lines=price_list(store),
@@ -71,7 +67,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {
         "price.csv": sheet(prices_table.COLUMNS, map(asdict, prices)),
-        "profile.csv": sheet(profile_table.COLUMNS, map(asdict, shares)),
+        "profile.csv": sheet(profile_table.COLUMNS, map(profile_table.flat, shares)),
         "steps.csv": sheet(steps_table.COLUMNS, map(asdict, steps)),
     }
     return {"price.html": page} | sheets | {figure.path: figure for figure in figures}

@@ -2,34 +2,28 @@
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
 
 from harness.findings.costs import TELLING, Cost
 from harness.findings.tables.scaling import COLUMNS, Scaling
 from harness.statistics.order import FEWEST
-from reports.contents import engines, ours, setting_words
-from reports.costs import UNITS, growths, qualities, standings, titled
+from harness.store.store import Store
+from reports.charts.step_costs import UNITS, growths, qualities, standings
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
-
+from reports.tables.csv import sheet
+from reports.words.catalogue import engines, ours, setting_words, titled
 
 _scaling = lru_cache(maxsize=1)(Scaling)
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where some parameter was run at several values under the clock."""
     varied = store.asked.groupby("case")["parameters"].nunique().max() if len(store.asked) else 0
     # Most runs have one set of parameters a case: they need no look at their costs.
     return bool(varied >= FEWEST) and len(_scaling(store).sweeps) > 0
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page and its charts."""
     scaling = _scaling(store)
     standing = standings(store, scaling)
@@ -57,7 +51,7 @@ def render(store: "Store") -> Mapping[str, Rendered]:
     return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {figure.path: figure for figure in figures}
 
 
-def leads(store: "Store", costs: Sequence[Cost]) -> list[Cost]:
+def leads(store: Store, costs: Sequence[Cost]) -> list[Cost]:
     """Each rival's fastest setting whose checks hold; its row names our fastest that is no worse."""
     known = engines(store)
     return [row for row in costs if row.best and not known[row.engine]["ours"]]

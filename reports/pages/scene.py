@@ -3,36 +3,34 @@
 import shlex
 from collections.abc import Mapping
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from harness.findings.agreement import Agreement, balances, horizon_of, outlooks
-from harness.findings.agreement.beyond import LAWS
+from harness.findings.agreement.perturbed_starts import LAWS
 from harness.findings.agreement.words import metres
 from harness.findings.tables import agreement as agreement_table
 from harness.findings.tables import fidelity as fidelity_table
 from harness.store.imported_scenes import kept_by
 from harness.store.rows import records
-from reports.answers import answers
-from reports.charts import error_by_step
-from reports.contents import FAMILIES, cases, engines, tracks
-from reports.departures import departures
-from reports.laws import laws_of_case
-from reports.own_scenes import by_case, horizon_chart, parting_chart, shown, summary
+from harness.store.store import Store
+from reports.charts.errors import error_by_step
+from reports.charts.own_scenes import horizon_chart, parting_chart
+from reports.charts.work_precision import work_precision
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.price_list import price_list
+from reports.pictures.case_pictures import sight
 from reports.recordings.layout import file_name
-from reports.sheet import sheet
-from reports.sights import sight
-from reports.status import FINITE, STATUSES, VERDICTS
-from reports.template import case_file, fill
-from reports.text import slug
-from reports.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
-from reports.work_precision import scenes, work_precision
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.tables.own_scenes import by_case, shown, summary
+from reports.tables.price_list import price_list
+from reports.tables.priced_scenes import scenes
+from reports.tables.trial_results import answers
+from reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
+from reports.words.altered_parameters import departures
+from reports.words.catalogue import FAMILIES, case_file, cases, engines, tracks
+from reports.words.emulated_features import laws_of_case
+from reports.words.status import FINITE, STATUSES, VERDICTS
+from reports.words.text import slug
 
 CAPTION = (
     "Each point is one run; a line joins those of an engine that differ in the time step only. {} "
@@ -45,12 +43,12 @@ OF_EACH = (
 )
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where a scene has no truth but the engines' own agreement."""
     return bool(by_case(store))
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """For each scene its page, its charts, its trials and its verdicts as CSV."""
     files: dict[str, Rendered] = {}
     rows, known = answers(store, store.trials), cases(store)
@@ -125,7 +123,7 @@ def folder_of(name: str) -> str:
     return PurePath(name.partition(":")[2] or name).parent.name
 
 
-def judged(store: "Store", agreement: Agreement) -> dict[str, Any]:
+def judged(store: Store, agreement: Agreement) -> dict[str, Any]:
     """One agreement for the template: verdicts in words, and what stays defined beyond the horizon."""
     laws: dict[str, dict[tuple[str, str], Any]] = {}
     for balance in balances(store, agreement):

@@ -2,33 +2,25 @@
 
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
 from harness.findings.selection import CRITERIA, listing
 from harness.findings.selection.words import dropped_sentence, headline, turn_sentences
-from reports.contents import FAMILIES, cases, setting_words
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.selection import answer, asked_of_several, evidence_rows, live
-from reports.sheet import sheet
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.tables.csv import sheet
+from reports.tables.selection import answer, asked_of_several, evidence_rows, live
+from reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where several engines of others were asked."""
     return asked_of_several(store)
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """The page."""
-    found, about, known = answer(store), store.catalogue.get("engines", {}), cases(store)
-
-    def titled(name: str) -> str:
-        return str(about.get(name, {}).get("title") or name)
+    found, known, titled = answer(store), cases(store), partial(engine_title, store)
 
     def called(name: str) -> str:
         return FAMILIES[name].lower() if name in FAMILIES else str(known[name]["title"])
@@ -43,8 +35,8 @@ def render(store: "Store") -> Mapping[str, str]:
         turns=turn_sentences(found.turns, titled, called),
         dropped=[dropped_sentence(drop, titled, called) for drop in found.dropped],
         criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
-        rows=[row for row in rows if row.datum.value < 1],
-        full=sum(row.datum.value >= 1 for row in rows),
+        rows=[row for row in rows if row[1].value < 1],
+        full=sum(datum.value >= 1 for _, datum in rows),
         live=live(store),
         setting_of=partial(setting_words, store),
     )

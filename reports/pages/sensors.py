@@ -1,31 +1,25 @@
 """The page on sensors: ideal signals against the truth, noise against its law, what cameras saw, and what rays cost."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from harness.findings.sensor_readings.findings import concerned, findings
 from harness.findings.tables import sensors as sensors_table
-from reports.contents import titles
-from reports.costs import titled
-from reports.noise_charts import noise_charts
+from harness.store.store import Store
+from reports.charts.ideal_signals import error_charts, named, rays_chart
+from reports.charts.sensor_noise import noise_charts
+from reports.html.template import fill
 from reports.page import Page, Rendered
-from reports.pictures import shots
-from reports.sheet import sheet
-from reports.signals import error_charts, named, rays_chart
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.pictures.camera_pictures import shots
+from reports.tables.csv import sheet
+from reports.words.catalogue import titled, titles
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where a scene had sensors."""
     return len(concerned(store)) > 0
 
 
-def render(store: "Store") -> Mapping[str, Rendered]:
+def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its charts and its table as CSV."""
     measured, rows = findings(store), sensors_table.rows(store)
     errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)

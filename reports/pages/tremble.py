@@ -1,17 +1,12 @@
 """The page on trembling: how strongly each engine's standing machine vibrates, and the cause that its runs prove."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from harness.findings.tables.tremble import CHANGES, CURED, findings
-from reports.contents import cases
+from harness.store.store import Store
+from reports.html.template import fill
 from reports.page import Page
-from reports.template import fill
-
-if TYPE_CHECKING:
-    from harness.store.store import Store
-
-__all__ = ["PAGE"]
+from reports.words.catalogue import cases
 
 HEADS = {
     "iterations": "more iterations",
@@ -23,12 +18,12 @@ HEADS = {
 """The changes in the words of a table's head."""
 
 
-def concerns(store: "Store") -> bool:
+def concerns(store: Store) -> bool:
     """Only where a cause may be told: without more iterations nothing but that all is still can be proved."""
     return any("iterations" in found.shares for found in findings(store))
 
 
-def render(store: "Store") -> Mapping[str, str]:
+def render(store: Store) -> Mapping[str, str]:
     """The page."""
     page = fill(
         "tremble.html",

@@ -16,8 +16,6 @@ from reports.recordings.shapes import OVERLAID, placed_shapes
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-__all__ = ["layout"]
-
 NO_SENSORS = Sensed()
 
 ALONE = "Solid"

@@ -15,8 +15,6 @@ from reports.recordings.timeline import checked, columns
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["log_moving", "log_paths", "log_stage", "sharing"]
-
 GRID_LINES = 10
 """Lines of a ground plane's grid on each side of its middle."""
 

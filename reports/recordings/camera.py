@@ -12,8 +12,6 @@ from reports.recordings.runs import Stage
 from reports.recordings.shapes import placed_shapes
 from reports.recordings.truth import told_places
 
-__all__ = ["Framing", "framing"]
-
 FIELD_OF_VIEW = math.radians(55.0)
 """The viewer's vertical opening angle."""
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.pixels import srgb
 from reports.recordings.layout import SENSORS, part
 from reports.recordings.mounting import mounted
+from reports.recordings.pixels import srgb
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
 from reports.recordings.source import Source
@@ -20,8 +20,6 @@ from reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
     import rerun as rr
-
-__all__ = ["TYPES", "camera_path", "log_camera", "pictured", "shown_frames"]
 
 TYPES = ("camera", "depth_camera")
 MOST_PIXELS = 8_000_000

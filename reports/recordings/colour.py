@@ -1,8 +1,6 @@
 """Colours as rerun takes them: red, green, blue and opacity, 0..255."""
 
-from reports.palette import BACKGROUNDS
-
-__all__ = ["BACKGROUND", "FLOOR", "GHOST", "GRID", "GROUND", "rgba"]
+from reports.charts.palette import BACKGROUNDS
 
 Rgba = tuple[int, int, int, int]
 

@@ -13,8 +13,6 @@ from reports.recordings.timeline import checked, columns
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["arrow_scale", "log_contacts"]
-
 LONGEST = 3.0
 """No arrow is drawn longer than this many times the typical largest one; an impact would cover the view."""
 

@@ -13,8 +13,6 @@ from reports.recordings.timeline import checked, columns
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["CHANNELS", "log_inertial"]
-
 CHANNELS = {"accelerometer": "m/s\u00b2", "gyroscope": "rad/s"}
 """Channels of an inertial sensor and their units."""
 

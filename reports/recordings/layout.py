@@ -4,22 +4,7 @@ from pathlib import Path
 
 from harness.store.journal import NoRun
 from harness.store.store import Store
-from reports.text import slug
-
-__all__ = [
-    "LOG",
-    "METRICS",
-    "SENSORS",
-    "SIM_TIME",
-    "STAGE",
-    "TRUTH",
-    "WORLD",
-    "application_id",
-    "file_name",
-    "part",
-    "recording_of",
-    "run_path",
-]
+from reports.words.text import slug
 
 SIM_TIME = "sim_time"
 """The timeline: simulated seconds, to the nanosecond. A step's number is its time over the time step, which the text tells; a

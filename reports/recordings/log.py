@@ -7,9 +7,7 @@ from typing import Any
 from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.store.store import Store
 from reports.recordings.runs import Stage
-from reports.text import amount, settings_text, visible
-
-__all__ = ["text"]
+from reports.words.text import amount, settings_text, visible
 
 ESCAPED = str.maketrans({"\n": " ", "\t": " "} | {mark: f"\\{mark}" for mark in "\\|`*_<>[]"})
 """What would end a cell, or be taken for a mark of Markdown."""

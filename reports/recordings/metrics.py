@@ -17,8 +17,6 @@ from reports.recordings.truth import truth_at
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["TITLES", "Curve", "curves", "log_curves", "ranked"]
-
 TITLES = {
     "position_error": "Distance from the truth, farthest body [m]",
     "attitude_error": "Angle from the truth, largest [rad]",

@@ -15,8 +15,6 @@ from reports.recordings.runs import Stage, stage_of
 from reports.recordings.sampling import at_instants
 from reports.recordings.write import write_stage
 
-__all__ = ["about", "moment_recording"]
-
 SHARE = 0.06
 """How far the stretch reaches to each side of the moment, of the whole time."""
 

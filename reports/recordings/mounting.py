@@ -8,8 +8,6 @@ import numpy as np
 from reports.recordings.rotation import Floats, compose
 from reports.recordings.runs import Stage
 
-__all__ = ["mounted"]
-
 
 def mounted(stage: Stage, sensor: Mapping[str, Any], arrays: Mapping[str, Floats], time: Floats) -> tuple[Floats, Floats]:
     """p_WS (k, 3) m and q_WS (k, 4) of a sensor at its readings, from the state nearest in time."""

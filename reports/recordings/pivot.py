@@ -7,8 +7,6 @@ import numpy as np
 
 from reports.recordings.rotation import Floats, rotate
 
-__all__ = ["Pivot", "pivot_of"]
-
 ROUNDING = 2.0**-24
 """Half a unit in the last place of single precision, which recordings are written in."""
 

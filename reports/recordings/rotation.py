@@ -5,8 +5,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Floats", "angle", "compose", "product", "rotate"]
-
 Floats: TypeAlias = NDArray[Any]
 
 

@@ -12,11 +12,9 @@ import numpy as np
 from harness.store.imported_scenes import looks_of
 from harness.store.journal import StoreError
 from harness.store.store import Store
-from reports.palette import looks
+from reports.charts.palette import looks
 from reports.recordings.layout import run_path
 from reports.recordings.rotation import Floats
-
-__all__ = ["Run", "Stage", "stage_of", "touching"]
 
 LARGEST = 1e30
 """Beyond this [m] a coordinate no longer fits the viewer's single precision with room for a camera."""

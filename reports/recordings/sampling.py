@@ -11,8 +11,6 @@ import numpy as np
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import STATES
 
-__all__ = ["FRAMES", "WATCH", "at_instants", "extremes", "playing_time", "shown", "stride_of"]
-
 WATCH = 6.0, 20.0
 """Seconds that a case takes to play, at least and at most: a bullet is slowed down, a long wait made short."""
 

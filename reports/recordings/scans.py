@@ -16,8 +16,6 @@ from reports.recordings.timeline import checked, columns
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["beams", "lit", "log_scans"]
-
 DARKEST = 0.25
 """Share of a run's colour that a point without any light keeps."""
 

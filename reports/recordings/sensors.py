@@ -14,8 +14,6 @@ from reports.recordings.source import Source, sources
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["Sensed", "View", "log_sensors", "sensed"]
-
 
 @dataclass(frozen=True, slots=True)
 class View:

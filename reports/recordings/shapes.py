@@ -14,8 +14,6 @@ from reports.recordings.rotation import Floats, product
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["OVERLAID", "Batch", "Paint", "batches", "drawn"]
-
 OVERLAID = "TransparentFillMajorWireframe"
 """How shapes are filled where several engines share a place, and where a solid would hide the arrows of its contacts."""
 

@@ -8,8 +8,6 @@ from reports.recordings.layout import TRUTH
 from reports.recordings.rotation import Floats
 from reports.recordings.runs import Stage
 
-__all__ = ["Source", "sources"]
-
 
 @dataclass(frozen=True, slots=True)
 class Source:

@@ -10,8 +10,6 @@ from reports.recordings.rotation import Floats
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["checked", "columns"]
-
 
 def checked(path: str, time: Floats, *values: Floats) -> None:
     """Refuse what a viewer would take without a word: numbers that are not finite, times out of order, lengths that differ.

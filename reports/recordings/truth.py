@@ -16,8 +16,6 @@ from reports.recordings.shapes import OVERLAID, Paint
 if TYPE_CHECKING:
     import rerun as rr
 
-__all__ = ["log_truth", "told_places", "truth_at"]
-
 
 def truth_at(truth: Mapping[str, Floats], time: Floats) -> tuple[Floats, Floats, Floats]:
     """Places of the instants within the truth's range, and p_WB, q_WB there; between its instants by linear interpolation."""

@@ -22,12 +22,10 @@ from reports.recordings.sampling import at_instants, shown
 from reports.recordings.sensors import log_sensors, sensed
 from reports.recordings.shapes import OVERLAID, Batch, Paint
 from reports.recordings.truth import log_truth
-from reports.text import slug
+from reports.words.text import slug
 
 if TYPE_CHECKING:
     import rerun as rr
-
-__all__ = ["write_recordings", "write_stage"]
 
 
 def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tuple[Path, ...]:

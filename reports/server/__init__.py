@@ -9,8 +9,6 @@ from harness.store.store import Store
 from reports.server.connections import HEAD_BYTES, MOST, Connections
 from reports.server.site import Site
 
-__all__ = ["serve"]
-
 LOOPBACK = "127.0.0.1"
 
 

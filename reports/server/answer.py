@@ -5,9 +5,7 @@ from email.utils import formatdate
 from http import HTTPStatus
 from pathlib import Path
 
-from reports.policy import DATA
-
-__all__ = ["Answer", "text"]
+from reports.html.policy import DATA
 
 PLAIN = "text/plain; charset=utf-8"
 

@@ -14,9 +14,7 @@ from http.client import HTTPException
 from urllib.error import URLError
 from urllib.request import ProxyHandler, build_opener
 
-from reports.viewer import ENVIRONMENT, viewer_command
-
-__all__ = ["AssetsMissing", "viewer_file"]
+from reports.recordings.viewer import ENVIRONMENT, viewer_command
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")
 

@@ -14,8 +14,6 @@ from pathlib import Path
 from reports.server.answer import Answer, text
 from reports.server.request import Refused, Request, read_head
 
-__all__ = ["HEAD_BYTES", "HEAD_SECONDS", "MOST", "Connections"]
-
 MOST = 128
 """Connections at a time."""
 HEAD_BYTES = 16 * 1024

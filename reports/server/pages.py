@@ -6,9 +6,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from harness.store.store import Store
 from reports.recordings.layout import file_name
-from reports.text import plural
-
-__all__ = ["front_page", "viewer_page"]
+from reports.words.text import plural
 
 TEMPLATES = __file__.removesuffix("pages.py") + "static"
 

@@ -6,8 +6,6 @@ from http import HTTPStatus
 
 import h11
 
-__all__ = ["Refused", "Request", "read_head"]
-
 MOST_HEADERS = 64
 METHODS = ("GET", "HEAD")
 VERSIONS = (b"1.0", b"1.1")

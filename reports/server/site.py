@@ -10,14 +10,12 @@ from urllib.parse import unquote
 
 from harness.intake.safe_text import LONGEST, one_line, visible
 from harness.store.store import Store
-from reports.policy import DATA, SERVED, VIEWER
+from reports.html.policy import DATA, SERVED, VIEWER
 from reports.recordings import moment_recording
 from reports.server.answer import Answer, text
 from reports.server.assets import AssetsMissing, viewer_file
 from reports.server.pages import front_page, viewer_page
 from reports.server.request import Request
-
-__all__ = ["Site"]
 
 PAGE_MAKERS = 4
 """Threads; the program of the viewer, which takes seconds to come, has one of its own."""

@@ -8,7 +8,7 @@ import pytest
 
 from harness.study import plugins
 from harness.study.study import load_study
-from reports.disputes import TABLE, read
+from reports.words.disputes import TABLE, read
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "fairness.md"

@@ -13,7 +13,7 @@ import pytest
 from harness.intake import strangers
 from harness.scene.importers import known
 from harness.store.store import Store
-from reports import html
+from reports.html import report as html
 from reports.page import pages
 from tests.conftest import Command
 

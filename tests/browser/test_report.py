@@ -9,7 +9,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 import reports
-from reports.policy import guarded
+from reports.html.policy import guarded
 from tests.browser.conftest import Visit
 from tests.run_folder import BAD_CASE, write_run_folder
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 @pytest.fixture(scope="module")
 def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = write_run_folder(tmp_path_factory.mktemp("hostile") / "run", hostile=True, only=(BAD_CASE,))
-    return reports.build(folder).parent
+    return reports.build(folder).index.parent
 
 
 def html_files(report: Path) -> list[Path]:

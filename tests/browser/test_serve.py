@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 import reports
-from reports.palette import ENGINES
+from reports.charts.palette import ENGINES
 from tests.browser.conftest import CHROMIUM, QUIET
 from tests.recorded_folder import Folder, record, rising, zoo
 

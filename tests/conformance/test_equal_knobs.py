@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.findings.effort import ALIKE
+from harness.findings.search_effort import ALIKE
 from harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.knobs import Tried, swept, unequal

@@ -18,8 +18,8 @@ from harness.store.store import Store
 from harness.study import plugins
 from harness.study.trial import Trial
 from harness.trial.accuracy import run_trial
-from reports.text import TIMES, amount
-from reports.verdict import margin_words
+from reports.tables.verdicts import margin_words
+from reports.words.text import TIMES, amount
 from tests.in_process import in_this_process
 
 Command = Callable[..., Any]

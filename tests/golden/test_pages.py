@@ -13,7 +13,7 @@ import pytest
 from jsonschema import ValidationError
 
 from harness.store.store import Store
-from reports.html import rendered
+from reports.html.report import rendered
 from reports.pages import sensors
 from tests.charts import checked
 from tests.run_folder import write_run_folder

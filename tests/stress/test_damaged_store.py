@@ -11,7 +11,7 @@ import pytest
 from harness.run.verify import problems
 from harness.store.journal import StoreError
 from harness.store.store import Store
-from reports import html
+from reports.html import report as html
 from tests.conftest import Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables

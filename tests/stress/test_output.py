@@ -318,7 +318,7 @@ def test_what_is_asked_for_wrongly_is_named_without_acting_on_the_terminal(
     ],
 )
 def test_a_source_links_to_the_web_alone(address: str, ledger: Page) -> None:
-    from reports.template import cite
+    from reports.html.template import cite
 
     links = [attributes["href"] or "" for tag, attributes in Elements(cite(f"see {address} there")).tags if tag == "a"]
     assert all(link.startswith(("http://", "https://")) for link in links)
@@ -344,7 +344,7 @@ PAGES = {
 
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_of_a_third_party_has_the_policy_before_its_first_script(name: str, ledger: Page) -> None:
-    from reports.policy import guarded
+    from reports.html.policy import guarded
 
     tags = Elements(guarded(PAGES[name])).tags
     first = next(k for k, (tag, a) in enumerate(tags) if tag == "meta" and a.get("http-equiv") == "Content-Security-Policy")

@@ -62,7 +62,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory, call: Call) -> Path:
     (made / "plugins.toml").write_text(STUDY)
     engines = [word for name in ("reference", "leaves", "well") for word in ("--engine", name)]
     done = call("run", made / "plugins.toml", *engines, "--out", made / "out")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 1, done.stderr
+    for title, reason in (("leaves_page", "dying_leaves:PAGE: ends the process"), ("Raising", "LookupError: nothing to draw")):
+        assert f"page '{title}' could not be made: {reason}" in done.stderr
     assert "case 'leaves_case' is left out: dying_leaves:CASE: ends the process that loads it (exit code 0)" in done.stderr
     return made / "out"
 

@@ -13,8 +13,8 @@ from harness.findings.margins import Margin, margins
 from harness.findings.vendor.finding import Finding
 from harness.store.notices import StoredNotice
 from harness.store.store import Store
-from reports.text import TIMES
-from reports.verdict import margin_words
+from reports.tables.verdicts import margin_words
+from reports.words.text import TIMES
 from tests.run_folder import row
 
 DAMPED = tuple(

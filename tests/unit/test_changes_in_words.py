@@ -4,7 +4,7 @@ import pytest
 
 from harness.findings.changes import Change, Changes, Side
 from harness.findings.changes.words import folded, sentence, titled
-from reports.what_changed import what_changed_page
+from reports.standalone.what_changed import what_changed_page
 
 TITLES = {"stack_tower": "Tower of ten boxes", "dart": "DART", "joint_chain": "Chain with a heavy end"}
 SIDE = Side(

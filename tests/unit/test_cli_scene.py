@@ -12,7 +12,7 @@ from harness.intake.refusal import RobotError
 from harness.scene.file import load, parse
 from harness.scene.importers.companion import load_companion
 from harness.store.imported_scenes import fidelity_of, keep, unsound
-from reports import html
+from reports.html import report as html
 from reports.page import pages
 from tests.in_process import clocked_by, in_this_process
 from tests.robot_files import INERTIAL, LIMIT, imported, urdf

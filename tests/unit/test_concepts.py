@@ -8,8 +8,8 @@ import pytest
 from harness.store.store import Store
 from harness.study import plugins
 from harness.study.study import load_study
-from reports.concepts import PLACES, book, chapters, indexed
 from reports.pages import case, concepts
+from reports.words.concepts import PLACES, book, chapters, indexed
 from tests.run_folder import write_run_folder
 
 SOURCE = PLACES[1].read_text(encoding="utf-8")

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from harness.store.store import Store
-from reports import html
-from reports.drawing import Drawing
-from reports.figure import Figure
+from reports.charts.figure import Figure
+from reports.html import report as html
+from reports.html.drawing import Drawing
 from reports.page import pages
 from tests.run_folder import write_run_folder
 
@@ -104,7 +104,7 @@ def test_a_report_is_the_same_whoever_draws(
     reports = []
     for processes in (several, 0):
         monkeypatch.setattr(html, "_processes", lambda _, count=processes: count)
-        report = html.write_report(folder).parent
+        report = html.write_report(folder).index.parent
         reports.append({path.relative_to(report): path.read_bytes() for path in report.rglob("*.*")})
         for path in (report / "charts").iterdir():
             path.unlink()

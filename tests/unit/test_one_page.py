@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from harness.store.store import Store
-from reports import build, html, print_report
-from reports.one_page import Sheet, joined
+from reports import build, print_report
+from reports.html import report as html
 from reports.page import pages as registered
-from reports.printing import NotPrinted, browser
+from reports.paper.one_page import Sheet, joined
+from reports.paper.printing import NotPrinted, browser
 from tests.conftest import Command
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, write_run_folder

@@ -27,7 +27,8 @@ from harness.study import plugins
 from harness.study.experiment import Refinement
 from harness.study.own_scene import study_of
 from harness.study.study import Study
-from reports import build, html, write_recordings
+from reports import build, write_recordings
+from reports.html import report as html
 from reports.page import pages
 from reports.pages.scene import PAGE
 from tests.in_process import clocked_by, in_this_process
@@ -158,7 +159,7 @@ def test_the_run_ends_with_verdicts_and_never_with_a_bare_passed(thrown: Done) -
 def test_the_page_is_as_good_as_the_others(thrown: Done, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name in (PAGE.name, "case", "index")))
     write_recordings(thrown.store.folder)
-    report = build(thrown.store.folder).parent
+    report = build(thrown.store.folder).index.parent
     (page,) = report.glob("case-*.html")
     text = page.read_text()
     assert "<h1>My thrown ball</h1>" in text

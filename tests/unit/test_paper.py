@@ -8,7 +8,7 @@ import pytest
 from harness.cli.listing import _latex_number
 from harness.intake.safe_text import latex_cell
 from harness.store.store import Store
-from reports.citation import citation, run_digest
+from reports.words.citation import citation, run_digest
 from tests.conftest import Command
 from tests.run_folder import write_run_folder
 

@@ -13,14 +13,14 @@ import pytest
 from harness.findings.prices import Prices, interval, medians
 from harness.findings.tables.price import brief
 from harness.findings.tables.price import sentences as price_sentences
-from harness.findings.tables.profile import FACTOR, hinges, profile, sentences, without
+from harness.findings.tables.profile import FACTOR, Scene, hinges, profile, sentences, without
 from harness.findings.tables.profile import rows as profile_rows
 from harness.findings.tables.steps import largest_steps
 from harness.search.front import spread
 from harness.statistics.pareto import price
 from harness.statistics.ratio import ratio
 from harness.store.store import Store
-from reports.work_precision import drawn
+from reports.charts.work_precision import drawn
 from tests.run_folder import row, untimed
 
 Told = tuple[str, str, str, float, float, float | None]
@@ -180,9 +180,9 @@ def test_a_case_that_an_engine_was_not_put_to_is_not_held_against_it() -> None:
 def test_the_case_on_which_a_share_hangs_is_named() -> None:
     told = [*ladder("a", "dart", 1.0), *ladder("a", "bullet", 9.0), *ladder("b", "dart", 9.0), *ladder("b", "bullet", 1.0)]
     store = Priced([*told, *ladder("c", "dart", 1.0), *ladder("c", "bullet", 9.0)])
-    found = {share.engine: share for share in hinges(profile(Prices(store).prices)) if share.limit == FACTOR}
-    assert without(found["dart"]) == ("b", 1.0)
-    assert without(found["bullet"]) == ("b", 0.0)
+    found = {share["engine"]: share for share in hinges(map(asdict, profile(Prices(store).prices))) if share["limit"] == FACTOR}
+    assert without(found["dart"]) == (Scene("b", ""), 1.0)
+    assert without(found["bullet"]) == (Scene("b", ""), 0.0)
     assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in sentences(
         profile_rows(store)
     )

@@ -8,8 +8,8 @@ import pytest
 from harness.store.notices import StoredNotice
 from harness.store.record import Measurement
 from harness.store.store import Store
-from reports.answers import answers
-from reports.reasons import notices, reasons
+from reports.tables.trial_results import answers
+from reports.words.reasons import notices, reasons
 from tests.recorded_folder import Folder, record
 from tests.run_folder import write_run_folder
 

@@ -19,14 +19,14 @@ from harness.scene import (
 from harness.store.store import Store
 from harness.trajectory import Contacts, Trajectory
 from reports import write_recordings
-from reports.palette import ENGINES
+from reports.charts.palette import ENGINES
 from reports.recordings.blueprint import layout
 from reports.recordings.camera import framed, framing
 from reports.recordings.rotation import angle, compose
 from reports.recordings.runs import stage_of
 from reports.recordings.shapes import CROWD, OVERLAID
 from reports.recordings.truth import truth_at
-from reports.viewer import viewer_command
+from reports.recordings.viewer import viewer_command
 from tests.recorded_folder import CORNERS, LAW, QUARTER, TIMES, Folder, Read, placed, record, rising, zoo
 
 

@@ -12,14 +12,14 @@ from PIL import Image
 
 from harness.store.store import Store
 from reports import write_recordings
-from reports.pixels import srgb
 from reports.recordings.blueprint import layout
 from reports.recordings.camera import framing
 from reports.recordings.cameras import MOST_PIXELS, shown_frames
+from reports.recordings.pixels import srgb
 from reports.recordings.runs import stage_of
 from reports.recordings.scans import beams, lit
 from reports.recordings.sensors import sensed
-from reports.viewer import viewer_command
+from reports.recordings.viewer import viewer_command
 from tests.recorded_folder import Read
 from tests.sensor_folder import CASE, PIXELS, sensing, swinging, write_sensor_folder
 

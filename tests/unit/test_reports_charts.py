@@ -11,13 +11,13 @@ import pandas as pd
 import pytest
 
 from harness.store.store import Store
-from reports.answers import answers, at_own_step
-from reports.charts import across_cases, error_by_step
-from reports.compact import SCRIPTED, shown_rows
-from reports.figure import POINTS, Figure, thin
-from reports.marks import decades
-from reports.palette import ENGINES
-from reports.points import points
+from reports.charts.compact import SCRIPTED, shown_rows
+from reports.charts.errors import across_cases, error_by_step
+from reports.charts.figure import POINTS, Figure, thin
+from reports.charts.marks import decades
+from reports.charts.palette import ENGINES
+from reports.charts.points import points
+from reports.tables.trial_results import answers, at_own_step
 from tests.charts import specs
 from tests.run_folder import BAD_CASE, CASES, write_run_folder
 

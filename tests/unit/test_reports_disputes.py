@@ -8,10 +8,10 @@ import pytest
 from pydantic import ValidationError
 
 from harness.store.store import Store
-from reports import disputes
-from reports.price_list import price_list
-from reports.reach import lines
-from reports.summary import sentences
+from reports.tables.limit_table import lines
+from reports.tables.price_list import price_list
+from reports.tables.summary import sentences
+from reports.words import disputes
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.unit.test_prices import Priced, ladder

@@ -6,7 +6,7 @@ from typing import Any
 from harness.findings.leads import Lead
 from harness.findings.limits_found import Search, Signs
 from harness.store.notices import StoredNotice
-from reports.reach import cell, standings
+from reports.tables.limit_table import cell, standings
 
 BROKEN: Any = Search(
     experiment="axes",

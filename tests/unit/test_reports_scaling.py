@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.store.store import Store
-from reports.costs import growths
+from reports.charts.step_costs import growths
 from reports.pages.scaling import render
 from tests.charts import checked
 from tests.links import texts_of

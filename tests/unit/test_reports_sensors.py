@@ -12,7 +12,7 @@ from PIL import Image
 
 from harness.store.store import Store
 from reports.pages.sensors import PAGE
-from reports.pixels import BEYOND, INVALID, data_uri, shaded, srgb
+from reports.recordings.pixels import BEYOND, INVALID, data_uri, shaded, srgb
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.sensor_folder import write_sensor_folder

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reports import vega
+from reports.html import vega
 
 
 @pytest.fixture

@@ -10,12 +10,12 @@ import pytest
 
 from harness.store.record import Status
 from harness.store.store import Store
-from reports.answers import answers, at_own_step
-from reports.contents import cases, engines, families, tracks
-from reports.glance import glances
-from reports.status import STATUSES, outcome, worst
-from reports.summary import sentences
-from reports.verdict import totals, verdicts
+from reports.tables.engine_summary import glances
+from reports.tables.summary import sentences
+from reports.tables.trial_results import answers, at_own_step
+from reports.tables.verdicts import totals, verdicts
+from reports.words.catalogue import cases, engines, families, tracks
+from reports.words.status import STATUSES, outcome, worst
 from tests.run_folder import BAD_CASE, HOSTILE, row, write_run_folder
 
 

@@ -8,9 +8,9 @@ import pytest
 
 from harness.findings.tables import limits
 from harness.store.store import Store
-from reports.contents import ours
-from reports.leads import NO_REASON, leads
-from reports.summary import sentences
+from reports.tables.reference_leads import NO_REASON, leads
+from reports.tables.summary import sentences
+from reports.words.catalogue import ours
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 

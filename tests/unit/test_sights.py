@@ -12,14 +12,14 @@ from harness.scene import Body, Distance, Joint, Plane, Revolute, Scene, Sphere,
 from harness.store.record import Measurement
 from harness.store.store import Store
 from harness.trajectory import Trajectory
-from reports import html
-from reports.html import write_report
-from reports.motion_chart import labelled
+from reports.html import report as html
+from reports.html.report import write_report
 from reports.page import pages
+from reports.pictures.case_pictures import Sight, sight
+from reports.pictures.motion_chart import labelled
 from reports.recordings.camera import around_held
 from reports.recordings.moment import about, moment_recording
 from reports.recordings.runs import stage_of
-from reports.sights import Sight, sight
 from tests.links import texts_of
 from tests.recorded_folder import Folder, placed, record
 
@@ -118,7 +118,7 @@ def test_a_second_report_takes_over_pictures_that_are_whole_and_draws_others_ane
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name in ("case", "pictures")))
-    report = write_report(folder).parent
+    report = write_report(folder).index.parent
     first, other, *_ = sorted((report / "pictures").iterdir())
     marked = first.read_bytes()[:-1] + b"\x00"  # as long as its head says
     first.write_bytes(marked)

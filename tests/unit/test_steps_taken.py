@@ -5,7 +5,7 @@ import pytest
 from harness.findings.steps_taken import step_in_words, substeps_of, substeps_taken, with_substeps
 from harness.findings.tables import price, steps
 from harness.store.store import Store
-from reports.text import step
+from reports.words.text import step
 from tests.run_folder import write_run_folder
 
 

@@ -24,7 +24,7 @@ from harness.study.experiment import Refinement
 from harness.study.own_scene import study_of
 from harness.study.study import Study
 from reports.pages.scene import PAGE
-from reports.text import powers
+from reports.words.text import powers
 from tests.in_process import in_this_process
 from tests.robot_files import imported, mjcf, row
 

@@ -7,10 +7,8 @@ from harness.findings.agreement.values import Agreement
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
 from harness.findings.steps_taken import beside
-from harness.findings.where import STEP, in_words
+from harness.findings.variant_of import STEP, in_words
 from harness.store.store import Store
-
-__all__ = ["WITHIN", "cost_words"]
 
 WITHIN = 1e-2
 """Of the size of what moves; the target of the price list."""

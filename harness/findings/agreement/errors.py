@@ -17,8 +17,6 @@ from harness.store.store import Store
 from harness.trajectory import Floats
 from harness.trajectory.parting import apart, common
 
-__all__ = ["Errors", "errors_of", "ways"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Errors:

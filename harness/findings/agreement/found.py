@@ -15,8 +15,6 @@ from harness.search.own_limits import ANSWERED, own_limit, rungs_of
 from harness.store.store import Store
 from harness.trajectory.parting import NOTHING, extent
 
-__all__ = ["AGREED_TRUTH", "agreements", "scenes_to_judge"]
-
 AGREED_TRUTH = "agreed limit"
 """What a case says of its truth where engines have to agree on it."""
 

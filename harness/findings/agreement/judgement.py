@@ -26,8 +26,6 @@ from harness.statistics.camps import camps
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
-__all__ = ["judged"]
-
 ROUNDING = 1e-6
 """Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
 for."""
@@ -129,7 +127,7 @@ def _in_camps(
         (side.engine, side.track): tuple(_letter(number) for number in camp)
         for side, camp in zip(known, camps(agree, widths), strict=True)
     }
-    sides = _voting([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
+    sides = _counted_tracks([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
     return replace(plain, sides=tuple(sides), differences=_differences(sides, plain, scene))
 
 
@@ -186,7 +184,7 @@ def _compare(first: _Known, second: _Known, scale: Extent, granted: float) -> _P
     return _Pair(float(distance[-1]), time, float(here.time[beyond[0]]) if len(beyond) else None, body)
 
 
-def _voting(sides: Sequence[Side]) -> list[Side]:
+def _counted_tracks(sides: Sequence[Side]) -> list[Side]:
     """Each engine's side that counts: the tuned one where it stands in a camp, else another one that does."""
     chosen: dict[str, Side] = {}
     for side in sorted(sides, key=lambda side: side.track != "tuned"):

@@ -12,15 +12,13 @@ from typing import Any
 import numpy as np
 
 from harness.case.alteration import UNDROPPED
-from harness.findings.agreement.beyond import horizon_of
+from harness.findings.agreement.perturbed_starts import horizon_of
 from harness.findings.agreement.values import Agreement
 from harness.findings.steps_taken import step_in_words, substeps_of
 from harness.search.own_limits import ANSWERED
 from harness.store.store import Store
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import angle_between
-
-__all__ = ["Omission", "omission_words", "omissions"]
 
 _NAMES = ("time", "p_WB", "q_WB")
 

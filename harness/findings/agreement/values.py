@@ -9,8 +9,6 @@ from harness.search.own_limits import OwnLimit
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.parting import Extent
 
-__all__ = ["Agreement", "Difference", "Side", "Word"]
-
 Word: TypeAlias = Literal["agrees", "converges elsewhere", "converges", "does not converge", "diverged", "cannot"]
 """'converges' alone where no limit is agreed that it could stand by or against."""
 

@@ -3,10 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.findings.agreement.beyond import LAWS, Balance, Outlook
+from harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook
 from harness.findings.agreement.values import Agreement, Side
-
-__all__ = ["beyond_words", "headline", "length", "metres", "scene_words", "share", "side_sentence", "side_words"]
 
 
 def share(value: float) -> str:

@@ -13,8 +13,6 @@ from harness.findings.steps_taken import substeps_of
 from harness.store.store import Store
 from harness.trial.ensemble import HELD
 
-__all__ = ["SHARE", "answer_changes"]
-
 SHARE = 0.01
 """Of the bound, or of the error where that is more: what changes by less decides no verdict; it shows in the third digit."""
 _RANK = {"passed": 0, "failed": 1, "diverged": 2, "crashed": 3, "oom": 3, "timeout": 3, "unsupported": 4, "unavailable": 5}

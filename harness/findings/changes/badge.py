@@ -4,8 +4,6 @@ from collections.abc import Collection
 
 from harness.findings.changes.values import ANSWERS, Changes
 
-__all__ = ["badge"]
-
 _LABEL = "plumbline"
 _WIDTH, _PADDING, _HEIGHT = 7, 12, 20
 """Pixels of a letter, around a word, and of all of it."""

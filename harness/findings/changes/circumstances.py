@@ -11,8 +11,6 @@ from harness.findings.steps_taken import substeps_of
 from harness.store.notices import StoredNotice
 from harness.store.store import Store
 
-__all__ = ["machine_changes", "setting_changes", "source_changes", "trial_changes", "version_changes", "warning_changes"]
-
 _MACHINE = ("processor", "cores", "memory_mb", "system", "python")
 
 

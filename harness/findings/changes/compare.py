@@ -22,8 +22,6 @@ from harness.store.journal import StoreError
 from harness.store.machine_fingerprint import machine_digest
 from harness.store.store import Store
 
-__all__ = ["compare"]
-
 
 def compare(store_a: Store, store_b: Store) -> Changes:
     """All that differs from `store_a` to `store_b`, heaviest first. Raises: StoreError."""

@@ -15,8 +15,6 @@ from harness.store.machine_fingerprint import machine_digest
 from harness.store.record import digest
 from harness.store.store import Store
 
-__all__ = ["asv", "bencher"]
-
 _COLUMNS = ["result", "params", "version", "started_at", "duration", "stats_ci_99_a", "stats_ci_99_b", "stats_q_25",
             "stats_q_75", "number", "repeat", "samples", "profile"]  # fmt: skip
 """In the order in which asv writes them; trailing ones may be left out of a row."""

@@ -13,8 +13,6 @@ from harness.findings.changes.values import Changes
 from harness.findings.changes.words import command, sentence
 from harness.store.store import Store
 
-__all__ = ["changes_files", "flat_rows"]
-
 
 def flat_rows(changes: Changes) -> list[dict[str, Any]]:
     """The rows as flat mappings, each with its sentence and its command."""

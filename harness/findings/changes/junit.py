@@ -11,8 +11,6 @@ from harness.findings.changes.words import command, sentence
 from harness.intake.safe_text import LONGEST_TEXT, readable, visible
 from harness.store.store import Store
 
-__all__ = ["junit"]
-
 
 def junit(changes: Changes, store: Store, gated: Collection[str] = ()) -> str:
     """The document. A case that has no answer on an engine is skipped; without gated engines, all of them count."""

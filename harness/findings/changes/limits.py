@@ -6,8 +6,6 @@ from harness.findings.changes.values import Change, Sense
 from harness.findings.limits_found import Search, searches
 from harness.store.store import Store
 
-__all__ = ["limit_changes", "moved_limits", "searched_by"]
-
 _ANSWERED = ("limit", "beyond the extreme", "not even the easiest")
 
 

@@ -11,10 +11,8 @@ from pathlib import PurePath
 from typing import Any
 
 from harness.case.own_titles import OWN
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.store.store import Store
-
-__all__ = ["Pair", "by_question", "matched", "requested", "scene_of", "where_of"]
 
 _ASKED = (
     "study", "experiment", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",

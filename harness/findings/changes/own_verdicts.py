@@ -7,8 +7,6 @@ from harness.findings.changes.matching import scene_of
 from harness.findings.changes.values import Change, Sense
 from harness.store.store import Store
 
-__all__ = ["changed_words", "own_verdict_changes"]
-
 _RANK: dict[Word, int] = {"agrees": 0, "converges elsewhere": 1, "does not converge": 2, "diverged": 3, "cannot": 4}
 """How far a word is from agreement. 'converges' alone is said where nothing is agreed: that is no fault of an engine."""
 

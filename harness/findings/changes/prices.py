@@ -33,8 +33,6 @@ from harness.statistics.student import percentile
 from harness.store.store import Store
 from harness.trajectory import Floats, Integers
 
-__all__ = ["FEWEST", "TOLD", "TOLD_OF_ALL", "clocked", "price_changes"]
-
 DRAWS = 400
 """Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""
 FEWEST = 8

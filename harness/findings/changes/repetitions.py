@@ -7,8 +7,6 @@ from harness.findings.changes.values import Change
 from harness.findings.tables.determinism import Agreement, agreements
 from harness.store.store import Store
 
-__all__ = ["agreements_by_cell", "lost_and_won", "repetition_changes"]
-
 _SAME, _DIFFERS = "bit-identical", "differs"
 
 

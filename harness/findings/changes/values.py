@@ -4,8 +4,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-__all__ = ["ANSWERS", "Beside", "Change", "Changes", "Kind", "Sense", "Side", "Value"]
-
 Kind = Literal[
     "verdict",
     "error",

@@ -6,8 +6,6 @@ from dataclasses import replace
 
 from harness.findings.changes.values import Change, Kind, Sense
 
-__all__ = ["heaviest_first"]
-
 _GRAVITY: tuple[tuple[Kind, Sense], ...] = (
     ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),
     ("price", "worse"),

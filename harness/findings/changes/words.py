@@ -11,8 +11,6 @@ from harness.findings.steps_taken import step_in_words
 from harness.metric.titles import metric_title
 from harness.study.engine_versions import asked
 
-__all__ = ["command", "command_in", "first_line", "folded", "headline", "one_a_side", "sentence", "titled"]
-
 _ORIGINS = {
     "adapter": "the adapter's source",
     "case": "the case's source",

@@ -10,8 +10,6 @@ from harness.findings.selection.rank import DRAWS, Rank, rank
 from harness.findings.selection.wish import Dropped, Wish
 from harness.store.store import Store
 
-__all__ = ["EXPRESSED", "Alone", "Answer", "choose"]
-
 EXPRESSED = "a scene that it can express"
 """What is asked of every engine, whatever else is: of the others in a run there is no answer that could be compared."""
 Alone = Literal["", "expresses", "left", "single"]

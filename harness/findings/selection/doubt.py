@@ -8,8 +8,6 @@ from harness.findings.selection.evidence import Evidence
 from harness.findings.selection.rank import scores
 from harness.findings.selection.wish import CRITERIA, Wish
 
-__all__ = ["Turn", "turns"]
-
 TIMES = 2.0
 
 

@@ -24,8 +24,6 @@ from harness.metric.titles import metric_title
 from harness.store.rows import records
 from harness.store.store import Store
 
-__all__ = ["BOUND", "DECADES", "Datum", "Evidence", "gather"]
-
 BOUND = "at most"
 """The verdict on a price that is none: the coarsest step that was run errs less already, so that it is an upper bound."""
 

@@ -10,8 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from harness.findings.selection.wish import CRITERIA, Wish
 from harness.intake.mendable import Mendable
 
-__all__ = ["Preset", "PresetError", "preset_names", "read_preset"]
-
 _FOLDER = Path(__file__).parent / "presets"
 
 Weight = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]

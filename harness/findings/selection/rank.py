@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from harness.findings.selection.evidence import Evidence
 from harness.findings.selection.wish import CRITERIA, Wish
 
-__all__ = ["APART", "DRAWS", "Place", "Rank", "rank", "scores"]
-
 Floats = NDArray[np.float64]
 
 DRAWS = 10_000

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
-__all__ = ["CRITERIA", "Dropped", "Wish"]
-
 CRITERIA: Mapping[str, str] = {
     "accuracy": "how far the worst check of a case is beyond its bound, at the case's own time step",
     "price": "what the error asked for costs, over the cheapest engine left",

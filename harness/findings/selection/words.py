@@ -8,8 +8,6 @@ from harness.findings.selection.doubt import Turn
 from harness.findings.selection.rank import Place
 from harness.findings.selection.wish import Dropped
 
-__all__ = ["FEW", "SENTENCES", "dropped_sentence", "headline", "turn_sentences", "undecided_sentence"]
-
 Titled = Callable[[str], str]
 """From a name to what people call it."""
 

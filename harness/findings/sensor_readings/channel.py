@@ -9,8 +9,6 @@ import numpy as np
 from harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
 from harness.trajectory import Floats
 
-__all__ = ["RAYS", "UNITS", "Channel", "channels", "rays_of"]
-
 RAYS = "rays"
 """The type, and the stream, of a case that casts rays of its own, without a sensor."""
 

@@ -21,8 +21,6 @@ from harness.findings.sensor_readings.noise import Noise, lost_share, spread, sp
 from harness.scene import DepthCamera
 from harness.trajectory import Floats
 
-__all__ = ["Levels", "depth_levels", "depth_noise", "depth_sigma"]
-
 BINS, LEAST = 16, 50
 """Stretches of depth of equally many pixels, and the fewest pixels of one."""
 CAUSES = ("occlusion", "shadow", "least_texture", "least_signal", "least_contrast")

@@ -21,13 +21,11 @@ from harness.findings.sensor_readings.lag import lag_by_law, lag_of
 from harness.findings.sensor_readings.noise import SILENT, Noise
 from harness.findings.sensor_readings.picture import Picture, first_picture
 from harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.scene import Lidar, Scene
 from harness.scene.file import parse
 from harness.store.journal import StoreError
 from harness.store.store import Store
-
-__all__ = ["SKETCHES", "Finding", "concerned", "findings"]
 
 MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
 

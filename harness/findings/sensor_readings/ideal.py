@@ -15,8 +15,6 @@ from harness.findings.sensor_readings.channel import Channel
 from harness.metric.series import maximum, root_mean_square
 from harness.trajectory import Floats
 
-__all__ = ["OTHER_SURFACE", "Errors", "ideal_errors"]
-
 OTHER_SURFACE = 0.1
 
 

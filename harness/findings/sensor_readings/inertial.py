@@ -19,8 +19,6 @@ from harness.scene import AxisNoise, Imu
 from harness.statistics.proportion import Z_95
 from harness.trajectory import Floats
 
-__all__ = ["Allan", "allan_curve", "inertial_noise"]
-
 LEAST = 96
 """Readings below which no Allan deviation is taken: ten octaves less than two would be left."""
 

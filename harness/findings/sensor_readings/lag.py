@@ -14,8 +14,6 @@ from harness.scene import WORLD, Effect, Imu, Scene
 from harness.trajectory import Floats
 from harness.trajectory.kinematics import product, rotate, rotate_back
 
-__all__ = ["lag_by_law", "lag_of"]
-
 LEAST = 16
 """Samples and readings below which no shift is sought."""
 STEADY = 1e-3

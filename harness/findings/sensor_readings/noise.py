@@ -9,8 +9,6 @@ import numpy as np
 from harness.statistics.proportion import Z_95, wilson_interval
 from harness.trajectory import Floats
 
-__all__ = ["SILENT", "Noise", "lost_share", "spread", "spread_interval"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Noise:

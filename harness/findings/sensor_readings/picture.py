@@ -7,8 +7,6 @@ import numpy as np
 from harness.findings.sensor_readings.channel import Channel
 from harness.trajectory import Floats
 
-__all__ = ["WIDEST", "Picture", "first_picture"]
-
 WIDEST = 240
 """Pixels of a picture's longer side."""
 

@@ -10,8 +10,6 @@ from harness.findings.sensor_readings.noise import Noise, lost_share, spread
 from harness.scene import Lidar, LidarNoise
 from harness.trajectory import Floats
 
-__all__ = ["Histogram", "range_histogram", "ranging_noise"]
-
 EDGES = np.linspace(-4.0, 4.0, 33)
 """Of a histogram, in standard deviations of the law."""
 CLEAR = 4.0

@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 if TYPE_CHECKING:
     from harness.store.store import Store
 
-__all__ = ["Table", "names", "sentences", "table"]
-
 
 class Table(Protocol):
     """What a module of this folder offers."""

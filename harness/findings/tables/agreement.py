@@ -5,7 +5,6 @@ What an engine errs at each step stands beside what that step costs, so that its
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import pandas as pd
@@ -25,65 +24,15 @@ from harness.findings.agreement import (
 from harness.findings.agreement.words import beyond_words, scene_words, side_sentence
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "Row", "brief", "rows", "sentences", "verdicts"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """One engine on one track.
-
-    Terms:
-        where: parameters, as JSON, if not the case's own. ours: is it our own engine, which has no vote? verdict: agrees,
-        converges elsewhere, converges (where no limit is agreed), does not converge, diverged, cannot; why: of the last three.
-        order: of convergence, None without one. bar: of its own limit, a share of the size; known_until [s]: up to there.
-        horizon [s]: up to there its last halving moves the answer by no more than a hundredth. camp: a letter, several where it
-        is undecided. votes: does it count for its engine? distance: of its limit from the agreed one, a share of the size;
-        since [s]: from then on beyond the bars. agreed: the camp whose limit is agreed on; agreed_until [s], agreed_bar: how
-        long and how well it is known. size [m]: of the largest whole that moves.
-        finding: the verdict in a sentence; summary: what is known of the scene, in sentences.
-        steps [s], errors, offs, costs, trials: of each run from coarse to fine; error: from the agreed limit, from the
-        engine's own where none is; off: of that limit; cost: CPU seconds per simulated second, None where it was not clocked.
-        left_out: kinds of elements that the user dropped and that the engine was also run with, '' where it was not.
-        omission [m], omission_turn [rad]: how far that moves any body up to omission_until [s]; None where it is not known.
-    """
-
-    case: str
-    where: str
-    engine: str
-    track: str
-    ours: bool
-    verdict: str
-    why: str
-    order: float | None
-    bar: float | None
-    known_until: float
-    horizon: float | None
-    camp: str
-    votes: bool
-    distance: float | None
-    since: float | None
-    agreed: str
-    agreed_until: float | None
-    agreed_bar: float | None
-    size: float
-    finding: str
-    summary: list[str]
-    steps: list[float]
-    errors: list[float | None]
-    offs: list[float | None]
-    costs: list[float | None]
-    trials: list[str]
-    left_out: str
-    omission: float | None
-    omission_turn: float | None
-    omission_until: float | None
-
-
-COLUMNS = tuple(field.name for field in fields(Row))
+COLUMNS = (
+    "case", "where", "engine", "track", "ours", "verdict", "why", "order", "bar", "known_until", "horizon", "camp",
+    "votes", "distance", "since", "agreed", "agreed_until", "agreed_bar", "size", "finding", "summary", "steps",
+    "errors", "offs", "costs", "trials", "left_out", "omission", "omission_turn", "omission_until",
+)  # fmt: skip
 BRIEF = ("scene", "engine", "track", "verdict", "order", "known to", "until", "horizon", "camp", "away", "cost, coarse to fine")
 
 
-def verdicts(store: Store) -> list[Row]:
+def _verdicts(store: Store) -> list[dict[str, Any]]:
     """One row for each engine and track of each scene without a truth."""
     if store.trials.empty or not scenes_to_judge(store):
         return []
@@ -121,47 +70,63 @@ def _row(
     finding: str,
     summary: list[str],
     lost: Omission | None,
-) -> Row:
+) -> dict[str, Any]:
+    """One engine on one track.
+
+    Terms:
+        where: parameters, as JSON, if not the case's own. ours: is it our own engine, which has no vote? verdict: agrees,
+        converges elsewhere, converges (where no limit is agreed), does not converge, diverged, cannot; why: of the last three.
+        order: of convergence, None without one. bar: of its own limit, a share of the size; known_until [s]: up to there.
+        horizon [s]: up to there its last halving moves the answer by no more than a hundredth. camp: a letter, several where it
+        is undecided. votes: does it count for its engine? distance: of its limit from the agreed one, a share of the size;
+        since [s]: from then on beyond the bars. agreed: the camp whose limit is agreed on; agreed_until [s], agreed_bar: how
+        long and how well it is known. size [m]: of the largest whole that moves.
+        finding: the verdict in a sentence; summary: what is known of the scene, in sentences.
+        steps [s], errors, offs, costs, trials: of each run from coarse to fine; error: from the agreed limit, from the
+        engine's own where none is; off: of that limit; cost: CPU seconds per simulated second, None where it was not clocked.
+        left_out: kinds of elements that the user dropped and that the engine was also run with, '' where it was not.
+        omission [m], omission_turn [rad]: how far that moves any body up to omission_until [s]; None where it is not known.
+    """
     limit, errors = side.limit, errors_of(store)
     known = [errors.get(rung.trial) for rung in limit.rungs]
     clocked = [costs.get(rung.trial) for rung in limit.rungs]
-    return Row(
-        case=agreement.case,
-        where=agreement.where,
-        engine=side.engine,
-        track=side.track,
-        ours=side.ours,
-        verdict=side.word,
-        why=side.why,
-        order=None if limit.said is None else limit.said.order,
-        bar=limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None,
-        known_until=limit.until,
-        horizon=None if limit.said is None else limit.said.horizon,
-        camp=" ".join(side.camps),
-        votes=side.votes,
-        distance=side.distance,
-        since=side.since,
-        agreed=agreement.agreed,
-        agreed_until=agreement.until if agreement.agreed else None,
-        agreed_bar=agreement.bar,
-        size=agreement.scale.largest,
-        finding=finding,
-        summary=summary,
-        steps=[rung.dt for rung in limit.rungs],
-        errors=[None if each is None else each.error for each in known],
-        offs=[None if each is None else each.off for each in known],
-        costs=[None if each is None or pd.isna(each) else float(each) for each in clocked],
-        trials=[rung.trial for rung in limit.rungs],
-        left_out="" if lost is None else " ".join(lost.kinds),
-        omission=None if lost is None else lost.position,
-        omission_turn=None if lost is None else lost.angle,
-        omission_until=None if lost is None or lost.position is None else lost.until,
-    )
+    return {
+        "case": agreement.case,
+        "where": agreement.where,
+        "engine": side.engine,
+        "track": side.track,
+        "ours": side.ours,
+        "verdict": side.word,
+        "why": side.why,
+        "order": None if limit.said is None else limit.said.order,
+        "bar": limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None,
+        "known_until": limit.until,
+        "horizon": None if limit.said is None else limit.said.horizon,
+        "camp": " ".join(side.camps),
+        "votes": side.votes,
+        "distance": side.distance,
+        "since": side.since,
+        "agreed": agreement.agreed,
+        "agreed_until": agreement.until if agreement.agreed else None,
+        "agreed_bar": agreement.bar,
+        "size": agreement.scale.largest,
+        "finding": finding,
+        "summary": summary,
+        "steps": [rung.dt for rung in limit.rungs],
+        "errors": [None if each is None else each.error for each in known],
+        "offs": [None if each is None else each.off for each in known],
+        "costs": [None if each is None or pd.isna(each) else float(each) for each in clocked],
+        "trials": [rung.trial for rung in limit.rungs],
+        "left_out": "" if lost is None else " ".join(lost.kinds),
+        "omission": None if lost is None else lost.position,
+        "omission_turn": None if lost is None else lost.angle,
+        "omission_until": None if lost is None or lost.position is None else lost.until,
+    }
 
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS; what has a value for each run is JSON, as in the table of trials."""
-    return [{name: json.dumps(v) if isinstance(v, list) else v for name, v in asdict(row).items()} for row in verdicts(store)]
+    return [{name: json.dumps(v) if isinstance(v, list) else v for name, v in row.items()} for row in _verdicts(store)]
 
 
 def brief(row: Mapping[str, Any]) -> list[object]:

@@ -20,8 +20,6 @@ from harness.store.journal import NotKept
 from harness.store.store import Store
 from harness.trajectory import Floats
 
-__all__ = ["BRIEF", "COLUMNS", "FIRST", "Agreement", "agreements", "brief", "broken", "parting", "rows", "sentences"]
-
 STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
 FIRST = "first"
 """The run that the others are compared with."""

@@ -14,7 +14,7 @@ from typing import Any
 import pandas as pd
 
 from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from harness.search.dominance import MAYBE, kept_parameters
 from harness.statistics.ratio import Ratio
@@ -22,8 +22,6 @@ from harness.store.rows import records
 from harness.store.store import Store
 from harness.study.one_knob import OPTION, Turn, turn_between
 from harness.study.stored_study import experiments_of
-
-__all__ = ["BRIEF", "COLUMNS", "DOMINATED", "EXCUSED", "IDLE", "Change", "brief", "changes", "rows", "sentences", "unexcused"]
 
 DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""

@@ -7,7 +7,6 @@ farthest is from its place. A line through it says whether it only swings or has
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -18,11 +17,10 @@ from harness.metrics.energy import energy_change
 from harness.scene.file import parse
 from harness.statistics.order import fit_slope
 from harness.store.journal import NotKept
+from harness.store.rows import records
 from harness.store.store import Store
 from harness.trajectory import Floats, Trajectory
 from harness.trajectory.kinematics import movable
-
-__all__ = ["BRIEF", "COLUMNS", "LONG", "Drift", "brief", "drifts", "rows", "sentences"]
 
 LONG = 100_000
 """Steps from which a run is a long one."""
@@ -31,83 +29,58 @@ EXACT = 1e-9
 """Changes over a whole run, in the quantity's unit, below which nothing has happened: rounding, added up."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Drift:
-    """What became of one quantity in a long run.
+_OF_RUN = ("case", "engine", "track", "dt", "steps")
+_OF_FIT = ("quantity", "unit", "slope", "low", "high", "swing", "change", "verdict")
+_OUTCOME = ("status", "reason", "trial")
+COLUMNS = columns_with_substeps([*_OF_RUN, *_OF_FIT, *_OUTCOME])
+
+
+def rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows with COLUMNS, one for each long run.
 
     Terms:
         quantity: 'energy', as a share of that in play, or 'place' [m]. slope, low, high: per second, with the 95 % interval.
         swing: of the series about that line. change: over the whole run. verdict: 'bounded', 'gains', 'loses' (a secular
         trend), 'still' (no change at all), or the status of a run without an answer.
     """
-
-    case: str
-    engine: str
-    track: str
-    dt: float
-    steps: int
-    quantity: str
-    unit: str
-    slope: float | None
-    low: float | None
-    high: float | None
-    swing: float | None
-    change: float | None
-    verdict: str
-    status: str
-    reason: str
-    trial: str
-
-
-COLUMNS = columns_with_substeps([field.name for field in fields(Drift)])
-
-
-def drifts(store: Store) -> list[Drift]:
-    """A row for each long run."""
     plain = store.asked
     duration = {name: float(store.described("cases", name)["duration"]) for name in plain["case"].unique()}
-    long = plain[[duration[row.case] / row.dt >= LONG for row in plain.itertuples()]]
-    return [_drift(store, row) for row in long.itertuples()]
+    long = [row for row in records(plain) if duration[row["case"]] / row["dt"] >= LONG]
+    return with_substeps(
+        store,
+        (
+            {name: row[name] for name in _OF_RUN}
+            | dict.fromkeys(_OF_FIT)
+            | {"quantity": "", "unit": ""}
+            | _trend(store, row)
+            | {name: row[name] for name in _OUTCOME}
+            for row in long
+        ),
+    )
 
 
-def _drift(store: Store, row: Any) -> Drift:
-    same: dict[str, Any] = {
-        "case": row.case,
-        "engine": row.engine,
-        "track": row.track,
-        "dt": float(row.dt),
-        "steps": int(row.steps),
-        "status": row.status,
-        "reason": row.reason,
-        "trial": row.trial,
-    }
-    nothing: dict[str, Any] = {"slope": None, "low": None, "high": None, "swing": None, "change": None}
-    if row.status not in ("passed", "failed"):
-        return Drift(**same, **nothing, quantity="", unit="", verdict=row.status)
-    rests = store.described("cases", row.case)["truth"] == "rest"
+def _trend(store: Store, row: Mapping[str, Any]) -> dict[str, Any]:
+    """What became of a run's quantity: the columns of `_OF_FIT` that are known."""
+    if row["status"] not in ("passed", "failed"):
+        return {"verdict": row["status"]}
+    rests = store.described("cases", row["case"])["truth"] == "rest"
     try:
-        quantity, time, series = _series(store.trajectory(row.trajectory_hash), rests)
+        quantity, time, series = _series(store.trajectory(row["trajectory_hash"]), rests)
     except NotKept:
-        return Drift(**same, **nothing, quantity="", unit="", verdict="not kept")
+        return {"verdict": "not kept"}
+    measured = {"quantity": quantity, "unit": UNITS[quantity]}
     fit = fit_slope(time.tolist(), series.tolist()) if np.isfinite(series).all() else None
     if fit is None:
-        return Drift(**same, **nothing, quantity=quantity, unit=UNITS[quantity], verdict="too short")
-    change = fit.slope * float(time[-1] - time[0])
-    if float(np.ptp(series)) < EXACT:
-        verdict = "still"
-    else:
-        verdict = ("gains" if fit.slope > 0 else "loses") if fit.secular else "bounded"
-    return Drift(
-        **same,
-        quantity=quantity,
-        unit=UNITS[quantity],
-        slope=fit.slope,
-        low=fit.low,
-        high=fit.high,
-        swing=fit.swing,
-        change=change,
-        verdict=verdict,
-    )
+        return measured | {"verdict": "too short"}
+    trend = ("gains" if fit.slope > 0 else "loses") if fit.secular else "bounded"
+    return measured | {
+        "slope": fit.slope,
+        "low": fit.low,
+        "high": fit.high,
+        "swing": fit.swing,
+        "change": fit.slope * float(time[-1] - time[0]),
+        "verdict": "still" if float(np.ptp(series)) < EXACT else trend,
+    }
 
 
 def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
@@ -126,11 +99,6 @@ def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
     start = np.array([scene.bodies[index].p_WB for index in moved])
     away: Floats = np.linalg.norm(run.p_WB[:, moved] - start, axis=2).max(axis=1)
     return "place", run.time[first:], away[first:]
-
-
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return with_substeps(store, (asdict(drift) for drift in drifts(store)))
 
 
 BRIEF = ("case", "engine", "steps", "quantity", "per second", "over the run", "swings by", "verdict")

@@ -20,21 +20,10 @@ from harness.findings.effects_audit import (
     scenes_of,
 )
 from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from harness.findings.where import differing, in_words
+from harness.findings.variant_of import differing, in_words
 from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from harness.statistics.ratio import Ratio
 from harness.store.store import Store
-
-__all__ = [
-    "BRIEF",
-    "COLUMNS",
-    "Verdict",
-    "brief",
-    "rows",
-    "sentences",
-    "verdicts",
-    "verdicts_if_described",
-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

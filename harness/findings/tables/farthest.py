@@ -8,8 +8,6 @@ from harness.findings.leads import Reach, reaches
 from harness.findings.limits_found import amount, searches
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 COLUMNS = tuple(field.name for field in fields(Reach))
 
 

@@ -7,8 +7,6 @@ from harness.scene.importers import fidelity
 from harness.store.imported_scenes import fidelity_of
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 COLUMNS = ("robot", *fidelity.COLUMNS)
 BRIEF = ("robot", *fidelity.BRIEF)
 

@@ -9,8 +9,6 @@ from harness.findings.limits_found import searches
 from harness.findings.priced import priced
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 COLUMNS = tuple(field.name for field in fields(Lead))
 
 

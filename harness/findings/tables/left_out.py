@@ -5,8 +5,6 @@ from typing import Any
 
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 COLUMNS = ("experiment", "case", "trials", "why", "last_seen", "foreseen")
 
 

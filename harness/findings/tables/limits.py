@@ -8,8 +8,6 @@ from harness.findings.leads import REFERENCE
 from harness.findings.limits_found import Search, amount, searches
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("beside", "remedy", "remedied", "holds"))
 
 

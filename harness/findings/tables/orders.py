@@ -15,11 +15,9 @@ from typing import Any, Literal
 import pandas as pd
 
 from harness.findings.integrators import called
-from harness.findings.where import in_words, other_values
+from harness.findings.variant_of import in_words, other_values
 from harness.statistics.order import Order, falls_short, fit_order
 from harness.store.store import Store
-
-__all__ = ["BRIEF", "COLUMNS", "Convergence", "brief", "convergences", "rows", "sentences", "verdict"]
 
 Verdict = Literal["kept", "broken", "exact", "open", "none"]
 

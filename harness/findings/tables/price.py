@@ -11,8 +11,6 @@ from harness.findings.prices import Price
 from harness.findings.steps_taken import step_in_words
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 COLUMNS = tuple(field.name for field in fields(Price))
 
 

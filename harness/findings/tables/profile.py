@@ -5,16 +5,14 @@ the price list, over the cheapest of such engines. The reference engine stands b
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 from harness.findings.leads import REFERENCE
 from harness.findings.priced import priced
 from harness.findings.prices import PER_SECOND, Price
 from harness.store.store import Store
-
-__all__ = ["BRIEF", "COLUMNS", "FACTOR", "TIME", "Share", "brief", "hinges", "profile", "rows", "sentences", "without"]
 
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""
@@ -24,13 +22,25 @@ SECONDS = tuple(10.0**k for k in range(-7, 3))
 """CPU seconds per simulated second; 1 is real time."""
 
 
+class Scene(NamedTuple):
+    """A case at one set of parameters; where: these in words, '' where the case has one set."""
+
+    case: str
+    where: str
+
+    @property
+    def words(self) -> str:
+        """'friction_slip_to_roll speed 5.5'."""
+        return f"{self.case} {self.where}".strip()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Share:
     """How much an engine answers within a limit.
 
     Terms:
         limit: FACTOR or TIME, within: its value. share: of the pairs. low, high: the least and
-        the greatest share when one case is left out, and without_low, without_high: which one. pairs: how many were put to it.
+        the greatest share when one scene is left out, and without_low, without_high: which one. pairs: how many were put to it.
     """
 
     engine: str
@@ -39,8 +49,8 @@ class Share:
     share: float
     low: float
     high: float
-    without_low: str
-    without_high: str
+    without_low: Scene
+    without_high: Scene
     pairs: int
 
 
@@ -63,15 +73,15 @@ def profile(prices: Sequence[Price]) -> list[Share]:
             cost = [mine[pair].ratio if limit == FACTOR else mine[pair].cost for pair in timely]
             for within in values:
                 done = [value is not None and value <= within * (1 + 1e-12) for value in cost]
-                shares.append(_share(engine, limit, within, [f"{case} {where}".strip() for case, where, _ in timely], done))
+                shares.append(_share(engine, limit, within, [Scene(case, where) for case, where, _ in timely], done))
     return [share for share in shares if share.pairs]
 
 
-def _share(engine: str, limit: str, within: float, cases: Sequence[str], done: Sequence[bool]) -> Share:
-    put, answered = Counter(cases), Counter(case for case, its in zip(cases, done, strict=True) if its)
-    left = {case: (sum(done) - answered[case]) / (len(done) - count) for case, count in put.items() if count < len(done)}
+def _share(engine: str, limit: str, within: float, scenes: Sequence[Scene], done: Sequence[bool]) -> Share:
+    put, answered = Counter(scenes), Counter(scene for scene, its in zip(scenes, done, strict=True) if its)
+    left = {scene: (sum(done) - answered[scene]) / (len(done) - count) for scene, count in put.items() if count < len(done)}
     share = sum(done) / len(done) if done else 0.0
-    least, most = min(left, key=lambda case: left[case], default=""), max(left, key=lambda case: left[case], default="")
+    least, most = (extreme(left, key=lambda scene: left[scene], default=Scene("", "")) for extreme in (min, max))
     return Share(
         engine=engine,
         limit=limit,
@@ -87,7 +97,12 @@ def _share(engine: str, limit: str, within: float, cases: Sequence[str], done: S
 
 def rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
-    return [asdict(share) for share in profile(priced(store).prices)]
+    return list(map(flat, profile(priced(store).prices)))
+
+
+def flat(share: Share) -> dict[str, Any]:
+    """A share with COLUMNS: scenes in words."""
+    return asdict(share) | {"without_low": share.without_low.words, "without_high": share.without_high.words}
 
 
 BRIEF = ("engine", "within", "", "share", "least, without", "most, without")
@@ -105,35 +120,35 @@ def brief(row: Mapping[str, Any]) -> list[object]:
     ]
 
 
-def hinges(shares: Sequence[Share]) -> list[Share]:
-    """For each engine and limit the share that depends most on one case."""
-    widest: dict[tuple[str, str], Share] = {}
-    for share in shares:
-        key = (share.engine, share.limit)
-        if key not in widest or swing(share) > swing(widest[key]):
-            widest[key] = share
-    return [share for share in widest.values() if swing(share) > 0]
+def hinges(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """For each engine and limit the share that depends most on one scene, as a row."""
+    widest: dict[tuple[str, str], Mapping[str, Any]] = {}
+    for row in rows:
+        key = (row["engine"], row["limit"])
+        if key not in widest or swing(row) > swing(widest[key]):
+            widest[key] = row
+    return [row for row in widest.values() if swing(row) > 0]
 
 
-def swing(share: Share) -> float:
-    """By how much leaving one case out changes a share at most."""
-    return max(share.share - share.low, share.high - share.share)
+def swing(row: Mapping[str, Any]) -> float:
+    """By how much leaving one scene out changes a share at most."""
+    return float(max(row["share"] - row["low"], row["high"] - row["share"]))
 
 
-def without(share: Share) -> tuple[str, float]:
-    """The case on which a share hangs most, and what it would be without it."""
-    least = share.share - share.low > share.high - share.share
-    return (share.without_low, share.low) if least else (share.without_high, share.high)
+def without(row: Mapping[str, Any]) -> tuple[Any, float]:
+    """The scene on which a share hangs most, as the row has it, and what the share would be without it."""
+    least = row["share"] - row["low"] > row["high"] - row["share"]
+    return (row["without_low"], row["low"]) if least else (row["without_high"], row["high"])
 
 
 def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
     lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
-    for share in hinges([Share(**row) for row in rows if row["limit"] == FACTOR and row["engine"] != REFERENCE]):
-        case, other = without(share)
-        limit = "at the lowest price" if share.within == 1 else f"within {share.within:g} times the lowest price"
+    for row in hinges(row for row in rows if row["limit"] == FACTOR and row["engine"] != REFERENCE):
+        engine, (scene, other) = row["engine"], without(row)
+        limit = "at the lowest price" if row["within"] == 1 else f"within {row['within']:g} times the lowest price"
         lines.append(
-            f"{share.engine} depends most on {case}: without it, it answers {other:.0%} instead of {share.share:.0%} {limit}."
+            f"{engine} depends most on {scene}: without it, it answers {other:.0%} instead of {row['share']:.0%} {limit}."
         )
     return lines

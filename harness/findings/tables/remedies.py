@@ -2,16 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import pandas as pd
 
 from harness.findings.limits_found import Search, amount, searches
 from harness.store.store import Store
 from harness.trial.ensemble import HELD
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-__all__ = ["BRIEF", "COLUMNS", "Remedied", "brief", "remedied", "rows"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

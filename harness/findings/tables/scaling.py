@@ -22,18 +22,10 @@ from harness.findings.emulations import share_in_words
 from harness.findings.parameter_words import called, said
 from harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
 from harness.findings.steps_taken import with_substeps
-from harness.findings.where import differing, other_values
+from harness.findings.variant_of import differing, other_values
 from harness.statistics.order import FEWEST
 from harness.statistics.ratio import Ratio
 from harness.store.store import Store
-
-__all__ = [
-    "BRIEF",
-    "COLUMNS",
-    "Scaling",
-    "brief",
-    "rows",
-]
 
 CLOCKED = {
     "work": "step alone",

@@ -14,8 +14,6 @@ from harness.findings.sensor_readings.noise import Noise
 from harness.findings.steps_taken import columns_with_substeps, with_substeps
 from harness.store.store import Store
 
-__all__ = ["BRIEF", "COLUMNS", "brief", "rows", "sentences"]
-
 OF_NOISE = tuple(field.name for field in fields(Noise) if field.name not in ("count", "why"))
 
 

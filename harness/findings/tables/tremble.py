@@ -35,8 +35,6 @@ from harness.findings.steps_taken import step_in_words, with_substeps
 from harness.store.store import Store
 from harness.study.stored_study import departures_of
 
-__all__ = ["BRIEF", "CAUSES", "CHANGES", "COLUMNS", "CURED", "Finding", "Run", "attribute", "brief", "findings", "rows"]
-
 CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
 CHANGES = ("iterations", "law", "softer", "step", "product")
 FALLEN = 0.5

@@ -12,8 +12,6 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-__all__ = ["Finding", "FindingError", "Kind", "read_finding"]
-
 Kind = Literal["bug", "trap", "limit"]
 """bug: against what the vendor documents, or the format read; trap: documented, or told, and easily fallen into; limit: the
 method's."""

@@ -4,8 +4,6 @@ import platform
 
 from harness.findings.vendor.still_there import Standing
 
-__all__ = ["issue_text"]
-
 _ASKED = {
     "bug": "Expected is what the documentation, or the format, says:",
     "trap": "This follows from what is documented; it is reported since it is easily missed. Documented is:",

@@ -5,8 +5,6 @@ from pathlib import Path
 
 from harness.findings.vendor.finding import Finding, FindingError, read_finding
 
-__all__ = ["FOLDER", "chosen", "shelf"]
-
 FOLDER = Path(__file__).resolve().parents[3] / "findings"
 """Where the scripts lie, a folder an engine."""
 

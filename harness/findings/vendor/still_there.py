@@ -10,8 +10,6 @@ from typing import Literal
 
 from harness.findings.vendor.finding import Finding
 
-__all__ = ["SECONDS", "Standing", "Verdict", "ask", "ask_all"]
-
 SECONDS = 60.0
 """After which a script counts as hung: six times what one may take on a machine that does nothing else."""
 

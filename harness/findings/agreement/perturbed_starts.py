@@ -1,0 +1,161 @@
+"""What stays defined beyond the horizon: what each run shows of itself, and means over ensembles of perturbed starts.
+
+Where neighbouring runs part, no pose can be right or wrong. Laws can: energy is not won from nothing, joints hold, bodies do
+not share space, contacts push and do not pull. Each is judged by the hundredth that poses are judged by, of what it is
+measured in: the energy in play, the size of what moves, the weight. And means over starts can be compared, with their
+intervals.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from harness.findings.agreement.values import Agreement
+from harness.findings.steps_taken import substeps_of
+from harness.scene import Scene
+from harness.scene.file import parse
+from harness.search.own_limits import ANSWERED, TOLERANCE, place_of
+from harness.search.refined_ladder import start_name
+from harness.statistics.student import Mean, mean_of
+from harness.store.store import Store
+from harness.trajectory import Floats
+from harness.trajectory.kinematics import movable, rotate_back
+from harness.trajectory.parting import Extent
+
+LAWS: Mapping[str, str] = {
+    "energy_gain_max": "energy won",
+    "angular_momentum_drift_max": "angular momentum lost",
+    "joint_gap_max": "joint gap",
+    "limit_overshoot_max": "beyond joint limits",
+    "penetration": "depth",
+    "signorini_residual": "contacts that pull",
+    "cone_residual": "friction beyond its cone",
+    "dissipation_residual": "friction off its direction",
+}
+"""Metrics, and what they are called in a sentence."""
+OBSERVED = ("signorini_residual", "cone_residual", "dissipation_residual")
+"""Shown and not judged: a blow is thousands of weights within a step, and a ten-thousandth of it more than a hundredth of
+one."""
+LENGTHS = ("joint_gap_max", "penetration")
+"""Measured in metres: what they are a share of is the size of what moves."""
+LAST = 0.1
+"""Of the run: at its end things are at rest or not."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Balance:
+    """One law in the finest run of an engine. Terms: value: as a share of the energy in play, the size or the weight; radians
+    where it is an angle. holds: is it within a hundredth? None where that is not asked."""
+
+    case: str
+    engine: str
+    track: str
+    law: str
+    value: float
+    holds: bool | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outlook:
+    """What an engine's perturbed starts come to beyond the horizon, as means with intervals.
+
+    Terms:
+        since [s]: the horizon. starts: how many. dt [s], and the sub-steps that it was taken in. speed: root mean square of the
+        bodies' speed [sizes per second]. height: of the common centre of mass above its start [sizes]. spread: root mean square
+        distance of bodies from it [sizes]. last_speed: as speed, over the last tenth of the run.
+    """
+
+    case: str
+    engine: str
+    track: str
+    since: float
+    starts: int
+    dt: float
+    substeps: int
+    speed: Mean
+    height: Mean
+    spread: Mean
+    last_speed: Mean
+
+
+def horizon_of(agreement: Agreement) -> float:
+    """The time [s] from which poses say nothing any more: where the last limit of a side ends that is known at all."""
+    return agreement.until if agreement.limit is not None else max((side.limit.until for side in agreement.sides), default=0.0)
+
+
+def balances(store: Store, agreement: Agreement) -> list[Balance]:
+    """The laws that could be measured, in each side's finest run that answered."""
+    table = store.measurements
+    largest = float(agreement.scale.size.min(initial=np.inf))
+    measured = []
+    for side in agreement.sides:
+        answered = [rung for rung in side.limit.rungs if rung.run is not None]
+        mine = table[table["trial"] == answered[-1].trial] if answered else table[:0]
+        for row in mine.to_dict("records"):
+            value = float(row["value"])
+            if row["metric"] in LAWS and np.isfinite(value):
+                share = value / largest if row["metric"] in LENGTHS else value
+                measured.append(
+                    Balance(
+                        case=agreement.case, engine=side.engine, track=side.track, law=str(row["metric"]), value=share,
+                        holds=None if row["metric"] in OBSERVED else share <= TOLERANCE,
+                    )
+                )  # fmt: skip
+    return measured
+
+
+def outlooks(store: Store, agreement: Agreement) -> list[Outlook]:
+    """What ensembles come to, of each side that was run from perturbed starts."""
+    trials = store.trials
+    names = trials["alteration"].str.contains(f'"name": "{start_name(1)[:-1]}', regex=False)
+    rows = trials[(trials["case"] == agreement.case) & names & trials["status"].isin(ANSWERED)]
+    since, ensembles = horizon_of(agreement), []
+    for (engine, track), members in rows.groupby(["engine", "track"], sort=False):
+        runs = [store.trajectory(name) for name in members["trajectory_hash"]]
+        scene = parse(str(runs[0]["scene"]), "scene.json")
+        numbers = [_numbers(run, scene, agreement.scale, since) for run in runs]
+        ensembles.append(
+            Outlook(
+                case=agreement.case,
+                engine=str(engine),
+                track=str(track),
+                since=since,
+                starts=len(runs),
+                dt=float(members["dt"].iloc[0]),
+                substeps=substeps_of(str(members["resolved"].iloc[0])),
+                **{name: mean_of([each[name] for each in numbers]) for name in ("speed", "height", "spread", "last_speed")},
+            )
+        )
+    return ensembles
+
+
+def _numbers(run: Mapping[str, Any], scene: Scene, scale: Extent, since: float) -> dict[str, float]:
+    """The statistics of one run."""
+    places, time = movable(scene), run["time"]
+    size = scale.largest
+    mass = np.array([scene.bodies[index].mass for index in places.tolist()])
+    share = mass / mass.sum()
+    start, end = place_of(time, since), place_of(time, float(time[-1]) * (1 - LAST))
+    speed = _speeds(run, scene, places.tolist(), share)
+    centre = np.einsum("i,tij->tj", share, run["p_WB"][:, places])
+    up = -np.array(scene.gravity) / max(float(np.linalg.norm(scene.gravity)), 1e-300)
+    off = np.linalg.norm(run["p_WB"][:, places] - centre[:, None], axis=-1)
+    return {
+        "speed": float(np.sqrt(np.mean(speed[start:]))) / size,
+        "height": float(np.mean((centre[start:] - centre[0]) @ up)) / size,
+        "spread": float(np.sqrt(np.mean(off[start:] ** 2 @ share))) / size,
+        "last_speed": float(np.sqrt(np.mean(speed[end:]))) / size,
+    }
+
+
+def _speeds(run: Mapping[str, Any], scene: Scene, places: Sequence[int], share: Floats) -> Floats:
+    """Twice the kinetic energy over the mass, (t,) m2/s2: turning counts as it does in energy."""
+    total = np.zeros(len(run["time"]))
+    for weight, index in zip(share, places, strict=True):
+        body = scene.bodies[index]
+        w_B = rotate_back(run["q_WB"][:, index], run["w_WB"][:, index])
+        total += weight * np.sum(run["v_WB"][:, index] ** 2, axis=1)
+        total += weight / body.mass * np.einsum("ti,ij,tj->t", w_B, np.array(body.inertia), w_B)
+    return total

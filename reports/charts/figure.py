@@ -1,0 +1,177 @@
+"""A figure: one Vega-Lite specification with its static SVG, its words and the table of what it draws."""
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from textwrap import wrap
+from typing import Any
+
+from markupsafe import Markup
+
+from reports.charts.compact import new_words, shown_rows, shown_spec
+from reports.charts.still_legend import NAMED, with_legend
+
+POINTS = 2000
+"""Most points of one series that are drawn."""
+
+VEGA_LITE = "6.4"
+"""The version that charts are said in, vl-convert draws and the page's bundle reads."""
+
+LIGHT: dict[str, Any] = {
+    "background": "#ffffff",
+    "font": "system-ui, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif",
+    "view": {"stroke": "#d5d9e0"},
+    "axis": {
+        "gridColor": "#e9ecf1",
+        "domainColor": "#9aa3b0",
+        "tickColor": "#9aa3b0",
+        "labelColor": "#4a5361",
+        "titleColor": "#1d232c",
+        "titleFontWeight": 500,
+        "labelFontSize": 11,
+        "titleFontSize": 12,
+        "labelSeparation": 5,
+    },
+    "legend": {"labelColor": "#1d232c", "titleColor": "#4a5361", "titleFontWeight": 500, "labelFontSize": 12},
+}
+"""Colours and fonts of static charts; the page's script has the same for the dark scheme."""
+
+LETTER = 0.6 * LIGHT["axis"]["titleFontSize"]
+"""Pixels of a letter of a title: in the widest of the titles of all metrics one takes 0.598 of the size of the letters."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A chart on a page.
+
+    Terms:
+        name: the file `charts/<name>.svg`, unique in the report. title, caption: in words, what is drawn, in two lines at most;
+        how: how to read it, behind a fold; '' without.
+        spec: Vega-Lite with its data inside. columns: headings of the table below it; rows: its cells, as drawn. after: the
+        figure before it on the same page whose trials it shows too, and whose words it does not say again.
+    """
+
+    name: str
+    title: str
+    caption: str
+    spec: dict[str, Any]
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+    how: str = ""
+    after: "Figure | None" = None
+
+    @property
+    def path(self) -> str:
+        """The static picture, relative to the report."""
+        return f"charts/{self.name}.svg"
+
+    @property
+    def shown(self) -> Markup:
+        """The specification as the page's script reads it."""
+        return shown_spec(self.spec) if self.after is None else shown_spec(self.spec, self.after._said, self.after.name)
+
+    @cached_property
+    def _said(self) -> Sequence[str]:
+        """The words that a page has once it has shown this and what it comes after."""
+        known = self.after._said if self.after is not None else ()
+        return (*known, *new_words(self.spec, known))
+
+    def _finished(self, width: int) -> dict[str, Any]:
+        """The specification for a picture that nobody hovers over, and whose words stand beside it."""
+        shown = _still(self.spec) | {"width": width}
+        if "layer" in shown:
+            shown["layer"] = [_still(layer) for layer in shown["layer"]]
+        rows = shown_rows(shown)
+        spec = with_legend(
+            deepcopy({key: value for key, value in shown.items() if key != "datasets"}) | {"datasets": rows}, width
+        )
+        # Numbers are cut nowhere. What has no limit is not measured: here and in the legend together a seventh of a drawing.
+        still = {"axis": LIGHT["axis"] | {"labelLimit": 0}, "aria": False}
+        config = LIGHT | still | {"legend": LIGHT["legend"] | self.spec.get("config", {}).get("legend", {})}
+        return spec | {"config": config}
+
+    @cached_property
+    def svg(self) -> str:
+        """The static picture, drawn without a browser; stands in for the chart in print and where scripts are off."""
+        import vl_convert  # late: it brings a JavaScript engine
+
+        drawn: str = vl_convert.vegalite_to_svg(self._finished(640), vl_version=VEGA_LITE, allowed_base_urls=[])
+        return _numbered(drawn) + self._mark
+
+    @cached_property
+    def _mark(self) -> str:
+        """What a picture ends with: by what it was drawn, and a digest of all that it shows."""
+        drawn = json.dumps([version("vl-convert-python"), VEGA_LITE, "frames by number", self._finished(640)], sort_keys=True)
+        return f"<!-- {hashlib.sha256(drawn.encode()).hexdigest()[:20]} -->"
+
+    def kept(self, report: Path) -> str:
+        """The same picture from an earlier report of the folder, where it is whole."""
+        with suppress(OSError, UnicodeDecodeError):
+            text = (report / self.path).read_bytes().decode()
+            if text.endswith(self._mark):
+                return text
+        return self.svg
+
+    def drawn(self, form: str, width: int = 640) -> bytes:
+        """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""
+        import vl_convert
+
+        spec = _fitted(self._finished(width), width)
+        if form == "svg":
+            text: str = vl_convert.vegalite_to_svg(spec, vl_version=VEGA_LITE, allowed_base_urls=[])
+            return _numbered(text).encode()
+        if form == "pdf":
+            return bytes(vl_convert.vegalite_to_pdf(spec, vl_version=VEGA_LITE, allowed_base_urls=[]))
+        return bytes(vl_convert.vegalite_to_png(spec, vl_version=VEGA_LITE, allowed_base_urls=[], scale=2.0))
+
+
+CLIP = re.compile(r'(?<=id="clip)\d+|(?<=url\(#clip)\d+')
+
+
+def _numbered(svg: str) -> str:
+    """A picture with its frames numbered by itself: they come numbered by what the process had drawn before."""
+    numbers: dict[str, int] = {}
+    return CLIP.sub(lambda found: str(numbers.setdefault(found[0], len(numbers))), svg)
+
+
+def _still(part: Mapping[str, Any]) -> dict[str, Any]:
+    """A specification, or a layer of one, without what hovering shows."""
+    if "encoding" not in part:
+        return dict(part)
+    return dict(part) | {"encoding": {name: value for name, value in part["encoding"].items() if name != "tooltip"}}
+
+
+def thin(rows: Sequence[dict[str, Any]], x: str, y: str, limit: int = POINTS) -> list[dict[str, Any]]:
+    """At most `limit` rows that draw the same outline: smallest and largest y of each of limit / 2 stretches along x."""
+    if len(rows) <= limit:
+        return list(rows)
+    ordered = sorted(rows, key=lambda row: (row[x], row[y]))
+    stretches = limit // 2
+    kept: list[dict[str, Any]] = []
+    for k in range(stretches):
+        stretch = ordered[k * len(ordered) // stretches : (k + 1) * len(ordered) // stretches]
+        low, high = min(stretch, key=lambda row: row[y]), max(stretch, key=lambda row: row[y])
+        kept += [low] if low is high else sorted((low, high), key=lambda row: (row[x], row[y]))
+    return kept
+
+
+def _fitted(spec: dict[str, Any], width: int) -> dict[str, Any]:
+    """The same for a column: titles that are longer than their axis on several lines, names of the legend cut to the frame,
+    and no higher than four fifths of the width, which leaves room for a caption."""
+    height = min(int(spec.get("height", width)), int(0.8 * width))
+    room = {"x": max(width - NAMED, 8 * LETTER), "y": max(height, 8 * LETTER)}
+    for part in (spec, *spec.get("layer", ())):
+        for name, letters in ((name, int(pixels / LETTER)) for name, pixels in room.items()):
+            channel = part.get("encoding", {}).get(name, {})
+            if isinstance(channel.get("title"), str):
+                channel["title"] = wrap(channel["title"], letters)
+    label = min(spec["config"]["legend"].get("labelLimit", width), width - NAMED)
+    legend = spec["config"]["legend"] | {"labelLimit": label}
+    return spec | {"height": height, "config": spec["config"] | {"legend": legend}}

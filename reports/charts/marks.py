@@ -1,0 +1,184 @@
+"""The look of marks and axes in every chart: colour and shape of an engine, filling and dashes of a track, ticks, hovering."""
+
+import json
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from harness.store.store import Store
+from reports.charts.grammar import Channel, Row, channel, chart, fixed, layered
+from reports.charts.palette import looks
+from reports.words.catalogue import labels
+from reports.words.text import amount
+
+POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
+TRACKS = ("default", "tuned")
+OURS = re.compile(r"^\S+ (.+) \(ours\)")
+OPEN, HALF = 0.0001, 0.35
+"""Opacities of the filling of marks; 1 is filled."""
+LANE = 15
+"""Height of one row of outcomes above a chart [px]."""
+SHARES: Row = {"labelExpr": "round(100 * datum.value) + ' %'"}
+"""The axis of a share, in per cent."""
+NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
+HOVER = {
+    "engine": "engine",
+    "track": "track",
+    "status": "outcome",
+    "reason": "reason",
+    "case": "case",
+    "dt": "time step [ms]",
+    "step": "time step",
+    "error": "error",
+    "pace": "times real time",
+    "cpu": "CPU time per simulated second [s]",
+    "low": "95 % from [s]",
+    "high": "to [s]",
+    "settings": "settings",
+    "trial": "trial",
+}
+
+
+class Marks:
+    """The look of engines and tracks in one chart: colour and shape say the engine, filling and dashes the track."""
+
+    def __init__(self, store: Store, drawn: Sequence[Row]) -> None:
+        present = {row["engine"] for row in drawn}
+        chosen = looks(labels(store))
+        shown = [(label, chosen[name]) for name, label in labels(store).items() if label in present]
+        self.engines = [label for label, _ in shown]
+        self.colours = [look.colour for _, look in shown]
+        self.paths = [look.path for _, look in shown]
+        order = {track: place for place, track in enumerate(TRACKS)}
+        self.tracks = sorted({row["track"] for row in drawn}, key=lambda track: (order.get(track, len(order)), track))
+
+    def colour(self) -> Channel:
+        """Colour of the engine, of what is filled and of lines."""
+        return channel("engine:N", title=None, scale={"domain": self.engines, "range": self.colours})
+
+    def dash(self) -> Any:
+        """Dashes of the track: whole lines for tuned."""
+        dashes = [[1, 0] if track != "default" else [4, 3] for track in self.tracks]
+        # A legend of the many settings of a sweep would be longer than the chart; hovering names them.
+        legend = {"values": [track for track in self.tracks if track in TRACKS] or self.tracks[:2]}
+        return channel("track:N", title=None, legend=legend, scale={"domain": self.tracks, "range": dashes})
+
+    def tooltip(self) -> list[Any]:
+        """What hovering shows."""
+        return [
+            channel(f"{key}:Q", title=title, format=".3~g") if key in NUMBERS else channel(f"{key}:N", title=title)
+            for key, title in HOVER.items()
+            if key != "dt"
+        ]
+
+    def _filling(self, track: str) -> float:
+        """Open for the defaults, half filled for what is neither of the two tracks where 'tuned' is drawn too."""
+        return OPEN if track == "default" else HALF if track != "tuned" and "tuned" in self.tracks else 1
+
+    def channels(self) -> Row:
+        """All channels of a point."""
+        filled = [self._filling(track) for track in self.tracks]
+        return {
+            "color": self.colour(),
+            "stroke": self.colour(),
+            "shape": channel("engine:N", title=None, scale={"domain": self.engines, "range": self.paths}),
+            "fillOpacity": channel("track:O", title=None, scale={"type": "ordinal", "domain": self.tracks, "range": filled}),
+            "tooltip": self.tooltip(),
+        }
+
+
+def logarithmic(field: str, title: str, values: Row) -> Channel:
+    """A logarithmic axis with room for marks at its ends."""
+    return channel(f"{field}:Q", title=title, scale={"type": "log", "nice": False, "padding": 14}, axis=values)
+
+
+def lane_texts(rows: Sequence[Row], field: str, x: Any, style: Marks, tooltip: Any, **words: Any) -> list[Any]:
+    """What became of trials without a point, above the frame at each row's lane; no layer where there is none."""
+    if not rows:
+        return []
+    text = chart(rows).marked("text", fontSize=13, fontWeight=700, **words)
+    lane = channel("lane:Q", scale=None, axis=None)
+    return [text.encode(x=x, y=lane, text=channel(f"{field}:N"), color=style.colour(), tooltip=tooltip)]
+
+
+def short(label: str) -> str:
+    """The label of an engine where room is short: of a name that the legend marks as ours, what the narrow legend keeps."""
+    return OURS.sub(r"\1", label)
+
+
+def lane_names(rows: Sequence[Row]) -> list[Any]:
+    """The label of each lane, left of the frame."""
+    if not rows:
+        return []
+    told = [row | {"label": short(row["label"])} for row in rows]
+    label = chart(told).marked("text", align="right", dx=-8, fontSize=10, color="#8a93a0", limit=140)
+    return [label.encode(x=fixed(0), y=channel("lane:Q", scale=None, axis=None), text="label:N")]
+
+
+def finished(layers: Sequence[Any], height: int) -> Row:
+    """One specification, as wide as the page lets it."""
+    spec = layered(layers, width="container", height=height)
+    spec["config"] = {
+        "legend": {
+            "orient": "top",
+            "direction": "horizontal",
+            "symbolSize": 90,
+            "labelLimit": 240,
+            "columnPadding": 12,
+            "layout": {"top": {"direction": "vertical", "anchor": "start", "margin": 4, "bounds": "full"}},
+        }
+    }
+    spec["padding"] = {"left": 5, "right": 14, "top": 5, "bottom": 5}
+    spec["autosize"] = {"type": "fit-x", "contains": "padding"}
+    return spec
+
+
+def ticks(drawn: Iterable[Row], field: str) -> Row:
+    """Ticks at the time steps themselves while they are few; otherwise at round numbers."""
+    steps = [row[field] for row in drawn if row[field]]
+    return at_values(steps) if field == "dt" else decades(steps)
+
+
+def at_values(numbers: Iterable[float]) -> Row:
+    """Ticks where values were tried, while these are few; otherwise at round numbers."""
+    values = sorted(set(numbers))
+    return (
+        {"format": ".3~g", "values": values, "labelOverlap": "greedy", "labelSeparation": 5}
+        if len(values) <= 10
+        else decades(values)
+    )
+
+
+def decades(numbers: Iterable[float | None]) -> Row:
+    """Ticks at powers of ten, with 2 and 5 between them where there are few. Of less than a decade all digits, fewer where a
+    power of ten lies within, whose label needs its room, and round numbers where fewer than three of these would be seen."""
+    nonzero = [value for value in numbers if value]
+    if not nonzero:
+        return {"values": []}
+    least, most = min(nonzero), max(nonzero)
+    low, high = math.floor(math.log10(least)), math.ceil(math.log10(most))
+    every = max(1, math.ceil((high - low) / 8))
+    within = most < 10 * least
+    digits = (1, 2, 3, 5, 7) if high - low > 1 else tuple(range(1, 10))
+    steps = digits if within else (1, 2, 5) if high - low <= 2 else (1,)
+    values = [digit * 10.0**power for power in range(low, high + 1, every) for digit in steps]
+    if within and sum(least <= value <= most for value in values) < 3:
+        values = _round_numbers(least, most) or values
+    return {"values": values, "labelExpr": words(values), "labelOverlap": "greedy", "labelSeparation": 5}
+
+
+def _round_numbers(low: float, high: float) -> list[float]:
+    """Three or more multiples of 1, 2 or 5 times a power of ten between two numbers; none where labels could not tell them."""
+    for power in range(math.floor(math.log10(high)), math.floor(math.log10(high)) - 4, -1):
+        for digit in (5, 2, 1):
+            step = digit * 10.0**power
+            values = [float(f"{k * step:.12g}") for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
+            if len(values) >= 3:
+                return values if len({amount(value) for value in values}) == len(values) else []
+    return []
+
+
+def words(values: Sequence[float]) -> str:
+    """An expression that writes each of these ticks as the tables do, powers included: '10⁻⁶', '0.02'."""
+    return f"{json.dumps([amount(value) for value in values], ensure_ascii=False)}[indexof({json.dumps(values)}, datum.value)]"

@@ -1,0 +1,145 @@
+"""The report of a run folder: every page rendered, and the assets that they share, as files that need no network."""
+
+import os
+import re
+import shutil
+from collections.abc import Collection, Iterator, Mapping
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.intake.safe_text import LONGEST, one_line
+from harness.store.disk import put_in_place
+from harness.store.store import Store
+from reports.html.drawing import Drawing
+from reports.html.policy import guarded
+from reports.html.style import STYLE
+from reports.html.template import environment, fill
+from reports.html.vega import vega_bundle
+from reports.page import NotLoaded, Page, Rendered, asked, pages
+
+ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
+FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js|webp)")
+
+FRONT = "index.html"
+MAIN = '<main id="content">\n'
+"""Behind which the first page names the pages that could not be made."""
+
+LARGE = 4_000_000
+"""Bytes of a journal, those of a thousand trials, beyond which processes of their own draw its pictures."""
+MOST = 4
+"""Processes that draw: each brings a JavaScript engine."""
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenReport:
+    """Terms: index: its first page. failed: for each page that could not be made its title and why, in a line."""
+
+    index: Path
+    failed: tuple[tuple[str, str], ...]
+
+    def sentences(self) -> list[str]:
+        """A line for each page that could not be made."""
+        return [one_line(f"page '{title}' could not be made: {reason}", LONGEST) for title, reason in self.failed]
+
+
+def rendered(store: Store) -> Mapping[str, str | bytes]:
+    """The texts and pictures of all pages by file name; a page that fails is one that says so."""
+    return _rendered(store)[0]
+
+
+def _rendered(store: Store) -> tuple[Mapping[str, str | bytes], tuple[tuple[str, str], ...]]:
+    """The files of all pages by name, and the title of each page that failed with the reason; the first page names those.
+
+    Pictures are drawn beside the pages that follow. Those that no menu lists are the pages of cases: they have nearly all
+    pictures, and come first.
+    """
+    texts: dict[str, str | bytes] = {}
+    failures: dict[str, tuple[str, str]] = {}
+    registered = sorted(pages(), key=lambda page: page.listed)
+    taken: set[str] = set()
+    with Drawing(store.folder / "report", _processes(store)) as beside:
+        made: list[tuple[Page, Mapping[str, _Waiting]]] = []
+        for page in registered:
+            if asked(page, store):
+                others = {*taken, *(f"{other.name}.html" for other in registered if other is not page)}
+                made.append((page, _made(page, store, others, beside, failures)))
+                taken.update(made[-1][1])
+        for page, files in made:
+            try:
+                texts |= {name: file.result() if isinstance(file, Future) else file for name, file in files.items()}
+            except Exception as error:
+                texts |= _instead(page, store, error, failures)
+    failed = tuple(failures.values())
+    front = texts.get(FRONT)
+    if failed and isinstance(front, str):
+        before, main, after = front.partition(MAIN)
+        texts[FRONT] = f"{before}{main}{environment().get_template('not_made.html').render(failed=failed)}{after}"
+    return texts, failed
+
+
+def _processes(store: Store) -> int:
+    """How many draw the pictures of a store; its size is asked, since they start while it is read."""
+    journal = store.folder / "journal.jsonl"
+    large = journal.is_file() and journal.stat().st_size > LARGE
+    return min(MOST, os.cpu_count() or 1) if large else 0
+
+
+_Waiting = str | bytes | Future[str | bytes]
+
+
+def _made(
+    page: Page, store: Store, others: Collection[str], beside: Drawing, failures: dict[str, tuple[str, str]]
+) -> Mapping[str, _Waiting]:
+    """The files of a page, pictures on their way."""
+    made: dict[str, _Waiting] = {}
+    try:
+        for name, file in _files(page, store, others):
+            made[name] = file if isinstance(file, str | bytes) else beside.ask(file)
+    except Exception as error:
+        return _instead(page, store, error, failures)
+    return made
+
+
+def _instead(page: Page, store: Store, error: Exception, failures: dict[str, tuple[str, str]]) -> Mapping[str, str]:
+    """In the place of a page that could not be made: why, which is noted in `failures` by the name of the page."""
+    reason = str(error) if isinstance(error, NotLoaded) else f"{type(error).__name__}: {error}"
+    failures[page.name] = page.title, reason
+    return {f"{page.name}.html": fill("failed.html", store, title=page.title, reason=reason, here=page.name)}
+
+
+def _files(page: Page, store: Store, others: Collection[str]) -> Iterator[tuple[str, Rendered]]:
+    """The files of a page as they come. Raises: ValueError, of one outside the report, of unknown kind, or another page's."""
+    page.concerns(store)
+    made = page.render(store)
+    for name, file in made.items() if isinstance(made, Mapping) else made:
+        if not FILE_NAME.fullmatch(name):
+            raise ValueError(f"file {name!r}, expected a plain name, at most one folder deep")
+        if name in others:
+            raise ValueError(f"file {name!r} is another page's")
+        yield name, file
+
+
+def write_report(folder: Path) -> WrittenReport:
+    """Write `folder/report/`.
+
+    All is rendered before the old report is touched, and the new one takes its place by renaming: a reader never meets half.
+    """
+    pages_of_store, failed = _rendered(Store(folder))
+    texts = dict(pages_of_store)
+    report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
+    texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}
+    texts["style/vega.js"] = vega_bundle()
+    texts |= {name: guarded(text) for name, text in texts.items() if isinstance(text, str) and name.endswith(".html")}
+    try:
+        for name, text in texts.items():
+            path = draft / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", errors="backslashreplace"))
+        if report.exists():
+            report.rename(old)
+        put_in_place(draft, report)
+    finally:
+        for leftover in (draft, old):
+            shutil.rmtree(leftover, ignore_errors=True)
+    return WrittenReport(report / FRONT, failed)

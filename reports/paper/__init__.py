@@ -1,0 +1,1 @@
+"""For print: the charts of a case, and the report as one PDF."""

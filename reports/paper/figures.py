@@ -1,0 +1,23 @@
+"""The charts of a case for a paper: the same as on its page."""
+
+from harness.store.store import Store
+from reports.charts.errors import error_by_step
+from reports.charts.figure import Figure
+from reports.charts.work_precision import work_precision
+from reports.tables.priced_scenes import scenes
+from reports.tables.trial_results import answers
+from reports.tables.trial_rows import in_order
+from reports.words.catalogue import cases, engines, tracks
+from reports.words.text import slug
+
+
+def figures_of(store: Store, case: str) -> list[tuple[str, Figure]]:
+    """Each with its kind: 'step', error against time step; 'price', cost against error, one a scene."""
+    rows = answers(store, store.trials)
+    sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
+    mine = in_order(rows[rows["case"] == case], sides)
+    unit = next((str(unit) for unit in mine["unit"].dropna()), "1")
+    asked = mine[mine["trial"].isin(set(store.asked["trial"]))]
+    by_step = error_by_step(store, asked, f"case-{slug(case)}", cases(store)[case]["headline"], unit)
+    figures = [("step", by_step)] if by_step is not None else []
+    return figures + [("price", work_precision(store, scene)) for scene in scenes(store) if scene.case == case]

@@ -1,0 +1,1 @@
+"""What is seen of a case: thumbnails, strips, series, and what cameras saw."""

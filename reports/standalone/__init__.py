@@ -1,0 +1,1 @@
+"""Pages that stand alone: a history, a comparison of runs, a comparison of robots."""

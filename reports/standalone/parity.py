@@ -1,0 +1,134 @@
+"""The page of a comparison of robot files: what an importer makes of a robot, or whether two files are the same one."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.store.parity_record import ParityRecord, Side, read
+from reports.charts.palette import looks
+from reports.html.policy import guarded
+from reports.html.style import copy_style
+from reports.html.template import environment
+from reports.words.text import amount, unit_text
+
+DERIVED = ("gravity torque", "mass matrix", "acceleration")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One difference. Terms: size: how it differs. torque: its consequence, '' where it has none. bar: share of the
+    worst torque of all sides, 0 to 1."""
+
+    kind: str
+    quantity: str
+    element: str
+    value_A: str
+    value_B: str
+    unit: str
+    size: str
+    torque: str
+    words: str
+    documented: str
+    bar: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Panel:
+    """One side. Terms: causes: the worst first. derived: what follows from them. worst: the largest consequence, in words."""
+
+    side: Side
+    causes: tuple[Row, ...]
+    derived: tuple[Row, ...]
+    worst: str
+
+    @property
+    def undocumented(self) -> int:
+        """How many causes no documentation tells."""
+        return sum(not row.documented for row in self.causes)
+
+
+def write_page(folder: Path) -> Path:
+    """`folder/index.html` and its style, from `folder/parity.json`."""
+    record = read(folder)
+    copy_style(folder)
+    page = folder / "index.html"
+    page.write_text(guarded(rendered(record)), encoding="utf-8", errors="backslashreplace", newline="\n")
+    return page
+
+
+def rendered(record: ParityRecord) -> str:
+    """The page's text."""
+    most = max((row["torque"] or 0.0 for side in record.sides for row in side.rows), default=0.0)
+    panels = tuple(_panel(side, most) for side in record.sides)
+    engines = sorted({side.engine for side in record.sides if side.engine})
+    return (
+        environment()
+        .get_template("parity.html")
+        .render(
+            record=record,
+            panels=panels,
+            audit=bool(engines),
+            looks=looks(dict.fromkeys(engines)),
+            kinds=_kinds(panels),
+            navigation=(),
+        )
+    )
+
+
+def _panel(side: Side, most: float) -> Panel:
+    causes = sorted((row for row in side.rows if row["quantity"] not in DERIVED), key=lambda row: -(row["torque"] or 0.0))
+    derived = [row for row in side.rows if row["quantity"] in DERIVED]
+    return Panel(
+        side=side,
+        causes=tuple(_row(row, most) for row in causes),
+        derived=tuple(_row(row, most) for row in derived),
+        worst=_worst(side.rows),
+    )
+
+
+def _worst(rows: Sequence[Mapping[str, Any]]) -> str:
+    row = max(rows, key=lambda candidate: float(candidate["torque"] or 0.0), default=None)
+    return f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if row and row["torque"] else ""
+
+
+def _row(row: Mapping[str, Any], most: float) -> Row:
+    size = "" if row["absolute"] is None else f"{amount(row['absolute'])} {unit_text(row['unit'])}".strip()
+    if row["relative"] is not None:
+        size += f" ({amount(row['relative'])} relative)" if size else f"{amount(row['relative'])} relative"
+    followed = row["torque"] is not None
+    return Row(
+        kind=row["kind"],
+        quantity=row["quantity"].replace("_", " "),
+        element=row["element"],
+        value_A=_shown(row["value_A"]),
+        value_B=_shown(row["value_B"]),
+        unit=unit_text(row["unit"]),
+        size=size,
+        torque=f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if followed else "",
+        words="" if followed else row["words"],
+        documented=row["documented"],
+        bar=(row["torque"] or 0.0) / most if most > 0 else 0.0,
+    )
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "none"
+    if isinstance(value, list):
+        return ", ".join(amount(number, 5) for number in value)
+    return amount(value, 6) if isinstance(value, float | int) else str(value)
+
+
+def _kinds(panels: Sequence[Panel]) -> list[tuple[str, list[tuple[int, bool]]]]:
+    """Kinds of changes, the most frequent first: how many of each every side has, and whether all are documented."""
+    names: dict[str, int] = {}
+    for panel in panels:
+        for row in panel.causes:
+            if row.kind:
+                names[row.kind] = names.get(row.kind, 0) + 1
+    table = []
+    for name in sorted(names, key=lambda kind: (-names[kind], kind)):
+        cells = [[row for row in panel.causes if row.kind == name] for panel in panels]
+        table.append((name, [(len(rows), bool(rows) and all(row.documented for row in rows)) for rows in cells]))
+    return table

@@ -1,0 +1,1 @@
+"""What pages say in rows and sentences, worked out of a store."""

@@ -1,0 +1,116 @@
+"""Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered.
+
+There is one scale for all tracks: what tuning does to an engine is the step from one number to the other. What people can
+deploy is ranked among itself. Our own engine is the yardstick: it stands beside them on their scale.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import pandas as pd
+
+from harness.store.store import Store
+from reports.tables.trial_results import answers, at_own_step
+from reports.tables.verdicts import totals
+from reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
+
+Side = tuple[str, str]
+"""An engine, and a track of it."""
+
+EXACT = 1e-6
+"""Share of a case's scale below which an error counts as this share: a ratio of two rounding errors says nothing."""
+LEVEL = 1.01
+"""Errors within one part in a hundred of each other are level: the first digits of a figure, which is all that is shown."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Glance:
+    """One engine on one track.
+
+    Terms:
+        counts: outcome to cases at their own step. held: cases that passed there; asked: those that were run there.
+        relative_cost [1]: geometric mean over the shared cases of its CPU time over that of the cheapest engine that is not
+        ours, whatever its track; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the number of
+        those cases, in which each engine on each track has a number. best: cases in which its headline error is the smallest of
+        the engines that are not ours, whatever their track, or within `LEVEL` of it; None for ours. None where it cannot be
+        computed.
+    """
+
+    engine: str
+    track: str
+    counts: Mapping[str, int]
+    held: int
+    asked: int
+    relative_cost: float | None
+    relative_error: float | None
+    shared: int
+    best: int | None
+
+    @property
+    def cases(self) -> int:
+        """All of them."""
+        return sum(self.counts.values())
+
+
+def table(rows: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Medians of a column: cases down, engines on their tracks across, as (engine, track)."""
+    return rows.pivot_table(index="case", columns=["engine", "track"], values=column, aggfunc="median", dropna=True, sort=False)
+
+
+def regular(frame: pd.DataFrame) -> list[Side]:
+    """The columns with a number in at least half of the cases: one that answers little would shrink the shared cases to few."""
+    answered = frame.notna().sum()
+    return [side for side in frame.columns if answered[side] * 2 >= len(frame)]
+
+
+def shared_cases(frame: pd.DataFrame, present: list[Side]) -> pd.DataFrame:
+    """The cases in which each column of `present` has a finite positive number."""
+    whole = frame[present]
+    return whole[np.isfinite(whole.to_numpy(dtype=np.float64)).all(axis=1) & (whole > 0).all(axis=1)]
+
+
+def others(frame: pd.DataFrame, yardsticks: Collection[str]) -> pd.DataFrame:
+    """Without the columns of yardsticks."""
+    return frame[[side for side in frame.columns if side[0] not in yardsticks]]
+
+
+def ratios(frame: pd.DataFrame, yardsticks: Collection[str] = ()) -> dict[Side, float]:
+    """Geometric mean, over the rows, of each column over the smallest of its row, in which yardsticks do not count."""
+    if frame.empty:
+        return {}
+    ranked = others(frame, yardsticks)
+    logs = np.log(frame.div((frame if ranked.columns.empty else ranked).min(axis=1), axis=0))
+    return {(str(engine), str(track)): float(np.exp(value)) for (engine, track), value in logs.mean().items()}
+
+
+@lru_cache(maxsize=1)
+def glances(store: Store) -> list[Glance]:
+    """All engines on all tracks that were run, on one scale. One with fewer than half of the cases has no ratios."""
+    yardsticks, counts, named = ours(store), totals(store), compared_tracks(store)
+    fewer = [name for name, case in cases(store).items() if not more_is_better(case)]
+    own = at_own_step(store, answers(store))
+    own = own[own["track"].isin(named)]
+    errors, costs = table(own[own["case"].isin(fewer)], "error"), table(own, "cpu_per_sim_s")
+    scales = pd.Series({name: case["scale"] or 1.0 for name, case in cases(store).items()}, dtype=np.float64)
+    notable = errors.div(scales.reindex(errors.index), axis=0).clip(lower=EXACT)
+    even, priced = (shared_cases(frame, regular(frame)) for frame in (notable, costs))
+    by_error, by_cost = ratios(even, yardsticks), ratios(priced, yardsticks)
+    deployed = others(notable, yardsticks).dropna(how="all")
+    level = deployed.le(LEVEL * deployed.min(axis=1), axis=0) if not deployed.empty else deployed
+    sides = [(engine, track) for engine in engines(store) for track in named if (engine, track) in counts]
+    return [
+        Glance(
+            engine=engine,
+            track=track,
+            counts=counts[engine, track],
+            held=counts[engine, track]["passed"],
+            asked=sum(counts[engine, track].values()),
+            relative_cost=by_cost.get((engine, track)),
+            relative_error=by_error.get((engine, track)),
+            shared=len(priced) if (engine, track) in by_cost else 0,
+            best=None if engine in yardsticks else int(level[engine, track].sum()) if (engine, track) in level.columns else 0,
+        )
+        for engine, track in sides
+    ]

@@ -1,0 +1,176 @@
+"""How far engines go, as people read it: a line for each axis, and who leads under each condition."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from textwrap import shorten
+
+from harness.findings.emulations import whose
+from harness.findings.leads import Lead, Reach, reaches
+from harness.findings.limits_found import Search
+from harness.findings.parameter_words import called
+from harness.metric.titles import metric_title
+from harness.store.store import Store
+from reports.words.catalogue import cases
+from reports.words.disputes import disputed
+from reports.words.text import amount, plural
+
+_ROOM = 64
+"""Characters that a cell has room for of why an engine broke; hovering tells the rest."""
+VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the easiest": "broke at the easy end"}
+"""What a search says of an axis, in words that claim nothing of what was not tried."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """Where one engine ends: in words, why, and what hovering says."""
+
+    reach: float
+    text: str
+    why: str
+    hint: str
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One axis, with a cell for each engine under each condition: a sub-step, a CPU time, or a track as it comes."""
+
+    case: str
+    title: str
+    axis: str
+    conditions: Sequence[str]
+    cells: Mapping[tuple[str, str], Cell]
+
+
+def lines(store: Store, searches: Sequence[Search]) -> list[Line]:
+    """A line for each axis; what was sought for a map stands there alone."""
+    on_maps = {(search.experiment, search.case) for _, group in mapped(searches) for search in group}
+    by_axis: dict[tuple[str, str, str], list[Search]] = {}
+    for search in searches:
+        if (search.experiment, search.case) not in on_maps:
+            by_axis.setdefault((search.experiment, search.case, search.where), []).append(search)
+    made = []
+    for (_, case, where), group in by_axis.items():
+        first = group[0]
+        unit = "" if first.unit == "1" else f" {first.unit}"
+        title = cases(store)[case]["title"] + (f", {where}" if where else "")
+        axis = f"{called(case, first.axis)} {amount(first.easy)} … {amount(first.extreme)}{unit}"
+        laws = {(search.engine, search.track): whose(store.catalogue, search.engine, case, search.track) for search in group}
+        against = {search.engine: disputed(store, search.engine, case, search.axis) for search in group}
+        cells = {
+            (search.engine, search.setting): cell(search, laws[search.engine, search.track])
+            for search in sorted(group, key=_order)
+        }
+        cells |= {(reach.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
+        cells = {key: marked(unmarked, against[key[0]]) for key, unmarked in cells.items()}
+        made.append(Line(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
+    return made
+
+
+def _order(search: Search) -> tuple[bool, int, str]:
+    """Equal sub-steps first, the coarsest of them at the top; then tracks as they come."""
+    return not search.parts, search.parts, search.track
+
+
+def worded(reach: Reach) -> str:
+    """A condition in words."""
+    if reach.parts:
+        return f"time step / {reach.parts}" if reach.parts > 1 else "time step undivided"
+    return f"≤ {amount(1e3 * reach.condition)} ms a step"
+
+
+def _within(reach: Reach) -> Cell:
+    """What an engine held for so much time, and how."""
+    if reach.held is None or reach.cost is None:
+        return Cell(0.0, "none", "", "nothing was held at this price")
+    hint = f"{reach.setting}; {amount(1e3 * reach.cost)} ms of CPU time for a time step of the case, roughly"
+    return Cell(reach.reach, amount(reach.held), reach.setting, hint)
+
+
+def _first_clause(reason: str) -> str:
+    """What a narrow cell has room for of a reason."""
+    return reason.partition(":")[0]
+
+
+def cell(search: Search, law: str = "") -> Cell:
+    """One search in words; law: whose laws it is about, where they are not all the engine's own."""
+    if search.verdict == "beyond the extreme":
+        text, why = f"≥ {amount(search.held)}", ""
+    elif search.held is None:
+        text = VERDICTS.get(search.verdict, search.verdict) if search.broke is None else f"< {amount(search.easy)}"
+        why = signs(search) or _first_clause(search.reason)
+    else:
+        text, why = amount(search.held), signs(search) if search.broke is not None else search.verdict
+    share = "" if search.share is None else f"; {100 * search.share:.0f} % held at {amount(search.broke)}"
+    cost = "" if search.step_cost is None else f"; {amount(1e3 * search.step_cost)} ms of CPU time a time step at the limit"
+    taken = "" if search.substep is None else f"; steps of {amount(1e3 * search.substep)} ms taken"
+    verdict = VERDICTS.get(search.verdict, search.verdict)
+    whole_reason = search.reason or signs(search, why=True)
+    hint = f"{verdict}{share}{cost}{taken}; {search.values} values, {search.members} starts each; {whole_reason}"
+    # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
+    own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
+    hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
+    words = "; ".join(word for word in (shorten(why, _ROOM, placeholder=" …"), own, law) if word)
+    return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
+
+
+def marked(unmarked: Cell, against: str) -> Cell:
+    """A cell with what is said against it, where it is disputed."""
+    if not against:
+        return unmarked
+    words, hint = (", ".join(word for word in (unmarked.why, "disputed") if word), f"{unmarked.hint}; {against}")
+    return replace(unmarked, why=words, hint=hint)
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Under one condition, by engine: how often it leads alone and with others, with ours and without.
+
+    Terms: of: how many were asked among the engines of others; of_with_ours: among all.
+    """
+
+    what: str
+    condition: str
+    of: int
+    of_with_ours: int
+    engines: Mapping[str, tuple[Lead, Lead | None]]
+
+
+def standings(leads: Sequence[Lead]) -> list[Standing]:
+    """A row for each condition."""
+    by_condition: dict[tuple[str, str, str], dict[str, dict[bool, Lead]]] = {}
+    for lead in leads:
+        by_condition.setdefault((lead.what, lead.at, lead.condition), {}).setdefault(lead.engine, {})[lead.ours] = lead
+    rows: list[Standing] = []
+    for (what, at, condition), by in by_condition.items():
+        of_with_ours = max(rankings[True].of for rankings in by.values())
+        of = max((rankings[False].of for rankings in by.values() if False in rankings), default=of_with_ours)
+        engines = {engine: (rankings[True], rankings.get(False)) for engine, rankings in by.items()}
+        rows.append(Standing(what, f"{at}{f': {condition}' if condition else ''}", of, of_with_ours, engines))
+    return rows
+
+
+def signs(search: Search, *, why: bool = False) -> str:
+    """By what a value broke, with how many starts each metric counts against. Args: why: with the reason of no ensemble?"""
+    counted = ", ".join(f"{metric_title(metric)} ({plural(count, 'start')})" for metric, count in search.signs.counts)
+    return counted or (search.signs.text if why else search.signs.status)
+
+
+def mapped(searches: Sequence[Search]) -> list[tuple[str, list[Search]]]:
+    """The searches of each experiment and case that ran at three or more values of one thing beside its axis, with its name."""
+    groups: dict[tuple[str, str], list[Search]] = {}
+    for search in searches:
+        groups.setdefault((search.experiment, search.case), []).append(search)
+    named = [
+        (next((name for name, values in _numbers(group).items() if len(values) >= 3), ""), group) for group in groups.values()
+    ]
+    return [(name, group) for name, group in named if name]
+
+
+def _numbers(searches: Sequence[Search]) -> dict[str, set[float]]:
+    """The values of each number that stands beside the axis, the time step in seconds."""
+    values: dict[str, set[float]] = {}
+    for search in searches:
+        for name, value in search.beside:
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                values.setdefault(name, set()).add(value)
+    return values

@@ -1,0 +1,50 @@
+"""Scenes of one's own in the report: who they are, their verdicts as chips, and what is known of them in sentences."""
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+from harness.findings.agreement import Agreement, agreements, omission_words, omissions
+from harness.findings.agreement.words import scene_words, side_words
+from harness.store.store import Store
+from reports.words.catalogue import engines
+from reports.words.status import FINITE, VERDICTS, Outcome, outcome
+
+
+@lru_cache(maxsize=2)
+def by_case(store: Store) -> Mapping[str, tuple[Agreement, ...]]:
+    """The agreements on each scene that is judged by them: one for each set of parameters."""
+    by_scene: dict[str, tuple[Agreement, ...]] = {}
+    for agreement in agreements(store):
+        by_scene[agreement.case] = (*by_scene.get(agreement.case, ()), agreement)
+    return by_scene
+
+
+def chips(store: Store) -> Mapping[tuple[str, str, str], tuple[Outcome, str]]:
+    """By case, engine and track: the verdict, and it in words."""
+    return {
+        (agreement.case, side.engine, side.track): (VERDICTS[side.word], side_words(side, agreement))
+        for agreement in agreements(store)
+        for side in agreement.sides
+    }
+
+
+def titles(store: Store) -> Mapping[str, str]:
+    """What engines are called in sentences."""
+    return {name: str(engine["title"]) for name, engine in engines(store).items()}
+
+
+def summary(store: Store, case: str) -> list[str]:
+    """What is known of a scene, in sentences."""
+    return [
+        sentence
+        for agreement in by_case(store).get(case, ())
+        for sentence in (
+            *scene_words(agreement, titles(store)),
+            *omission_words(omissions(store, agreement), titles(store)),
+        )
+    ]
+
+
+def shown(name: str) -> Outcome:
+    """A status of a trial of such a scene: 'passed' says no more than that its numbers are finite."""
+    return FINITE if name == "passed" else outcome(name)

@@ -1,0 +1,189 @@
+"""The price list as people read it: a row for each scene and error, a column for each engine."""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from harness.findings.emulations import share_in_words, whose
+from harness.findings.priced import priced
+from harness.findings.prices import PER_SECOND, Price
+from harness.store.store import Store
+from reports.words.catalogue import titled
+from reports.words.disputes import disputed
+from reports.words.text import TIMES, amount, duration, knobs, power, step
+
+SHOWN = 1e-2
+"""The error that the list shows at first: every scene has a line for it."""
+HEATS = ((1.0, "x1"), (2.0, "x2"), (10.0, "x10"), (100.0, "x100"))
+"""Times the cheapest, and the shade of a cell up to there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One price: its words, its shade, and what hovering says.
+
+    Terms: law: whose laws it is about, where the adapter makes some; disputed: what is said against it; '' without.
+    """
+
+    price: Price
+    text: str
+    ratio: str
+    between: str
+    shade: str
+    hint: str
+    law: str = ""
+    disputed: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """What one error costs in one scene, by engine; last: does no engine get farther?"""
+
+    case: str
+    title: str
+    target: str
+    unit: str
+    last: bool
+    entries: Mapping[str, Entry]
+
+
+def price_list(store: Store) -> list[Line]:
+    """All lines, from coarse to fine; below the first error from `SHOWN` on that no engine reaches nothing is left to say."""
+    by_scene: dict[tuple[str, str], dict[float, dict[str, Price]]] = {}
+    for price in priced(store).prices:
+        by_scene.setdefault((price.case, price.where), {}).setdefault(price.target, {})[price.engine] = price
+    lines: list[Line] = []
+    for (case, where), targets in by_scene.items():
+        title = titled(store, case, where)
+        for target, prices in sorted(targets.items(), reverse=True):
+            last = target <= SHOWN and all(price.verdict in ("not within the ladder", "no answer") for price in prices.values())
+            unit = next(iter(prices.values())).unit
+            shown = "" if unit == PER_SECOND else f"per {unit}"
+            cheapest = next((price for price in prices.values() if price.cheapest), None)
+            entries = {engine: marked(store, price, cheapest) for engine, price in prices.items()}
+            lines.append(Line(case, title, power(round(math.log10(target))), shown, last, entries))
+            if last:
+                break
+    return lines
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """Of one scene, by engine: how many settings were tried, and why no more. Terms: apart: the most over the least."""
+
+    case: str
+    title: str
+    engines: Mapping[str, Price]
+    apart: float
+
+
+def tried(store: Store) -> list[Tried]:
+    """A row for each scene."""
+    by_scene: dict[tuple[str, str], dict[str, Price]] = {}
+    for price in priced(store).prices:
+        by_scene.setdefault((price.case, price.where), {}).setdefault(price.engine, price)
+    made = []
+    for (case, where), engines in by_scene.items():
+        counts = [price.tried for price in engines.values() if price.verdict != "no answer"]
+        apart = max(counts) / max(1, min(counts)) if counts else 1.0
+        made.append(Tried(case, titled(store, case, where), engines, apart))
+    return made
+
+
+def heat(price: Price) -> str:
+    """The shade of a price: the darkest is the cheapest."""
+    if price.ratio is None:
+        return "out"
+    return next((shade for limit, shade in HEATS if price.ratio <= limit * (1 + 1e-12)), "far")
+
+
+def entry(price: Price, beside: Price | None = None) -> Entry:
+    """One price in words. Args: beside: the cheapest, over which its ratio is."""
+    if price.cost is None:
+        if price.verdict == "not within the ladder":
+            return _outside(price)
+        return Entry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
+    paced = price.unit == PER_SECOND
+    sign = {"at most": "≥ " if paced else "at most ", "within the truth's error": "? "}.get(price.verdict, "")
+    text, between = (f"{amount(1 / price.cost)}{TIMES}" if paced else duration(price.cost)), ""
+    if price.low and price.high and math.isfinite(price.low) and math.isfinite(price.high):
+        durations = f"{duration(price.low)} to {duration(price.high)}"
+        between = f"{amount(1 / price.high)} to {amount(1 / price.low)}{TIMES}" if paced else durations
+    ratio = _ratio(price, beside)
+    hint = f"{knobs(price.track)}, dt {step(price.dt, price.substeps) if price.dt else 'not known'}; {price.verdict}"
+    if paced:
+        hint = f"{duration(price.cost)} of CPU time per simulated second; {hint}"
+    if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
+        hint += f"; {amount(price.ratio_low)} to {amount(price.ratio_high)} times the cheapest"
+    return Entry(price, sign + text, ratio, between, heat(price), hint)
+
+
+def _ratio(price: Price, beside: Price | None) -> str:
+    """How many times the cheapest: a bound where one of both is an upper bound, and nothing where both are."""
+    if price.cheapest or price.ratio is None:
+        return ""
+    short = price.verdict == "at most", beside is not None and beside.verdict == "at most"
+    if all(short):
+        return ""
+    sign = "≤ " if short[0] else "≥ " if short[1] else ""
+    return sign + amount(price.ratio, 3 if price.ratio < 2 else 2)
+
+
+def marked(store: Store, price: Price, beside: Price | None = None) -> Entry:
+    """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
+    law = whose(store.catalogue, price.engine, price.case, store.bases.get(price.trial, ""))
+    own = share_in_words(price.emulated) if price.cost is not None else ""
+    against = disputed(store, price.engine, price.case)
+    plain = entry(price, beside)
+    hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", own, against) if word)
+    return replace(plain, hint=hint, law=": ".join(filter(None, (law, own))), disputed=against)
+
+
+def _outside(price: Price) -> Entry:
+    """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
+    finest, best = f"dt {step(price.finest_dt, price.finest_substeps)}", amount(price.best_error, 2)
+    hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(price.track)}"
+    trend = ""
+    if price.foreseen_dt is not None:
+        foreseen = f"{amount(1e3 * price.foreseen_dt, 2)} ms"
+        trend = f"trend: {foreseen}"
+        hint += f"; {knobs(price.foreseen_track)}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
+    else:
+        hint += "; of no setting does the error shrink steadily with the step"
+    return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
+
+
+@dataclass(frozen=True, slots=True)
+class Wins:
+    """How many errors each engine reaches at the lowest price, most first, of those where that is known; open: where it is not,
+    since the price of another is an upper bound, read off a ladder that ends too early."""
+
+    counts: Sequence[tuple[str, int]]
+    open: int
+
+    @property
+    def alone(self) -> str:
+        """The engine that has answers where no other has any; '' where there are several, or none."""
+        return self.counts[0][0] if len(self.counts) == 1 else ""
+
+    @property
+    def known(self) -> int:
+        """Of how many errors the cheapest is known."""
+        return sum(count for _, count in self.counts)
+
+
+def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> Wins:
+    """Yardsticks do not count, and an engine without an answer in any scene has lost to nobody."""
+    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks and price.verdict != "no answer"}
+    pairs: dict[tuple[str, str, float], list[Price]] = {}
+    for price in prices:
+        if price.engine in counts and price.cost is not None:
+            pairs.setdefault((price.case, price.where, price.target), []).append(price)
+    unknown = 0
+    for group in pairs.values():
+        least = min(group, key=lambda price: price.cost or math.inf)
+        if any(price.verdict == "at most" for price in group if price is not least):
+            unknown += 1
+        else:
+            counts[least.engine] += 1
+    return Wins(sorted(counts.items(), key=lambda pair: -pair[1]), unknown)

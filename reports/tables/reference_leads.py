@@ -1,0 +1,81 @@
+"""Where our own engine errs least, and the reason that is given for it: the yardstick is asked before it is believed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+
+from harness.store.store import Store
+from reports.tables.engine_summary import EXACT
+from reports.tables.own_scenes import by_case
+from reports.tables.trial_results import answers, at_own_step
+from reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
+
+NO_REASON = "no reason given"
+"""What stands where our engine errs least and nobody has said why."""
+EVEN = 0.99
+"""Errors within a per cent of each other are equal: such an order would change with the compiler."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lead:
+    """A case in which our engine errs least on a track.
+
+    Terms:
+        engine: ours. rival: the best of the others, '' where none of those that were asked answers. error, rival_error: medians
+        of the headline at the case's own step, in its unit. by, why: as in `harness.adapter.Advantage`; `NO_REASON` and ''
+        where there is none.
+    """
+
+    case: str
+    track: str
+    engine: str
+    rival: str
+    error: float
+    rival_error: float | None
+    by: str
+    why: str
+
+
+@lru_cache(maxsize=1)
+def leads(store: Store) -> dict[tuple[str, str], Lead]:
+    """By (case, track). What lies below a millionth of the case's scale is equal: rounding leads nobody."""
+    rows = at_own_step(store, answers(store))[["case", "track", "engine", "error"]]
+    leading = {}
+    for (case, track), group in rows.groupby(["case", "track"], sort=False):
+        if case not in by_case(store) and track in compared_tracks(store) and group["engine"].nunique() > 1:
+            medians = group.groupby("engine", sort=False)["error"].median().dropna()
+            for name in ours(store):
+                lead = _lead(cases(store)[case], str(track), name, medians, engines(store)[name]["advantages"])
+                if lead is not None:
+                    leading[str(case), str(track)] = lead
+    return leading
+
+
+def _better(mine: float, rival: float, more: bool, least: float) -> bool:
+    """Is one value better than another by more than a per cent, and by more than rounding of the case's scale?"""
+    return rival < EVEN * mine if more else max(mine, least) < EVEN * max(rival, least)
+
+
+def _lead(
+    case: Mapping[str, Any], track: str, mine: str, errors: "pd.Series[float]", advantages: Mapping[str, Any]
+) -> Lead | None:
+    if mine not in errors:
+        return None
+    others, more = errors.drop(mine), more_is_better(case)
+    rival = "" if others.empty else str(others.idxmax() if more else others.idxmin())
+    if rival and not _better(float(errors[mine]), float(others[rival]), more, EXACT * (case["scale"] or 1.0)):
+        return None
+    reason = advantages.get(f"{track}/{case['name']}", {"by": NO_REASON, "why": ""})
+    return Lead(
+        case=case["name"],
+        track=track,
+        engine=mine,
+        rival=rival,
+        error=float(errors[mine]),
+        rival_error=float(others[rival]) if rival else None,
+        by=reason["by"],
+        why=reason["why"],
+    )

@@ -1,0 +1,126 @@
+"""The verdict matrix: how the trials of each case, engine and track ended."""
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from harness.findings.margins import Margin, margins
+from harness.store.store import Store
+from reports.tables.own_scenes import by_case, chips
+from reports.tables.trial_results import at_own_step
+from reports.words.catalogue import engines, families
+from reports.words.reasons import reasons
+from reports.words.status import STATUSES, Outcome, outcome, worst
+from reports.words.text import TIMES, amount, unit_text
+
+DECADES = 3
+"""Powers of ten beyond a bound, or within it, that the shade of a cell tells apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How an engine did in a case on a track.
+
+    Terms: counts: (outcome, count) of all trials, from good to bad. worst: of them; reason: why it was not better. own: the
+    outcome at the case's own step; trial: the one that stands for it there, the worst where there are several; margin: by how
+    much that keeps or misses its checks, None where it has no number.
+    """
+
+    counts: tuple[tuple[Outcome, int], ...]
+    worst: Outcome
+    reason: str
+    own: Outcome
+    trial: str = ""
+    margin: Margin | None = None
+
+    @property
+    def trials(self) -> int:
+        """How many trials stand behind the cell."""
+        return sum(count for _, count in self.counts)
+
+    @property
+    def words(self) -> str:
+        """The margin in a few characters, or the outcome where there is none."""
+        return margin_words(self.margin) if self.margin is not None and self.own.answered else self.own.name
+
+    @property
+    def shade(self) -> int:
+        """0 at the bound, `DECADES` that many powers of ten beyond it or within it, or where there is no number at all."""
+        if self.margin is None or not self.own.answered or not 0 < self.margin.times < math.inf:
+            return 0 if self.own.rank == 1 else DECADES
+        return min(DECADES, math.floor(abs(math.log10(self.margin.times)) + 0.5))
+
+    @property
+    def steps(self) -> str:
+        """'4 of 6 steps pass', where not all trials ended as the one at the case's own step."""
+        passed = sum(count for status, count in self.counts if status.name == "passed")
+        return f"{passed} of {self.trials} steps pass" if len(self.counts) > 1 else ""
+
+
+def margin_words(margin: Margin) -> str:
+    """'34× over' of what is missed, '2 m, bound 0' where nothing is allowed, '0.3 of the bound' of what is kept."""
+    if margin.held:
+        return f"{amount(margin.times, 2)} of the bound"
+    if not math.isfinite(margin.times):
+        unit = "" if margin.unit in ("", "1") else f" {unit_text(margin.unit)}"
+        told = f"{amount(margin.value, 2)}{unit}, bound {amount(margin.at_most, 2)}"
+        return told if math.isfinite(margin.value) else "no number"
+    # A margin under a per cent would read as none.
+    digits = 4 if margin.times < 1.01 else 3 if margin.times < 1.1 else 2
+    return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES} over"
+
+
+@lru_cache(maxsize=2)
+def verdicts(store: Store) -> dict[tuple[str, str, str], Verdict]:
+    """Verdicts by (case, engine, track); a cell without a trial has no entry."""
+    cells = {}
+    known = margins(store)
+    own: dict[tuple[str, str, str], list[tuple[int, float, str]]] = {}
+    for case, engine, track, trial, status in at_own_step(store, store.asked)[
+        ["case", "engine", "track", "trial", "status"]
+    ].itertuples(index=False):
+        rank = outcome(status).rank
+        own.setdefault((case, engine, track), []).append((rank, known[trial].times if trial in known else 0.0, trial))
+    statuses = dict(zip(store.asked["trial"], store.asked["status"], strict=True))
+    # Of the columns that are read alone: to group the others along costs ten times as much.
+    ended, said = store.asked[["case", "engine", "track", "trial", "status"]], reasons(store)
+    for key, group in ended.groupby(["case", "engine", "track"], sort=False):
+        bad = worst(group["status"])
+        worst_of = [trial for status, trial in zip(group["status"], group["trial"], strict=True) if outcome(status) == bad]
+        # An engine that was not run at the case's own step is read at its worst.
+        trial = max(own[key])[2] if key in own else str(worst_of[0])
+        cells[key] = Verdict(
+            counted(Counter(group["status"])), bad, said[worst_of[0]], outcome(statuses[trial]), trial, known.get(trial)
+        )
+    # That all numbers of a scene of one's own are finite is no verdict on it.
+    return cells | {key: Verdict(((word, 1),), word, sentence, word) for key, (word, sentence) in chips(store).items()}
+
+
+def totals(store: Store) -> Mapping[tuple[str, str], Mapping[str, int]]:
+    """Cases of every outcome at their own step by (engine, track), zeros included, whose checks say what is right."""
+    counts: dict[tuple[str, str], dict[str, int]] = {}
+    for (case, engine, track), cell in verdicts(store).items():
+        if case not in by_case(store):
+            mine = counts.setdefault((engine, track), dict.fromkeys(STATUSES, 0))
+            mine[cell.own.name] = mine.get(cell.own.name, 0) + 1
+    return counts
+
+
+def cells_by_family(store: Store) -> list[tuple[str, list[dict[str, Any]]]]:
+    """Titles of families with their cases that have a verdict; in each, what the engines of others fail most stands first."""
+    cells, known = verdicts(store), engines(store)
+    failing: Counter[str] = Counter()
+    for (case, engine, _), cell in cells.items():
+        if not known[engine]["ours"] and cell.own.rank >= outcome("failed").rank:
+            failing[case] += 1
+    judged = {case for case, _, _ in cells}
+    grouped = [(title, [case for case in listed if case["name"] in judged]) for title, listed in families(store)]
+    return [(title, sorted(listed, key=lambda case: -failing[case["name"]])) for title, listed in grouped if listed]
+
+
+def counted(counts: Mapping[str, int]) -> tuple[tuple[Outcome, int], ...]:
+    """Counts from good to bad."""
+    return tuple(sorted(((outcome(name), count) for name, count in counts.items()), key=lambda pair: pair[0].rank))

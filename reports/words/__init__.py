@@ -1,0 +1,1 @@
+"""What things are called: cases and engines of a store, outcomes, reasons, numbers and names as people read them."""

@@ -23,7 +23,7 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 # What compiling needs comes first, so that it goes on beside the other wheels. Where it fails, trials compile for themselves.
 COMPILING := annotated-types click llvmlite markdown-it-py mdurl numba numpy platformdirs psutil pydantic pydantic-core pygments \
   rich tomli-w typing-extensions typing-inspection
-compare: WARM = $(BIN)/python -m harness.cli warm --first --workers $(WORKERS)
+compare: WARM = $(BIN)/python -m plumbline warm --first --workers $(WORKERS)
 
 $(STAMP): requirements.lock pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_max
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_max
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION, MASS, HALF = 1.0, 1.0, (0.1, 0.2, 0.3)

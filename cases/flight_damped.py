@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
 
 DURATION = 3.0
 VELOCITY = (4.0, 0.0, 6.0)

@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_max
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 2.0

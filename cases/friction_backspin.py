@@ -5,15 +5,15 @@ v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.angular_velocity import angular_velocity_error_final
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.velocity import velocity_error_final, velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rolling import rolling
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.velocity import velocity_error_final, velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rolling import rolling
 
 G = -EARTH_GRAVITY[2]
 DURATION = 2.5

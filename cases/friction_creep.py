@@ -2,15 +2,15 @@
 
 import math
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.creep import creep_speed
-from harness.metrics.divergence import divergence
-from harness.metrics.jitter import rms_speed
-from harness.metrics.position import position_error_final, position_error_max
-from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.creep import creep_speed
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION, SETTLED = 2.5, 0.5

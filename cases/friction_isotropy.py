@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.isotropy import heading_error, polar_spread
-from harness.metrics.slide import centre_rise, stop_distance_error
-from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.metrics.isotropy import heading_error, polar_spread
+from plumbline.harness.metrics.slide import centre_rise, stop_distance_error
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DIRECTIONS, FRICTION, SPEED, MASS = 13, 0.5, 2.0, 1.0

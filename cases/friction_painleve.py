@@ -15,17 +15,28 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Axis, Case, Check, Converged
-from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_gain_max
-from harness.metrics.impulse import impulse_max
-from harness.metrics.painleve import painleve_coefficient
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Capsule, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+from plumbline.harness.case import Axis, Case, Check, Converged
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_gain_max
+from plumbline.harness.metrics.impulse import impulse_max
+from plumbline.harness.metrics.painleve import painleve_coefficient
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    Capsule,
+    Effect,
+    PlacedShape,
+    Plane,
+    Scene,
+    Sphere,
+    Surface,
+    principal_inertia,
+)
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
 G = -EARTH_GRAVITY[2]
 FRICTION, SPEED = 1.0, 8.0

@@ -7,15 +7,15 @@ has feet and no face, so that no engine's choice of contact points decides.
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.angular_velocity import angular_velocity_error_final, angular_velocity_error_max
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_max
-from harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final, angular_velocity_error_max
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 1.5

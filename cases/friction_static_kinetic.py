@@ -9,14 +9,14 @@ import math
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Distance, Effect, Plane, Scene, Spring, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Distance, Effect, Plane, Scene, Spring, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 4.0

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.jitter import rms_speed
-from harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
-from harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 FRICTIONS = (0.2, 0.4, 0.7)

@@ -9,12 +9,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.creep import creep_speed
-from harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia, rotate
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.metrics.creep import creep_speed
+from plumbline.harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
+from plumbline.harness.scene import (
+    EARTH_GRAVITY,
+    Body,
+    Box,
+    Effect,
+    PlacedShape,
+    Scene,
+    Surface,
+    axis_angle,
+    box_inertia,
+    rotate,
+)
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 FRICTION, MASS, SPACING, DURATION = 0.5, 1.0, 1.0, 1.0

@@ -5,14 +5,14 @@ v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.radius import radius_error_max
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.radius import radius_error_max
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 4.0

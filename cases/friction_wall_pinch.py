@@ -6,14 +6,14 @@ towards the wall.
 
 from collections.abc import Sequence
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from harness.metrics.creep import creep_speed
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.metrics.creep import creep_speed
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 1.0

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_keep_momentum
-from harness.case.shared_checks.impact import SPRING_STEPS
-from harness.metrics.restitution import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
+from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
+from plumbline.harness.metrics.restitution import (
     HOP,
     bounce_gain,
     bounce_height_error,
@@ -22,8 +22,8 @@ from harness.metrics.restitution import (
     later_restitution_error,
     restitution_error,
 )
-from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 RESTITUTIONS = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)

@@ -8,13 +8,13 @@ Source: Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761.
 import math
 from collections.abc import Sequence
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import SOLVED
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_gain_max
-from harness.metrics.momentum import momentum_drift_max
-from harness.metrics.row import last_share_error, touching_last_share
-from harness.scene import Body, Scene, Surface
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import SOLVED
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_final, energy_gain_max
+from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.metrics.row import last_share_error, touching_last_share
+from plumbline.harness.scene import Body, Scene, Surface
 
 GAPS, BALLS, SPEED = (1e-3, 0.0), 5, 0.5
 MASS, RADIUS, SPACING, RUN_UP = 0.1, 0.02, 0.5, 0.0313

@@ -8,13 +8,13 @@ import math
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.containment import escaped_share
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_growth_rate
-from harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
-from harness.scene import Body, Box, PlacedShape, Scene, Surface, principal_inertia
-from harness.trajectory import Floats
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.containment import escaped_share
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_final, energy_growth_rate
+from plumbline.harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, principal_inertia
+from plumbline.harness.trajectory import Floats
 
 EDGE, SPEED = 6, 1.0
 MASS, RADIUS, CELL, WALL, BOX_MASS = 1.0, 0.05, 0.25, 0.1, 500.0

@@ -6,19 +6,19 @@ contacts can touch the angular momentum: impulses with unequal arms, or bodies t
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.contact_laws import forces_keep_momentum
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_gain_max
-from harness.metrics.inscribed_overlap import inscribed_overlap
-from harness.metrics.meetings import pairs_met
-from harness.metrics.momentum import (
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_gain_max
+from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.meetings import pairs_met
+from plumbline.harness.metrics.momentum import (
     angular_momentum_drift_final,
     angular_momentum_drift_max,
     momentum_drift_final,
     momentum_drift_max,
 )
-from harness.scene import Body, Scene, Surface, axis_angle
+from plumbline.harness.scene import Body, Scene, Surface, axis_angle
 
 FRICTION, SPEED, SPIN = 0.3, 1.0, 4.0
 MASS, HALF, AWAY = 1.0, 0.1, 0.5

@@ -9,17 +9,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.contact_laws import forces_keep_momentum
-from harness.case.shared_checks.impact import SPRING_STEPS
-from harness.metrics.angular_velocity import angular_velocity_error_final
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_final
-from harness.metrics.velocity import velocity_error_final
-from harness.scene import Body, Plane, Scene, Surface, sphere_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
-from harness.truths.coulomb_impact import coulomb_impact
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
+from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_final
+from plumbline.harness.metrics.velocity import velocity_error_final
+from plumbline.harness.scene import Body, Plane, Scene, Surface, sphere_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.coulomb_impact import coulomb_impact
 
 FRICTION, RESTITUTION = 0.3, 0.6
 MASS, RADIUS, SPACING, APPROACH = 1.0, 0.2, 2.0, 2.0

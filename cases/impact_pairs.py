@@ -9,17 +9,17 @@ from itertools import product
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.contact_laws import SOLVED, forces_keep_momentum
-from harness.case.shared_checks.impact import SPRING_STEPS
-from harness.metrics.angular_velocity import angular_velocity_error_final
-from harness.metrics.divergence import divergence
-from harness.metrics.momentum import momentum_drift_max
-from harness.metrics.position import position_error_final
-from harness.metrics.velocity import velocity_error_final
-from harness.scene import Body, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.contact_laws import SOLVED, forces_keep_momentum
+from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.metrics.position import position_error_final
+from plumbline.harness.metrics.velocity import velocity_error_final
+from plumbline.harness.scene import Body, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 RATIO, RESTITUTIONS = 1000.0, (0.0, 0.5, 0.8, 1.0)
 MASS, RADIUS, SPACING = 1.0, 0.1, 1.0

@@ -4,13 +4,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Axis, Case, Check, Converged
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_final, position_error_max
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Axis, Case, Check, Converged
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 LINKS, ANGLE, DURATION = 10, 20.0, 2.0

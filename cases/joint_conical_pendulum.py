@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.radius import radius_error_final, radius_error_max
-from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, PlacedShape, Scene, Sphere, sphere_inertia
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.radius import radius_error_final, radius_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 10.0

@@ -4,16 +4,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Case, Check, Converged
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats
-from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
+from plumbline.harness.case import Case, Check, Converged
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 
 G = -EARTH_GRAVITY[2]
 DURATION = 5.0

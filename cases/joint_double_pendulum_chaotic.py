@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from harness.case import Case, Check, Converged
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_max
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
-from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+from plumbline.harness.case import Case, Check, Converged
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
+from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
 G = -EARTH_GRAVITY[2]
 UPPER, LOWER, MEMBERS = 120.0, 120.0, 8

@@ -8,16 +8,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_final, position_error_max
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
 G = -EARTH_GRAVITY[2]
 DURATION = 2.5

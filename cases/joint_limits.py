@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.jitter import rms_speed
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
-from harness.metrics.position import position_error_final, position_error_max
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, Limits, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, Limits, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 3.0

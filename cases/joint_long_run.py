@@ -2,12 +2,17 @@
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max, energy_growth_rate
-from harness.metrics.joint_gap import joint_gap_final, joint_gap_max
-from harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
-from harness.trajectory import Floats
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import (
+    energy_drift_final,
+    energy_drift_max,
+    energy_drift_staggered_max,
+    energy_growth_rate,
+)
+from plumbline.harness.metrics.joint_gap import joint_gap_final, joint_gap_max
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.trajectory import Floats
 
 G = -EARTH_GRAVITY[2]
 DURATION = 1000.0

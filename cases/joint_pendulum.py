@@ -5,15 +5,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_max, joint_gap_rms
-from harness.metrics.phase import period_error, phase_error
-from harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max, joint_gap_rms
+from plumbline.harness.metrics.phase import period_error, phase_error
+from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import (
     EARTH_GRAVITY,
     WORLD,
     Body,
@@ -26,7 +26,7 @@ from harness.scene import (
     box_inertia,
     sphere_inertia,
 )
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory import Floats, Trajectory
 
 Kind = Literal["rod", "point"]
 

@@ -5,15 +5,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from harness.metrics.velocity import velocity_error_max
-from harness.scene import WORLD, Body, Box, Effect, PlacedShape, Prismatic, Scene, Spring, box_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
+from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.scene import WORLD, Body, Box, Effect, PlacedShape, Prismatic, Scene, Spring, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
 DURATION = 5.0
 RATIOS = (0.1, 1.0, 2.0)

@@ -10,16 +10,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.forces import Control
-from harness.metric import Metric
-from harness.metrics.divergence import divergence
-from harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
-from harness.metrics.phase import period_error, phase_error
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.radius import radius_error_final, radius_error_max
-from harness.scene import Body, PlacedShape, Scene, Sphere, sphere_inertia
-from harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.forces import Control
+from plumbline.harness.metric import Metric
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
+from plumbline.harness.metrics.phase import period_error, phase_error
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.radius import radius_error_final, radius_error_max
+from plumbline.harness.scene import Body, PlacedShape, Scene, Sphere, sphere_inertia
+from plumbline.harness.trajectory import Floats, State, Trajectory
 
 ECCENTRICITY, PERIODS = 0.5, 100
 AXIS, PERIOD_TIME, MASS, RADIUS = 1.0, 1.0, 1.0, 0.05

@@ -3,14 +3,14 @@
 Nothing acts but weight and support, so nothing moves. What moves is the engine's jitter.
 """
 
-from harness.case import Case, Check
-from harness.metrics.contact_flips import contact_flips
-from harness.metrics.contact_force import support_force_error
-from harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
-from harness.metrics.penetration import penetration
-from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.contact_flips import contact_flips
+from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 BOXES, FRICTION, MASS, HALF = 5, 0.5, 1.0, 0.1

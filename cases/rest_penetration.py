@@ -1,11 +1,11 @@
 """One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
 
-from harness.case import Case, Check
-from harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from harness.metrics.jitter import rest_drift
-from harness.metrics.penetration import penetration, reported_penetration
-from harness.scene import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
+from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.penetration import penetration, reported_penetration
+from plumbline.harness.scene import (
     EARTH_GRAVITY,
     Body,
     Box,
@@ -24,9 +24,9 @@ from harness.scene import (
     cylinder_inertia,
     sphere_inertia,
 )
-from harness.scene.values import Matrix3
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.scene.values import Matrix3
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 FRICTION, MASS, HALF = 0.5, 1.0, 0.1

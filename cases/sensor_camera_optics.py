@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.colour_error import colour_error_max, colour_error_median
-from harness.metrics.divergence import divergence
-from harness.metrics.silhouette import silhouette_iou
-from harness.scene import Appearance, Body, Box, Camera, PlacedShape, Scene, Sphere, Sun, Vector3, axis_angle
-from harness.sensors.rays import first_hits
-from harness.sensors.sight import Sight
-from harness.sensors.true_frames import stamps_up_to, true_frames, true_sight
-from harness.trajectory import Floats, State, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.colour_error import colour_error_max, colour_error_median
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.scene import Appearance, Body, Box, Camera, PlacedShape, Scene, Sphere, Sun, Vector3, axis_angle
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.sight import Sight
+from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames, true_sight
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 RATE = 10.0
 INDEX, HALF_THICKNESS = 1.5, 0.15

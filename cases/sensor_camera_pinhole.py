@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from harness.case import Case, Check
-from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from harness.metrics.divergence import divergence
-from harness.metrics.pixel_error import pixel_error
-from harness.metrics.silhouette import silhouette_iou
-from harness.scene import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.pixel_error import pixel_error
+from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.scene import (
     Appearance,
     Body,
     Box,
@@ -22,9 +22,9 @@ from harness.scene import (
     Vector3,
     axis_angle,
 )
-from harness.sensors.true_frames import stamps_up_to, true_frames
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 RATE = 10.0
 UNTURNED = (1.0, 0.0, 0.0, 0.0)

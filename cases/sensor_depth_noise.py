@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.depth_error import depth_error_max, depth_error_median
-from harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
-from harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
-from harness.metrics.depth_quantisation import disparity_step_error
-from harness.metrics.divergence import divergence
-from harness.metrics.range_wrap import range_unwrapped_share
-from harness.scene import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median
+from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
+from plumbline.harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
+from plumbline.harness.metrics.depth_quantisation import disparity_step_error
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.range_wrap import range_unwrapped_share
+from plumbline.harness.scene import (
     Appearance,
     Body,
     Box,
@@ -27,9 +27,9 @@ from harness.scene import (
     Vector3,
     axis_angle,
 )
-from harness.sensors.true_frames import stamps_up_to, true_frames
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 DURATION, RATE = 0.3, 10.0
 WIDTH, HEIGHT, FOCAL = 128, 96, 120.0

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from harness.metrics.divergence import divergence
-from harness.metrics.silhouette import silhouette_iou
-from harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
-from harness.sensors.pinhole import intrinsics, pixel_centres
-from harness.sensors.true_frames import stamps_up_to
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate, rotate_back
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
+from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
+from plumbline.harness.sensors.true_frames import stamps_up_to
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
 DURATION, RATE = 0.2, 10.0
 TILT, SPEED = 0.6, 1.5

@@ -1,9 +1,9 @@
 """A gyroscope on a nutating top: does the integral of what it reads give the attitude that the body has?"""
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.gyroscope_attitude import gyroscope_attitude_error
-from harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
+from plumbline.harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
 
 DURATION, RATE = 2.0, 120.0
 EQUATOR, POLE = 1.0, 2.0

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.forces import Control
-from harness.metrics.divergence import divergence
-from harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
-from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.forces import Control
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
+from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.scene import Body, Imu, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 DURATION, RATE, LATENCY = 3.0, 60.0, 0.025
 FREQUENCY = 1.5

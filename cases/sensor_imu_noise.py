@@ -5,15 +5,22 @@ from functools import partial
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.allan import SLOPES, Channel, Regime, accelerometer_allan_score, gyroscope_allan_score, slope_bound
-from harness.metrics.divergence import divergence
-from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from harness.metrics.noise_bias import inertial_bias_score
-from harness.metrics.noise_independence import inertial_correlation_score
-from harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.allan import (
+    SLOPES,
+    Channel,
+    Regime,
+    accelerometer_allan_score,
+    gyroscope_allan_score,
+    slope_bound,
+)
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.noise_bias import inertial_bias_score
+from plumbline.harness.metrics.noise_independence import inertial_correlation_score
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 DURATION = 200.0
 RATE = 120.0

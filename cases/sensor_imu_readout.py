@@ -4,14 +4,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.forces import Control
-from harness.metrics.divergence import divergence
-from harness.metrics.imu_readout import inertial_readout_error
-from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from harness.scene import EARTH_GRAVITY, AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.forces import Control
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.imu_readout import inertial_readout_error
+from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.scene import (
+    EARTH_GRAVITY,
+    AxisNoise,
+    Body,
+    Imu,
+    ImuNoise,
+    PlacedShape,
+    Scene,
+    Sphere,
+    axis_angle,
+    sphere_inertia,
+)
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 G = -EARTH_GRAVITY[2]
 DURATION, RATE = 2.0, 60.0

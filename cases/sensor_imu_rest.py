@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import EARTH_GRAVITY, Body, Imu, Plane, Scene, Surface, axis_angle
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Imu, Plane, Scene, Surface, axis_angle
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 G = -EARTH_GRAVITY[2]
 DURATION, SETTLED, RATE = 3.0, 2.0, 60.0

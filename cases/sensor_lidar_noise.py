@@ -4,23 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.dropout import dropout_score
-from harness.metrics.range_error import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.dropout import dropout_score
+from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
     range_error_median,
     range_error_rms,
     range_false_return_share,
 )
-from harness.metrics.range_noise import (
+from plumbline.harness.metrics.range_noise import (
     range_correlation_score,
     range_distribution_distance,
     range_mean_score,
     range_spread_score,
 )
-from harness.scene import (
+from plumbline.harness.scene import (
     Appearance,
     Body,
     Box,
@@ -38,9 +38,9 @@ from harness.scene import (
     axis_angle,
     box_inertia,
 )
-from harness.sensors.true_scans import true_scans
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_scans import true_scans
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 DURATION = 1.0
 RATE = 10.0

@@ -2,13 +2,18 @@
 
 from dataclasses import replace
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.range_error import intensity_error_max, range_error_max, range_error_rms, range_false_return_share
-from harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
-from harness.sensors.true_scans import true_scans
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.range_error import (
+    intensity_error_max,
+    range_error_max,
+    range_error_rms,
+    range_false_return_share,
+)
+from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
+from plumbline.harness.sensors.true_scans import true_scans
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 DURATION, RATE = 0.2, 10.0
 CHANNELS, COLUMNS = 16, 180

@@ -4,13 +4,29 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.range_error import intensity_error_max, range_error_max, range_error_rms, range_false_return_share
-from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import Body, Box, Lidar, PlacedShape, Quaternion, Scene, Sphere, Vector3, axis_angle, sphere_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import product, rotate
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.range_error import (
+    intensity_error_max,
+    range_error_max,
+    range_error_rms,
+    range_false_return_share,
+)
+from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.scene import (
+    Body,
+    Box,
+    Lidar,
+    PlacedShape,
+    Quaternion,
+    Scene,
+    Sphere,
+    Vector3,
+    axis_angle,
+    sphere_inertia,
+)
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import product, rotate
 
 DURATION, RATE = 1.0, 10.0
 CHANNELS, COLUMNS = 12, 120

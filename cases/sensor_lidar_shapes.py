@@ -2,16 +2,16 @@
 
 from dataclasses import replace
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.range_error import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
     range_error_median,
     range_error_rms,
     range_false_return_share,
 )
-from harness.scene import (
+from plumbline.harness.scene import (
     WORLD,
     Appearance,
     Body,
@@ -27,9 +27,9 @@ from harness.scene import (
     Vector3,
     axis_angle,
 )
-from harness.sensors.true_scans import true_scans
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_scans import true_scans
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 DURATION, RATE = 0.2, 10.0
 CHANNELS, COLUMNS = 32, 360

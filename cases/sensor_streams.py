@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
-from harness.metrics.noise_independence import inertial_correlation_score
-from harness.metrics.noise_spectrum import inertial_spectrum_score
-from harness.metrics.range_noise import range_correlation_score, range_mean_score, range_spread_score
-from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
+from plumbline.harness.metrics.noise_independence import inertial_correlation_score
+from plumbline.harness.metrics.noise_spectrum import inertial_spectrum_score
+from plumbline.harness.metrics.range_noise import range_correlation_score, range_mean_score, range_spread_score
+from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
+from plumbline.harness.trajectory import Floats, Trajectory
 
 DURATION, RATE, SCANS, LATENCY = 30.0, 200.0, 10.0, 0.015
 GYROSCOPE = AxisNoise(density=2e-4, bias=0.01, scale_error=2e-3, misalignment=(0.01, -0.02, 0.005))

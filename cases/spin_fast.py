@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_max
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_final, energy_drift_max
-from harness.metrics.momentum import angular_momentum_drift_max
-from harness.scene import Body, Box, PlacedShape, Scene, box_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
-from harness.truths.free_rotation import free_rotation
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max
+from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.free_rotation import free_rotation
 
 DURATION = 2.0
 SPEED = 100.0

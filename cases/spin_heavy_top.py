@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_final, position_error_max
-from harness.metrics.precession import nutation_amplitude, precession_rate_error
-from harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import product
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.precession import nutation_amplitude, precession_rate_error
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import product
 
 G = -EARTH_GRAVITY[2]
 DURATION = 2.0

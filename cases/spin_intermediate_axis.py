@@ -4,16 +4,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.attitude import attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max
-from harness.metrics.flips import flip_count_error, flip_period_error
-from harness.metrics.momentum import angular_momentum_drift_max
-from harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
-from harness.truths.free_rotation import FIRST_ORDER, first_order_errors, free_rotation
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.attitude import attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max
+from plumbline.harness.metrics.flips import flip_count_error, flip_period_error
+from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.free_rotation import FIRST_ORDER, first_order_errors, free_rotation
 
 DURATION = 20.0
 MOMENTS = (1.0, 2.0, 2.5)

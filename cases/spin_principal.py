@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_max
-from harness.metrics.attitude import attitude_error_final, attitude_error_max
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, box_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
+from plumbline.harness.metrics.attitude import attitude_error_final, attitude_error_max
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, box_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
 
 DURATION = 1.0
 SPIN = 10.0

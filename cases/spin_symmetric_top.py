@@ -4,17 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_max
-from harness.metrics.attitude import attitude_error_final, attitude_error_max, attitude_error_rms
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from harness.metrics.momentum import angular_momentum_drift_max
-from harness.scene import Body, Cylinder, PlacedShape, Scene, principal_inertia
-from harness.scene.values import Vector3
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import product, rotate
-from harness.truths.free_rotation import FIRST_ORDER, first_order_errors
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
+from plumbline.harness.metrics.attitude import attitude_error_final, attitude_error_max, attitude_error_rms
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.scene import Body, Cylinder, PlacedShape, Scene, principal_inertia
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import product, rotate
+from plumbline.harness.truths.free_rotation import FIRST_ORDER, first_order_errors
 
 DURATION = 10.0
 ACROSS, ALONG = 1.0, 1.6

@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from harness.case import Axis, Case
-from harness.case.shared_checks.rest import settled_speed, stands, supported
-from harness.metrics.jitter import rest_drift
-from harness.metrics.penetration import penetration
-from harness.metrics.stack import stack_height_error
-from harness.scene import (
+from plumbline.harness.case import Axis, Case
+from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.scene import (
     EARTH_GRAVITY,
     Body,
     ConvexHull,
@@ -28,9 +28,9 @@ from harness.scene import (
     axis_angle,
     principal_inertia,
 )
-from harness.scene.values import Matrix3
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.scene.values import Matrix3
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 THICKNESS, BLOCKS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 9, 1.0, 0.4, 2000.0, 0.8

@@ -11,14 +11,14 @@ import math
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import energy_rise_max
-from harness.metrics.jitter import rest_drift, rms_spin
-from harness.metrics.penetration import penetration
-from harness.metrics.threading import unthreaded
-from harness.scene import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import energy_rise_max
+from plumbline.harness.metrics.jitter import rest_drift, rms_spin
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.threading import unthreaded
+from plumbline.harness.scene import (
     EARTH_GRAVITY,
     Body,
     Box,
@@ -33,7 +33,7 @@ from harness.scene import (
     multiply,
     rotate,
 )
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 G = -EARTH_GRAVITY[2]
 LOOSE, RINGS, FRICTION, FORM = 3, 2, 0.5, "pieces"

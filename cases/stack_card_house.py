@@ -7,10 +7,10 @@ Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.
 
 import math
 
-from harness.case import Axis, Case, Check
-from harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
-from harness.metrics.penetration import penetration
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
 MARGIN, ANGLE, GRIP, MASS = 0.1, 20.0, 1.0, 0.1
 """Share of the critical friction by which one house has more and the other less; angle of a card to the vertical [deg];

@@ -2,15 +2,15 @@
 
 import math
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import settled_speed, stands, supported
-from harness.metrics.jitter import rest_drift
-from harness.metrics.load_split import load_split_error
-from harness.metrics.penetration import penetration
-from harness.metrics.stack import stack_height_error
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.load_split import load_split_error
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 RATIO, FRICTION, DROP, MASS = 400.0, 0.5, 0.02, 1.0

@@ -4,14 +4,14 @@ The contact at the ground must carry ratio + 1 times the weight of the body that
 contact passes on, each time, only what the light body alone can take.
 """
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from harness.metrics.jitter import rest_drift
-from harness.metrics.penetration import penetration
-from harness.metrics.stack import stack_height_error
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 RATIO, FRICTION, MASS, HALF = 1000.0, 0.5, 1.0, 0.1

@@ -8,11 +8,11 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 
 from collections.abc import Sequence
 
-from harness.case import Axis, Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.overhang import overhang_limit_error
-from harness.metrics.penetration import penetration
-from harness.scene import Body, Box, Effect, Scene, Surface
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.overhang import overhang_limit_error
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 
 BRICKS, FRICTION, MASS = 4, 0.5, 1.0
 FACTORS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)

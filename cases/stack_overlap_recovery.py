@@ -4,13 +4,13 @@ No mechanics begins like this, but designers do. What a rigid body can do is to 
 rest where they touch: an overlap is an error of position, and holds no energy.
 """
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import bears, settled_speed
-from harness.metrics.ejection import ejection_speed
-from harness.metrics.jitter import rest_drift
-from harness.metrics.stack import lean, residual_kinetic_energy
-from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import bears, settled_speed
+from plumbline.harness.metrics.ejection import ejection_speed
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 OVERLAP, FRICTION, MASS, HALF = 0.25, 0.5, 1.0, 0.1

@@ -8,16 +8,16 @@ import math
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import settled_speed
-from harness.metrics.divergence import divergence
-from harness.metrics.jitter import rest_drift
-from harness.metrics.overlap import overlap
-from harness.metrics.world_spread import world_spread
-from harness.props.robots.container import container
-from harness.scene import EARTH_GRAVITY, Body, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import settled_speed
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.overlap import overlap
+from plumbline.harness.metrics.world_spread import world_spread
+from plumbline.harness.props.robots.container import container
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 BALLS, FRICTION, RADIUS, DENSITY = 20, 0.5, 0.05, 1000.0

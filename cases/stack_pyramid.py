@@ -8,12 +8,12 @@ is for: an engine whose solver takes the cube of the number of contacts needs a 
 import math
 from collections.abc import Iterator
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from harness.metrics.jitter import rest_drift
-from harness.metrics.penetration import penetration
-from harness.metrics.stack import lean, residual_kinetic_energy
-from harness.scene import (
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
+from plumbline.harness.scene import (
     EARTH_GRAVITY,
     Body,
     Effect,
@@ -21,8 +21,8 @@ from harness.scene import (
     Scene,
     Surface,
 )
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 ROWS, FRICTION, MASS = 3, 0.5, 1.0

@@ -5,15 +5,15 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.forces import Control
-from harness.case.shared_checks.rest import settled_speed
-from harness.metrics.divergence import divergence
-from harness.metrics.inscribed_overlap import inscribed_overlap
-from harness.metrics.jitter import rest_drift, rms_spin
-from harness.props.robots.container import container
-from harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
-from harness.trajectory import Floats, State
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.forces import Control
+from plumbline.harness.case.shared_checks.rest import settled_speed
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.jitter import rest_drift, rms_spin
+from plumbline.harness.props.robots.container import container
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from plumbline.harness.trajectory import Floats, State
 
 G = -EARTH_GRAVITY[2]
 BODIES, EDGE, FRICTION, MASS, HALF = 18, 3, 0.5, 1.0, 0.05

@@ -3,14 +3,14 @@
 A box that creeps by a micrometre a second passes every check of a few seconds; here it has left its place by half a millimetre.
 """
 
-from harness.case import Case, Check
-from harness.case.shared_checks.rest import GIVE, settled_speed, stands
-from harness.metrics.energy import energy_gain_max
-from harness.metrics.jitter import rest_drift
-from harness.metrics.stack import lean, stack_height_error
-from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands
+from plumbline.harness.metrics.energy import energy_gain_max
+from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.stack import lean, stack_height_error
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 BOXES, FRICTION, MASS, HALF = 4, 0.5, 1.0, 0.1

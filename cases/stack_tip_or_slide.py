@@ -7,9 +7,9 @@ Source: Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3.
 import math
 from collections.abc import Sequence
 
-from harness.case import Case, Check
-from harness.metrics.tipping import tipping_angle_error, wrong_fates
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, axis_angle, rotate
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.tipping import tipping_angle_error, wrong_fates
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, axis_angle, rotate
 
 G = -EARTH_GRAVITY[2]
 ROUGH, SLIPPERY, MASS = 0.8, 0.3, 1.0

@@ -1,13 +1,13 @@
 """A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import GIVE, settled_speed, supported
-from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from harness.metrics.penetration import penetration
-from harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
-from harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, supported
+from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 BOXES, FRICTION, MASS, HALF = 10, 0.5, 1.0, 0.1

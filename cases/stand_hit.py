@@ -8,23 +8,23 @@ from functools import cache
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import held_energy_gain_max
-from harness.metrics.inscribed_overlap import inscribed_overlap
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.momentum import (
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import held_energy_gain_max
+from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.momentum import (
     angular_momentum_drift_final,
     angular_momentum_drift_max,
     momentum_drift_final,
     momentum_drift_max,
 )
-from harness.metrics.vibration import vibration_frequency, vibration_rms
-from harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
-from harness.props.robots.robot import MATERIAL
-from harness.scene import Body, Scene, Surface, rotation_matrix
-from harness.trajectory import Floats
+from plumbline.harness.metrics.vibration import vibration_frequency, vibration_rms
+from plumbline.harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
+from plumbline.harness.props.robots.robot import MATERIAL
+from plumbline.harness.scene import Body, Scene, Surface, rotation_matrix
+from plumbline.harness.trajectory import Floats
 
 SPEED, SPIN, FRICTION, DAMPING = 3.0, 20.0, 0.5, 0.5
 MASS, RADIUS, AWAY = 0.6, 0.12, 0.3

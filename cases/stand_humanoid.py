@@ -3,20 +3,20 @@
 What moves is the engine's: too few iterations of its solver, drives that fight the contacts, or too long a step.
 """
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.rest import supported
-from harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
-from harness.metrics.jitter import rms_speed
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.penetration import penetration
-from harness.metrics.pose import pose_error_rms
-from harness.metrics.vibration import vibration_frequency
-from harness.props.robots.floor import floor, grip
-from harness.props.robots.humanoid import humanoid
-from harness.props.robots.robot import MATERIAL, bearing
-from harness.scene import EARTH_GRAVITY, Effect, Scene
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.rest import supported
+from plumbline.harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
+from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.pose import pose_error_rms
+from plumbline.harness.metrics.vibration import vibration_frequency
+from plumbline.harness.props.robots.floor import floor, grip
+from plumbline.harness.props.robots.humanoid import humanoid
+from plumbline.harness.props.robots.robot import MATERIAL, bearing
+from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 FRICTION = 0.8

@@ -1,19 +1,19 @@
 """Quadrupeds that hold themselves up: n machines side by side, each in the pose in which its PD drives bear its weight."""
 
-from harness.case import Axis, Case, Check
-from harness.case.shared_checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from harness.metrics.contact_force import support_force_error
-from harness.metrics.jitter import rms_speed
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.penetration import penetration
-from harness.metrics.pose import pose_error_rms
-from harness.metrics.vibration import vibration_frequency
-from harness.props.robots.floor import floor, grip
-from harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
-from harness.props.robots.robot import MATERIAL, bearing, copy_of
-from harness.scene import EARTH_GRAVITY, Effect, Scene
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.shared_checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
+from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.pose import pose_error_rms
+from plumbline.harness.metrics.vibration import vibration_frequency
+from plumbline.harness.props.robots.floor import floor, grip
+from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
+from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
+from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 FRICTION, SPACING, ROW = 0.8, 1.0, 4

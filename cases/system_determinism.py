@@ -9,11 +9,11 @@ solver that sweeps through them ends, after a finite number of sweeps, with an a
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.symmetries import Retelling, reordered, repeated, restored
-from harness.metrics.divergence import divergence
-from harness.metrics.equivalence import AGREEING_SAMPLES, DIFFERENCE, POSITION_DIFFERENCE
-from harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, box_inertia, sphere_inertia
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.symmetries import Retelling, reordered, repeated, restored
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.equivalence import AGREEING_SAMPLES, DIFFERENCE, POSITION_DIFFERENCE
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, box_inertia, sphere_inertia
 
 BODIES, FRICTION, MASS, HALF, RADIUS = 6, 0.5, 1.0, (0.1, 0.08, 0.06), 0.08
 SAVED, DURATION = 0.5, 1.0

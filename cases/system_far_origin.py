@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.case.symmetries import Retelling, moved
-from harness.metrics.divergence import divergence
-from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
-from harness.props.regular_motions import stage
-from harness.scene import Scene
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.symmetries import Retelling, moved
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from plumbline.harness.props.regular_motions import stage
+from plumbline.harness.scene import Scene
 
 ORIGIN, DURATION = 1e6, 1.0
 

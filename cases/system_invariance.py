@@ -4,13 +4,13 @@ Newton's laws know no origin, no direction and no state of rest. What finds one 
 of the world, damping against the world, a floor whose motion its contacts forget.
 """
 
-from harness.case import Axis, Case, Check
-from harness.case.symmetries import Retelling, in_motion, moved, turned
-from harness.metric import Metric
-from harness.metrics.divergence import divergence
-from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
-from harness.props.regular_motions import stage
-from harness.scene import Scene, axis_angle
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.symmetries import Retelling, in_motion, moved, turned
+from plumbline.harness.metric import Metric
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from plumbline.harness.props.regular_motions import stage
+from plumbline.harness.scene import Scene, axis_angle
 
 SPEED, DURATION = 1.5, 1.0
 SINGLE = 1e-6

@@ -20,13 +20,13 @@ from itertools import combinations
 
 import numpy as np
 
-from harness.case import Case, Check
-from harness.case.shared_checks.rest import GIVE
-from harness.metrics.cam_follower import cam_follower_gap
-from harness.metrics.divergence import divergence
-from harness.metrics.position import position_error_max, position_error_rms
-from harness.metrics.velocity import velocity_error_max, velocity_error_rms
-from harness.scene import (
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.metrics.cam_follower import cam_follower_gap
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.position import position_error_max, position_error_rms
+from plumbline.harness.metrics.velocity import velocity_error_max, velocity_error_rms
+from plumbline.harness.scene import (
     EARTH_GRAVITY,
     WORLD,
     Body,
@@ -41,8 +41,8 @@ from harness.scene import (
     TriangleMesh,
     sphere_inertia,
 )
-from harness.trajectory import Floats, Integers, Trajectory
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.trajectory import Floats, Integers, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate
 
 G = -EARTH_GRAVITY[2]
 CAMS, FACETS, GEOMETRY, RATE = 4, 320, "hull", 2.0

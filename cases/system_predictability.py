@@ -7,11 +7,16 @@ than the start decides in its place.
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.balance import exit_time_error_rms, growth_exponent_error, lost_start_share, smallest_followed_start
-from harness.metrics.divergence import divergence
-from harness.scene import EARTH_GRAVITY, Body, Scene, Sphere, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.balance import (
+    exit_time_error_rms,
+    growth_exponent_error,
+    lost_start_share,
+    smallest_followed_start,
+)
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene, Sphere, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 STARTS, NEAREST, FARTHEST = 100, 1e-9, 1e-3

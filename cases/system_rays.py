@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.case import Case, Check, Rays
-from harness.metrics.divergence import divergence
-from harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
-from harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
-from harness.sensors.rays import first_hits
-from harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.case import Case, Check, Rays
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
+from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.trajectory import Floats, State, Trajectory
 
 SHAPES: tuple[Shape, ...] = (
     Sphere(radius=0.5),

@@ -4,12 +4,12 @@ With times and speeds that go with the root of the length, every ratio of forces
 kilometre is a length, a speed or a time of the engine's own: a margin, a slop, a threshold, a clamp, a contact's softness.
 """
 
-from harness.case import Axis, Case, Check
-from harness.case.symmetries import Retelling, scaled
-from harness.metrics.divergence import divergence
-from harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
-from harness.props.regular_motions import stage
-from harness.scene import Scene
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.symmetries import Retelling, scaled
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
+from plumbline.harness.props.regular_motions import stage
+from plumbline.harness.scene import Scene
 
 SCALE, DURATION = 1000.0, 1.0
 SINGLE = 1e-6

@@ -8,14 +8,14 @@ import math
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.case.forces import Control
-from harness.metrics.divergence import divergence
-from harness.metrics.inscribed_overlap import inscribed_overlap
-from harness.metrics.joint_gap import joint_gap_max
-from harness.metrics.position import position_error_max
-from harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
-from harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.forces import Control
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
+from plumbline.harness.trajectory import Floats, State, Trajectory
 
 KINDS = ("flight", "contact", "chain")
 COUNT, MASS, HALF, GAP, FRICTION = 10, 1.0, 0.1, 1e-3, 0.5

@@ -7,10 +7,10 @@ Source: Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.5 (two mo
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.momentum import momentum_drift_max
-from harness.metrics.passage import (
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.metrics.passage import (
     lateral_kick,
     passage_probability,
     passage_probability_high,
@@ -18,9 +18,9 @@ from harness.metrics.passage import (
     rest_speed,
     sink_depth,
 )
-from harness.scene import Body, Effect, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.scene import Body, Effect, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 SPEED, PHASES, RADIUS, MASS = 50.0, 64, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25

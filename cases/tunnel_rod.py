@@ -9,15 +9,15 @@ Simulation of Rigid Body Systems (1996; bounds on the time of impact of bodies t
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.angular_velocity import angular_velocity_error_final
-from harness.metrics.divergence import divergence
-from harness.metrics.passage import passage_probability, passage_probability_high, passage_probability_low, sink_depth
-from harness.metrics.position import position_error_final
-from harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import product
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.passage import passage_probability, passage_probability_high, passage_probability_low, sink_depth
+from plumbline.harness.metrics.position import position_error_final
+from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import product
+from plumbline.harness.truths.rest import at_rest
 
 SPIN, PHASES = 60.0, 64
 MASS, RADIUS, HALF_LENGTH, POST_RADIUS, LEVER = 0.5, 0.01, 0.5, 0.01, 0.4

@@ -8,12 +8,12 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.passage import sink_depth
-from harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
-from harness.scene import Body, Box, Effect, Scene, Surface
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.passage import sink_depth
+from plumbline.harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 SPEED, PHASES, THICKNESS, RADIUS, MASS = 50.0, 64, 0.01, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25

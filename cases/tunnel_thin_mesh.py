@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from harness.case import Axis, Case, Check
-from harness.metrics.divergence import divergence
-from harness.metrics.passage import (
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.passage import (
     lateral_kick,
     passage_probability,
     passage_probability_high,
@@ -21,9 +21,9 @@ from harness.metrics.passage import (
     rest_speed,
     sink_depth,
 )
-from harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, TriangleMesh
-from harness.trajectory import Floats, Trajectory
-from harness.truths.rest import at_rest
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, TriangleMesh
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
 SPEED, SLIDE, PHASES, THICKNESS = 20.0, 1.0, 32, 0.01

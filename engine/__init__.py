@@ -2,19 +2,30 @@
 
 from typing import TYPE_CHECKING, Any
 
-from engine.describe.bodies import Body, Surface
-from engine.describe.errors import Diverged, ManyImpacts, NotSupported
-from engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
-from engine.describe.optics import Optics, Sun
-from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Placed, Plane, Shape, Sphere, TriangleMesh
-from engine.images.eye import Eye, Lens, Picture
-from engine.options import Options
+from plumbline.engine.describe.bodies import Body, Surface
+from plumbline.engine.describe.errors import Diverged, ManyImpacts, NotSupported
+from plumbline.engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from plumbline.engine.describe.optics import Optics, Sun
+from plumbline.engine.describe.shapes import (
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Ellipsoid,
+    Placed,
+    Plane,
+    Shape,
+    Sphere,
+    TriangleMesh,
+)
+from plumbline.engine.images.eye import Eye, Lens, Picture
+from plumbline.engine.options import Options
 
 if TYPE_CHECKING:
-    from engine.batch import Batch
-    from engine.contact.points import Contacts
-    from engine.rays.hits import Hits
-    from engine.world import World
+    from plumbline.engine.batch import Batch
+    from plumbline.engine.contact.points import Contacts
+    from plumbline.engine.rays.hits import Hits
+    from plumbline.engine.world import World
 
 __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",
@@ -29,11 +40,11 @@ __version__ = "0.1.0"
 def __getattr__(name: str) -> Any:
     """Load the world, and with it the compiler, on first use."""
     if name in ("World", "Contacts", "Hits"):
-        import engine.world
+        import plumbline.engine.world
 
         return getattr(engine.world, name)
     if name == "Batch":
-        import engine.batch
+        import plumbline.engine.batch
 
         return engine.batch.Batch
     raise AttributeError(f"module 'engine' has no attribute '{name}'")

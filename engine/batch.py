@@ -6,23 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from engine.articulated.assembly import grow_world
-from engine.contact.choice import load_collide
-from engine.describe.check import finite
-from engine.describe.errors import Diverged, NotSupported
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
-from engine.options import GAUSS_SEIDEL
-from engine.steps.choice import Kernels
-from engine.steps.many_worlds import (
+from plumbline.engine.articulated.assembly import grow_world
+from plumbline.engine.contact.choice import load_collide
+from plumbline.engine.describe.check import finite
+from plumbline.engine.describe.errors import Diverged, NotSupported
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
+from plumbline.engine.options import GAUSS_SEIDEL
+from plumbline.engine.steps.choice import Kernels
+from plumbline.engine.steps.many_worlds import (
     address_of_collide,
     address_of_search,
     address_of_step,
     advance_worlds,
     advance_worlds_parallel,
 )
-from engine.world import World
+from plumbline.engine.world import World
 
 LINE = 8
 """Numbers in a cache line: worlds begin on lines of their own, so that threads do not write to the same one."""

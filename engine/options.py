@@ -2,16 +2,16 @@
 
 from dataclasses import dataclass
 
-from engine.describe.check import not_negative, positive, whole
+from plumbline.engine.describe.check import not_negative, positive, whole
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
-    "explicit_euler": "engine.integrate.explicit_euler",
-    "velocity_verlet": "engine.integrate.velocity_verlet",
-    "implicit_midpoint": "engine.integrate.implicit_midpoint",
-    "splitting_4": "engine.integrate.splitting",
-    "splitting_8": "engine.integrate.splitting",
-    ADAPTIVE: "engine.integrate.dormand_prince",
+    "explicit_euler": "plumbline.engine.integrate.explicit_euler",
+    "velocity_verlet": "plumbline.engine.integrate.velocity_verlet",
+    "implicit_midpoint": "plumbline.engine.integrate.implicit_midpoint",
+    "splitting_4": "plumbline.engine.integrate.splitting",
+    "splitting_8": "plumbline.engine.integrate.splitting",
+    ADAPTIVE: "plumbline.engine.integrate.dormand_prince",
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)

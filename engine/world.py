@@ -10,36 +10,36 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
-from engine.articulated.choice import chosen_forest
-from engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
-from engine.build.appearance import looks_of, may_touch
-from engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
-from engine.build.initial_rates import check_initial_rates
-from engine.build.joint_order import elimination_order
-from engine.build.slenderness import check_slenderness
-from engine.contact.choice import load_collide, load_sorting
-from engine.contact.points import Contacts, joined, manifold_points, sphere_points
-from engine.describe.bodies import Body, Surface
-from engine.describe.check import finite, number, whole
-from engine.describe.errors import Diverged, NotSupported
-from engine.describe.joints import Joint
-from engine.describe.optics import Sun
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
-from engine.options import COLOURED, GAUSS_SEIDEL, Options
-from engine.rays.cast import as_rays, cast_on_shapes
-from engine.rays.hits import Hits
-from engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
-from engine.steps.lengths import fit_impulses
+from plumbline.engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
+from plumbline.engine.articulated.choice import chosen_forest
+from plumbline.engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
+from plumbline.engine.build.appearance import looks_of, may_touch
+from plumbline.engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
+from plumbline.engine.build.initial_rates import check_initial_rates
+from plumbline.engine.build.joint_order import elimination_order
+from plumbline.engine.build.slenderness import check_slenderness
+from plumbline.engine.contact.choice import load_collide, load_sorting
+from plumbline.engine.contact.points import Contacts, joined, manifold_points, sphere_points
+from plumbline.engine.describe.bodies import Body, Surface
+from plumbline.engine.describe.check import finite, number, whole
+from plumbline.engine.describe.errors import Diverged, NotSupported
+from plumbline.engine.describe.joints import Joint
+from plumbline.engine.describe.optics import Sun
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
+from plumbline.engine.options import COLOURED, GAUSS_SEIDEL, Options
+from plumbline.engine.rays.cast import as_rays, cast_on_shapes
+from plumbline.engine.rays.hits import Hits
+from plumbline.engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
+from plumbline.engine.steps.lengths import fit_impulses
 
 if TYPE_CHECKING:
-    from engine.images.eye import Eye, Picture
-    from engine.images.paths import Paths
-    from engine.rays.tree import RayTree
-    from engine.respond.exact.steps import Certificate
-    from engine.swept.steps import Impacts
+    from plumbline.engine.images.eye import Eye, Picture
+    from plumbline.engine.images.paths import Paths
+    from plumbline.engine.rays.tree import RayTree
+    from plumbline.engine.respond.exact.steps import Certificate
+    from plumbline.engine.swept.steps import Impacts
 
 GEOMETRIES = ("collision", "visual")
 RENDERERS = ("rasterised", "ray_traced")
@@ -71,7 +71,7 @@ class World:
         self.options = options or Options()
         self._dt = self.options.dt
         if self.options.level_of_detail is not None:
-            from engine.build.level_of_detail import at_level
+            from plumbline.engine.build.level_of_detail import at_level
 
             bodies = at_level(bodies, self.options.level_of_detail)
         joints = elimination_order(bodies, joints)
@@ -107,7 +107,7 @@ class World:
             raise NotSupported(f"sweeps '{self.sweeps}'", "the soft solver has them, without joints, sleep and swept collision")
         self._exact = None
         if self.touching and self.options.solver == "exact":
-            from engine.respond.exact.steps import ExactSteps
+            from plumbline.engine.respond.exact.steps import ExactSteps
 
             self._exact = ExactSteps(self.options, (surfaces or {}).values(), joints)
         self.in_joint_coordinates = forest is not None
@@ -126,7 +126,7 @@ class World:
                 )
             if self.moving_meshes:
                 raise NotSupported("swept collision of triangle meshes that forces move", "triangles at rest cross each other")
-            from engine.swept.steps import SweptSteps
+            from plumbline.engine.swept.steps import SweptSteps
 
             search = None if self._find_pairs is None else partial(search_pairs, self._find_pairs, self._drop_apart)
             self._step = self._swept = SweptSteps(self.options, self._step, search, len(self._names), len(kinds))
@@ -349,8 +349,8 @@ class World:
         o, d = as_rays(origins, directions)
         hits = cast_on_shapes(self._floats, self._ints, o, d, float(max_range), threads)
         if self._polyhedral:
-            from engine.rays.polyhedra import cast_on_polyhedra
-            from engine.rays.tree import ray_tree
+            from plumbline.engine.rays.polyhedra import cast_on_polyhedra
+            from plumbline.engine.rays.tree import ray_tree
 
             self._tree = tree = self._tree or ray_tree(self._floats, self._ints)
             cast_on_polyhedra(self._floats, self._ints, tree, o, d, float(max_range), hits)
@@ -367,7 +367,7 @@ class World:
         """
         if method not in RENDERERS:
             raise ValueError(f"picture: method '{method}', expected {' or '.join(RENDERERS)}")
-        from engine.images.draw import rasterised, ray_traced
+        from plumbline.engine.images.draw import rasterised, ray_traced
 
         drawn = self._as_drawn()
         if method == "rasterised":
@@ -379,7 +379,7 @@ class World:
 
         Raises: ValueError as `cast`.
         """
-        from engine.images.paths import traced_paths
+        from plumbline.engine.images.paths import traced_paths
 
         d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
         o = np.atleast_2d(o)

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.findings.changes import Changes
-    from harness.history.regressions import Trends
-    from reports.html.report import WrittenReport
+    from plumbline.harness.findings.changes import Changes
+    from plumbline.harness.history.regressions import Trends
+    from plumbline.reports.html.report import WrittenReport
 
 
 def build(folder: Path) -> "WrittenReport":
@@ -19,7 +19,7 @@ def build(folder: Path) -> "WrittenReport":
     Raises:
         OSError: the store cannot be read, or the report cannot be written.
     """
-    from reports.html.report import write_report  # late: importing `reports` must stay cheap for the command line
+    from plumbline.reports.html.report import write_report  # late: importing `reports` must stay cheap for the command line
 
     return write_report(folder)
 
@@ -31,8 +31,8 @@ def print_report(folder: Path) -> Path:
         NotPrinted: there is no browser on this machine that does so, or it failed.
         OSError: the report cannot be read, or the file cannot be written.
     """
-    from harness.store.store import Store
-    from reports.paper.printing import print_report as put_on_paper
+    from plumbline.harness.store.store import Store
+    from plumbline.reports.paper.printing import print_report as put_on_paper
 
     return put_on_paper(Store(folder), folder / "report", folder / "report" / "report.pdf")
 
@@ -44,14 +44,14 @@ def parity_page(folder: Path) -> Path:
         OSError: the record cannot be read, or the page cannot be written.
         Damaged: the record is not what was written.
     """
-    from reports.standalone.parity import write_page
+    from plumbline.reports.standalone.parity import write_page
 
     return write_page(folder)
 
 
 def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tuple[Path, ...]:
     """Write `folder/recordings/<case>.rrd` for each of these cases of a run folder, all for None; returns their paths."""
-    from reports.recordings import write_recordings as write
+    from plumbline.reports.recordings import write_recordings as write
 
     return write(folder, cases)
 
@@ -62,34 +62,34 @@ def recording_of(folder: Path, case: str) -> Path:
     Raises:
         NoRun: no run folder, or no such recording; the message names those that exist.
     """
-    from reports.recordings import recording_of as find
+    from plumbline.reports.recordings import recording_of as find
 
     return find(folder, case)
 
 
 def open_viewer(path: Path) -> int:
     """Show a recording in the rerun viewer until it is closed; returns its exit code."""
-    from reports.recordings.viewer import open_viewer as show
+    from plumbline.reports.recordings.viewer import open_viewer as show
 
     return show(path)
 
 
 def serve(folder: Path, port: int, announce: Callable[[str], None]) -> None:
     """Serve report, recordings and web viewer on 127.0.0.1 until interrupted; port 0 takes a free one."""
-    from reports.server import serve as run
+    from plumbline.reports.server import serve as run
 
     run(folder, port, announce)
 
 
 def changes_page(changes: "Changes", folder: Path, gated: Collection[str] = ()) -> Path:
     """Write the page What changed into a folder; returns its path."""
-    from reports.standalone.what_changed import write_what_changed
+    from plumbline.reports.standalone.what_changed import write_what_changed
 
     return write_what_changed(changes, folder, gated)
 
 
 def trends_page(trends: "Trends", folder: Path) -> Path:
     """Write the page Trends of a history into a folder; returns its path."""
-    from reports.standalone.trends import write_trends
+    from plumbline.reports.standalone.trends import write_trends
 
     return write_trends(trends, folder)

@@ -9,8 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
-from harness.intake.strangers import points, trouble
-from harness.store.store import Store
+from plumbline.harness.intake.strangers import points, trouble
+from plumbline.harness.store.store import Store
 
 LAST = 1000
 """The place in the navigation of a page that cannot be loaded."""
@@ -56,7 +56,7 @@ def pages() -> tuple[Page, ...]:
     """
     folder = str(Path(__file__).with_name("pages"))
     loaded: list[Page] = [
-        importlib.import_module(f"reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules([folder])
+        importlib.import_module(f"plumbline.reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules([folder])
     ]
     loaded += [_outside(name) for name in points("plumbline.pages")]
     names = [page.name for page in loaded]

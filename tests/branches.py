@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 
 __all__ = ["branches", "joint_rows", "mass_matrix"]
 

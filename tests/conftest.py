@@ -39,7 +39,7 @@ def plumbline(with_plugins: Mapping[str, str]) -> Command:
 
     def call(*arguments: object, plugins: bool = False, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [sys.executable, "-m", "harness.cli", *map(str, arguments)],
+            [sys.executable, "-m", "plumbline", *map(str, arguments)],
             env=with_plugins if plugins else None,
             cwd=cwd,
             capture_output=True,
@@ -56,7 +56,7 @@ def printed() -> Command:
     """Call the command line in this process: for what it prints of a folder, not for how its own process starts and ends."""
     from click.testing import CliRunner
 
-    from harness.cli.main import main  # late: scripts in a vendor's words need nothing of ours
+    from plumbline.harness.cli.main import main  # late: scripts in a vendor's words need nothing of ours
 
     def call(*arguments: object) -> subprocess.CompletedProcess[str]:
         heard = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -75,7 +75,7 @@ def printed() -> Command:
 @pytest.fixture(scope="module")
 def mjcf_here() -> Iterator[None]:
     """MJCF is compiled in this process: a test of `compile_apart` shows that a process of its own leaves the same."""
-    from harness.scene.importers import mjcf  # late, as above
+    from plumbline.harness.scene.importers import mjcf  # late, as above
     from tests.mjcf_here import compiled_here
 
     with pytest.MonkeyPatch.context() as patch:

@@ -10,16 +10,16 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from harness.run.cluster.cells import Answered
-from harness.run.cluster.workplace import Workplace
-from harness.store.journal import Journal
-from harness.store.store import write_tables
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.provenance import sources_of
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.run.cluster.cells import Answered
+from plumbline.harness.run.cluster.workplace import Workplace
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.store import write_tables
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.provenance import sources_of
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 __all__: list[str] = []
 

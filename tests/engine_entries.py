@@ -2,15 +2,15 @@
 
 import math
 
-from engine.compile.jit import entry
-from engine.islands.islands import connect, number_islands, start_islands
-from engine.maths.rows import Floats, Ints, load3, load9, store3
-from engine.maths.vec import axpy, sub
-from engine.memory import arena as at
-from engine.narrow.convex import part_cores
-from engine.narrow.gjk import simplex_of
-from engine.narrow.support import core_radius, solids_of
-from engine.narrow.triangle_triangle import triangle_triangle
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.islands.islands import connect, number_islands, start_islands
+from plumbline.engine.maths.rows import Floats, Ints, load3, load9, store3
+from plumbline.engine.maths.vec import axpy, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.convex import part_cores
+from plumbline.engine.narrow.gjk import simplex_of
+from plumbline.engine.narrow.support import core_radius, solids_of
+from plumbline.engine.narrow.triangle_triangle import triangle_triangle
 
 __all__ = ["connected_components", "measure_convex", "measure_triangles"]
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-import engine
+from plumbline import engine
 
 __all__ = ["G", "DT", "DEFAULT", "GROUND", "EXACT", "surface", "cube", "ball", "world_of", "residual"]
 

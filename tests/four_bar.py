@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 
 __all__ = ["G", "MASSES", "PINS", "START", "Linkage", "Pose", "angles_of", "coordinates_of", "falls", "no_torque", "widest_gap"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-import engine
-from cases.spin_asymmetric_top import CASE
-from harness.trajectory import Trajectory
+from plumbline import engine
+from plumbline.cases.spin_asymmetric_top import CASE
+from plumbline.harness.trajectory import Trajectory
 
 __all__ = ["MOMENTS", "SPIN", "KICKED", "options_of", "run", "top", "angle_between", "true_attitude", "matrix"]
 

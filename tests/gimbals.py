@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from harness.adapter.rotations import matrix
-from harness.scene import Body, Drive, Revolute, Scene, axis_angle
-from harness.scene.values import Matrix3
-from harness.trajectory import State
+from plumbline.harness.adapter.rotations import matrix
+from plumbline.harness.scene import Body, Drive, Revolute, Scene, axis_angle
+from plumbline.harness.scene.values import Matrix3
+from plumbline.harness.trajectory import State
 
 __all__ = ["WHEEL", "energy", "gimbal", "wobble"]
 

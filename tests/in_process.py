@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.case import Case
-from harness.run import campaign
-from harness.run.timing_blocks import summarise
-from harness.store.record import Record, Sample, Timing
-from harness.study import plugins
-from harness.study.trial import Trial
-from harness.trial import ensemble
-from harness.trial.accuracy import run_trial
-from harness.trial.bench import Bench
-from harness.trial.ensemble import endure
+from plumbline.harness.case import Case
+from plumbline.harness.run import campaign
+from plumbline.harness.run.timing_blocks import summarise
+from plumbline.harness.store.record import Record, Sample, Timing
+from plumbline.harness.study import plugins
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial import ensemble
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.bench import Bench
+from plumbline.harness.trial.ensemble import endure
 
 __all__ = ["barely_clocked", "clocked_by", "in_this_process", "steps_of_run"]
 

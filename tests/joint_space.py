@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from harness.scene import WORLD, Prismatic, Revolute, Scene
+from plumbline.harness.scene import WORLD, Prismatic, Revolute, Scene
 
 
 @dataclass

@@ -12,10 +12,10 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
-from harness.adapter import Adapter, Settings, SettingsError, Unsupported
-from harness.scene import Scene
-from harness.study import plugins
-from harness.study.study import load_study
+from plumbline.harness.adapter import Adapter, Settings, SettingsError, Unsupported
+from plumbline.harness.scene import Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.study.study import load_study
 
 __all__ = ["called", "entries"]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from harness.adapter.kernels import KernelGroup, Kernels
+from plumbline.harness.adapter.kernels import KernelGroup, Kernels
 
 __all__ = ["NAMES", "kernels_in", "needed_first"]
 

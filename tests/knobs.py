@@ -5,15 +5,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.findings.search_effort import ALIKE
-from harness.search.front import next_trials
-from harness.store.record import Record
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trial.accuracy import run_trial
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.findings.search_effort import ALIKE
+from plumbline.harness.search.front import next_trials
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import run_trial
 
 __all__ = ["Tried", "swept", "unequal"]
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.run.campaign import carry_out
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.experiment import Experiment, Variant
-from harness.study.study import Study
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment, Variant
+from plumbline.harness.study.study import Study
 from tests.in_process import in_this_process
 
 __all__ = ["CASE", "LADDER", "LAWS", "PLUGINS", "KnownPrices", "Law", "run_known_prices"]

@@ -20,19 +20,19 @@ from typing import Any
 
 import tomli_w
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.search import first_break, front
-from harness.store.journal import Journal, read_journal
-from harness.store.machine_fingerprint import fingerprint
-from harness.store.record import Measurement, Record, Sample, Status
-from harness.store.seal import sealed_json, sealed_toml
-from harness.store.store import write_json, write_tables
-from harness.study import plugins
-from harness.study.catalogue import describe_case, describe_engine
-from harness.study.study import Study, load_study
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.search import first_break, front
+from plumbline.harness.store.journal import Journal, read_journal
+from plumbline.harness.store.machine_fingerprint import fingerprint
+from plumbline.harness.store.record import Measurement, Record, Sample, Status
+from plumbline.harness.store.seal import sealed_json, sealed_toml
+from plumbline.harness.store.store import write_json, write_tables
+from plumbline.harness.study import plugins
+from plumbline.harness.study.catalogue import describe_case, describe_engine
+from plumbline.harness.study.study import Study, load_study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 __all__ = ["write_large_store"]
 
@@ -171,7 +171,7 @@ def print_readable(page: Path) -> None:
 
 def print_report(folder: Path, count: int) -> Path:
     """Make the report of a folder, and print what that took and the sizes of its pages; returns its front page."""
-    from reports import build
+    from plumbline.reports import build
 
     before, wall = time.process_time(), time.perf_counter()
     index = build(folder).index

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from harness.run import fork_servers
+from plumbline.harness.run import fork_servers
 
 __all__ = ["light_servers"]
 

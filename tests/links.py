@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from harness.store.store import Store
-from reports.html.report import ASSETS
-from reports.page import Rendered, asked, pages
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.report import ASSETS
+from plumbline.reports.page import Rendered, asked, pages
 
 __all__ = ["anchors", "dangling", "files_of", "texts_of"]
 

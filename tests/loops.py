@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 
 __all__ = ["bennett"]
 

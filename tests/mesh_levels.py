@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.build.closed_mesh import closed_volume
-from engine.build.level_of_detail import CONCAVITY, simplified
-from engine.describe.shapes import Placed, Sphere, TriangleMesh
-from engine.maths.arrays import dot, mat_vec, norm, unit
-from engine.options import LEVELS
+from plumbline.engine.build.closed_mesh import closed_volume
+from plumbline.engine.build.level_of_detail import CONCAVITY, simplified
+from plumbline.engine.describe.shapes import Placed, Sphere, TriangleMesh
+from plumbline.engine.maths.arrays import dot, mat_vec, norm, unit
+from plumbline.engine.options import LEVELS
 
 __all__ = ["Detail", "collision_shapes", "distances_from"]
 

@@ -8,10 +8,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from harness.intake.refusal import RobotError
-from harness.scene.importers import mjcf_compiler
-from harness.scene.importers.mjcf_model import Model, look_for_misspelt, model_of, said_of
-from harness.scene.importers.mjcf_text import Prepared
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene.importers import mjcf_compiler
+from plumbline.harness.scene.importers.mjcf_model import Model, look_for_misspelt, model_of, said_of
+from plumbline.harness.scene.importers.mjcf_text import Prepared
 
 __all__ = ["compiled_here"]
 

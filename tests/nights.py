@@ -10,25 +10,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter
-from harness.case import Case, Converged
-from harness.findings.summary import write_summary
-from harness.history import steering
-from harness.history.folder import History, Night, created
-from harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
-from harness.history.since_last_seen import News
-from harness.run import campaign
-from harness.scene import Scene
-from harness.store.record import Record
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trajectory import Floats
-from harness.trial import accuracy, ensemble
-from harness.trial.accuracy import Answer, run_trial
-from harness.trial.ensemble import endure
-from harness.trial.truth_cache import truth_of
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case, Converged
+from plumbline.harness.findings.summary import write_summary
+from plumbline.harness.history import steering
+from plumbline.harness.history.folder import History, Night, created
+from plumbline.harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
+from plumbline.harness.history.since_last_seen import News
+from plumbline.harness.run import campaign
+from plumbline.harness.scene import Scene
+from plumbline.harness.store.record import Record
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trial import accuracy, ensemble
+from plumbline.harness.trial.accuracy import Answer, run_trial
+from plumbline.harness.trial.ensemble import endure
+from plumbline.harness.trial.truth_cache import truth_of
 from tests.in_process import clocked_by
 
 __all__ = ["CELLS", "STUDY", "Fault", "asked", "drawn", "night", "planted", "rougher", "one_ulp_off"]

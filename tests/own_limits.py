@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, cast
 
-from harness.adapter import Adapter, Diverged, Settings, Simulation
-from harness.findings.agreement import Agreement, judged
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Diverged, Settings, Simulation
+from plumbline.harness.findings.agreement import Agreement, judged
+from plumbline.harness.scene import (
     Body,
     Box,
     Drive,
@@ -22,11 +22,11 @@ from harness.scene import (
     box_inertia,
     sphere_inertia,
 )
-from harness.search.own_limits import OwnLimit, Rung, own_limit
-from harness.study import plugins
-from harness.trajectory.pace import Pace
-from harness.trajectory.parting import extent
-from harness.trial.simulate import simulate
+from plumbline.harness.search.own_limits import OwnLimit, Rung, own_limit
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trajectory.parting import extent
+from plumbline.harness.trial.simulate import simulate
 from tests.planted_faults.planting import every_body, gravity_times, plant
 
 __all__ = [

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.scene.importers.poses import Array, Pose
-from harness.scene.parity.facts import RobotFacts
-from harness.scene.parity.motion import Configuration, first_rates, passive
+from plumbline.harness.scene.importers.poses import Array, Pose
+from plumbline.harness.scene.parity.facts import RobotFacts
+from plumbline.harness.scene.parity.motion import Configuration, first_rates, passive
 
 RTOL = 1e-9
 

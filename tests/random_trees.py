@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.articulated import tables as to
+from plumbline import engine
+from plumbline.engine.articulated import tables as to
 
 __all__ = ["GRAVITY", "LINKS", "Tree", "pin", "random_tree", "table", "world_of"]
 

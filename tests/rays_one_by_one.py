@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
-import engine
-from engine.broad.bounds import pose_shape
-from engine.compile.jit import entry, kernel
-from engine.maths.arrays import unit
-from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3
-from engine.maths.vec import axpy, dot, mat_vec, norm, scale, sub, tmat_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import shapes_of
-from engine.rays.cast import as_rays, check_rays
-from engine.rays.hits import Hits, room_for
-from engine.rays.polyhedra import cast_on_polyhedra
-from engine.rays.tree import ray_tree
+from plumbline import engine
+from plumbline.engine.broad.bounds import pose_shape
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.arrays import unit
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load9, store3
+from plumbline.engine.maths.vec import axpy, dot, mat_vec, norm, scale, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import shapes_of
+from plumbline.engine.rays.cast import as_rays, check_rays
+from plumbline.engine.rays.hits import Hits, room_for
+from plumbline.engine.rays.polyhedra import cast_on_polyhedra
+from plumbline.engine.rays.tree import ray_tree
 
 __all__ = ["cast_one_by_one"]
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -24,11 +24,11 @@ from harness.scene import (
     Surface,
     TriangleMesh,
 )
-from harness.store.journal import Journal
-from harness.store.record import Measurement, Record
-from harness.store.trajectory_file import save_trajectory
-from harness.trajectory import Trajectory
-from reports import write_recordings
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.record import Measurement, Record
+from plumbline.harness.store.trajectory_file import save_trajectory
+from plumbline.harness.trajectory import Trajectory
+from plumbline.reports import write_recordings
 
 __all__ = ["CORNERS", "FACES", "QUARTER", "LAW", "TIMES", "placed", "zoo", "rising", "record", "Folder", "Read"]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import (
+from plumbline.harness.scene import (
     AxisNoise,
     Body,
     Camera,
@@ -22,10 +22,10 @@ from harness.scene import (
     Sphere,
     StereoNoise,
 )
-from harness.store.journal import Journal
-from harness.store.record import Measurement, Record, Timing
-from harness.store.trajectory_file import save_trajectory
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.record import Measurement, Record, Timing
+from plumbline.harness.store.trajectory_file import save_trajectory
+from plumbline.harness.trajectory import Floats, Trajectory
 
 __all__ = ["CASE", "LATENCY", "scene", "sensing", "told", "write_sensor_folder"]
 

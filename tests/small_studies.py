@@ -6,9 +6,9 @@ Those of a formula are written in a second; the others run through the command l
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import reports
-from harness.scene import Body, Scene, sphere_inertia
-from harness.scene.file import dump_toml
+from plumbline import reports
+from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.scene.file import dump_toml
 from tests import study_texts
 from tests.run_folder import write_run_folder
 from tests.sensor_folder import write_sensor_folder

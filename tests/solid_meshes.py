@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-import engine
-from engine.build.closed_mesh import closed_volume
+from plumbline import engine
+from plumbline.engine.build.closed_mesh import closed_volume
 from tests.mesh_levels import distances_from
 
 __all__ = [

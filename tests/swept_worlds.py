@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-import engine
+from plumbline import engine
 
 __all__ = ["DT", "DEFAULT", "ROCK", "SHAPES", "WALL", "RING", "FAN", "SHEET", "bullet_of", "world_of"]
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.history.folder import History, created, stamp_of
-from harness.store.journal import Journal
-from harness.store.record import Measurement, Record, Sample, digest
-from harness.store.store import write_json
+from plumbline.harness.history.folder import History, created, stamp_of
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.record import Measurement, Record, Sample, digest
+from plumbline.harness.store.store import write_json
 from tests.run_folder import ENGINES, catalogue
 
 __all__ = ["CASES", "Planted", "priced", "write_history"]

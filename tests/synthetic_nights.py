@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 __all__ = ["NIGHTS", "History", "history"]
 

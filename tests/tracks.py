@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, TradeOff
-from harness.case import Case
-from harness.run.campaign import carry_out
-from harness.search.better import Comparison, Question, compared, run_of
-from harness.store.store import Store
-from harness.study.experiment import Experiment
-from harness.study.study import Study
+from plumbline.harness.adapter import Adapter, TradeOff
+from plumbline.harness.case import Case
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.search.better import Comparison, Question, compared, run_of
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
 from tests.in_process import in_this_process
 
 __all__ = ["Tracks", "comparisons", "disagreements", "listed", "over_the_ladder", "run_both_tracks"]

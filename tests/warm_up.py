@@ -9,10 +9,10 @@ import os
 import sys
 from dataclasses import replace
 
-from adapters.reference import ADAPTER
-from adapters.reference.kernels import above_ground, cast, group, many_worlds, stage, step
-from harness.adapter.kernels import KernelGroup, Kernels
-from harness.run.warm_up import warm_up
+from plumbline.adapters.reference import ADAPTER
+from plumbline.adapters.reference.kernels import above_ground, cast, group, many_worlds, stage, step
+from plumbline.harness.adapter.kernels import KernelGroup, Kernels
+from plumbline.harness.run.warm_up import warm_up
 
 __all__ = ["kernels"]
 
@@ -25,7 +25,7 @@ def kernels() -> Kernels:
 
 def _of_tests() -> tuple[KernelGroup, ...]:
     """What no study calls: options that no track and no knob sets."""
-    from engine.options import BROAD_PHASES
+    from plumbline.engine.options import BROAD_PHASES
 
     phases = [name for name in BROAD_PHASES if name != "uniform_grid"]
     held = "steps.joint_coordinates_held.step_joint_coordinates"
@@ -48,7 +48,7 @@ def _of_tests() -> tuple[KernelGroup, ...]:
 
 
 def _exact_jointed() -> None:
-    import engine
+    from plumbline import engine
 
     ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
     ball = engine.Body(name="ball", shapes=[engine.Placed(engine.Sphere(0.1))], p_WB=(0, 0, 0.05))
@@ -57,7 +57,7 @@ def _exact_jointed() -> None:
 
 
 def _cast_on_two_threads() -> None:
-    import engine
+    from plumbline import engine
 
     cast(above_ground(engine.Sphere(0.1), contacts=False), threads=2)
 

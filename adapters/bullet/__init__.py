@@ -84,18 +84,18 @@ import importlib.metadata
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from adapters.bullet.build import build_world
-from adapters.bullet.knob_trade_offs import KNOB_TRADE_OFFS
-from adapters.bullet.options import VENDOR_STEP, checked, iterations_of, substeps_of
-from adapters.bullet.vendor import LIFTED, connected, pybullet_module
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unavailable
-from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
-from harness.scene import Effect, Scene
+from plumbline.adapters.bullet.build import build_world
+from plumbline.adapters.bullet.knob_trade_offs import KNOB_TRADE_OFFS
+from plumbline.adapters.bullet.options import VENDOR_STEP, checked, iterations_of, substeps_of
+from plumbline.adapters.bullet.vendor import LIFTED, connected, pybullet_module
+from plumbline.harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unavailable
+from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
+from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.scene.parity.loaded import Loaded, Request
+    from plumbline.harness.scene.parity.loaded import Loaded, Request
 
 __all__ = ["ADAPTER"]
 
@@ -113,7 +113,7 @@ class BulletAdapter(Adapter):
 
     def load_robot(self, path: "Path", request: "Request") -> "Loaded":
         """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
-        from adapters.bullet.robot_loader import load
+        from plumbline.adapters.bullet.robot_loader import load
 
         return load(path, request)
 
@@ -317,10 +317,10 @@ ADAPTER = BulletAdapter(
         ),
     ),
     laws=(
-        "adapters.bullet.drives:Actuation.efforts",
-        "adapters.bullet.simulation:BulletSimulation._drive",
-        "adapters.bullet.simulation:BulletSimulation._sprung",
-        "adapters.bullet.belts:Belt.push",
+        "plumbline.adapters.bullet.drives:Actuation.efforts",
+        "plumbline.adapters.bullet.simulation:BulletSimulation._drive",
+        "plumbline.adapters.bullet.simulation:BulletSimulation._sprung",
+        "plumbline.adapters.bullet.belts:Belt.push",
     ),
     deviations=(
         "the motors that pybullet puts on every joint are off on both tracks; they bear up to 1 N m s a step on a hinge, 240 "

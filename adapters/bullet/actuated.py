@@ -5,14 +5,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adapters.bullet.assembly import Assembly
-from adapters.bullet.drives import Actuation, Actuator
-from adapters.bullet.mobility import Footing, Skeleton
-from adapters.bullet.plan import Plan
-from adapters.bullet.trees import Tree, joint_axis
-from harness.adapter import Notice, Unsupported
-from harness.adapter.rotations import conjugate
-from harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.drives import Actuation, Actuator
+from plumbline.adapters.bullet.mobility import Footing, Skeleton
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.trees import Tree, joint_axis
+from plumbline.harness.adapter import Notice, Unsupported
+from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
 
 SAME_POSE = 0.05
 """How far [rad] joints may turn, or slide in units of a radius of gyration, before their mobility counts as another."""

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, field
 
-from adapters.bullet.belts import Belt
-from adapters.bullet.drives import Actuation
-from adapters.bullet.vendor import Port
-from harness.adapter import Notice
-from harness.adapter.distance_springs import DistanceSprings
-from harness.trajectory import Floats
+from plumbline.adapters.bullet.belts import Belt
+from plumbline.adapters.bullet.drives import Actuation
+from plumbline.adapters.bullet.vendor import Port
+from plumbline.harness.adapter import Notice
+from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.trajectory import Floats
 
 
 @dataclass(slots=True)

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from adapters.bullet.vendor import Port
-from harness.scene import Vector3
+from plumbline.adapters.bullet.vendor import Port
+from plumbline.harness.scene import Vector3
 
 
 @dataclass(slots=True)

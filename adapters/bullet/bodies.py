@@ -2,16 +2,16 @@
 
 from typing import Any
 
-from adapters.bullet.assembly import Assembly
-from adapters.bullet.belts import Belt
-from adapters.bullet.coordinates import damping_of
-from adapters.bullet.frames import xyzw
-from adapters.bullet.ground import static_parts
-from adapters.bullet.plan import Plan
-from adapters.bullet.shapes import collision_shape, inner_radius, padded
-from adapters.bullet.vendor import LIFTED
-from harness.adapter import Notice, Unsupported
-from harness.scene import Effect
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.belts import Belt
+from plumbline.adapters.bullet.coordinates import damping_of
+from plumbline.adapters.bullet.frames import xyzw
+from plumbline.adapters.bullet.ground import static_parts
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.shapes import collision_shape, inner_radius, padded
+from plumbline.adapters.bullet.vendor import LIFTED
+from plumbline.harness.adapter import Notice, Unsupported
+from plumbline.harness.scene import Effect
 
 
 def put_static(plan: Plan, made: Assembly, place: int, maximal: bool) -> None:

@@ -6,23 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from adapters.bullet.assembly import Assembly
-from adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
-from adapters.bullet.closures import close_loop, couple
-from adapters.bullet.coordinates import maximal
-from adapters.bullet.ground import faced
-from adapters.bullet.multibodies import put_multibody
-from adapters.bullet.options import resolved_settings, set_parameters
-from adapters.bullet.plan import Plan
-from adapters.bullet.shapes import check_shapes, unseen_shape
-from adapters.bullet.simulation import BulletSimulation
-from adapters.bullet.trees import constrained_joints, spanning_trees
-from adapters.bullet.vendor import Port
-from harness.adapter import Notice, Settings, Unsupported
-from harness.adapter.fast_rotors import rotor_notices
-from harness.adapter.rotations import conjugate
-from harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
-from harness.trajectory import State
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
+from plumbline.adapters.bullet.closures import close_loop, couple
+from plumbline.adapters.bullet.coordinates import maximal
+from plumbline.adapters.bullet.ground import faced
+from plumbline.adapters.bullet.multibodies import put_multibody
+from plumbline.adapters.bullet.options import resolved_settings, set_parameters
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.shapes import check_shapes, unseen_shape
+from plumbline.adapters.bullet.simulation import BulletSimulation
+from plumbline.adapters.bullet.trees import constrained_joints, spanning_trees
+from plumbline.adapters.bullet.vendor import Port
+from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.fast_rotors import rotor_notices
+from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import State
 
 
 def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> BulletSimulation:

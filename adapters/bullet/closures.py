@@ -2,14 +2,14 @@
 
 import math
 
-from adapters.bullet.assembly import Assembly
-from adapters.bullet.frames import minus, xyzw
-from adapters.bullet.plan import Plan
-from adapters.bullet.trees import loaded
-from adapters.bullet.vendor import LIFTED
-from harness.adapter import Unsupported
-from harness.adapter.rotations import IDENTITY, conjugate
-from harness.scene import Ball, Coupling, Fixed, Joint, Revolute, Vector3, rotate
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.frames import minus, xyzw
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.trees import loaded
+from plumbline.adapters.bullet.vendor import LIFTED
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.rotations import IDENTITY, conjugate
+from plumbline.harness.scene import Ball, Coupling, Fixed, Joint, Revolute, Vector3, rotate
 
 
 def close_loop(plan: Plan, made: Assembly, joint: Joint) -> None:

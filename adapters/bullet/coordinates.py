@@ -2,11 +2,11 @@
 
 import math
 
-from adapters.bullet.ground import faced
-from adapters.bullet.plan import Plan
-from adapters.bullet.straight import goes_straight
-from harness.adapter import Unsupported
-from harness.scene import Body, Effect
+from plumbline.adapters.bullet.ground import faced
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.straight import goes_straight
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Body, Effect
 
 FAST_TURN = 0.05
 """The angle [rad] a step beyond which a body of uneven inertia stays out of multibody coordinates: from 0.1 on it explodes."""

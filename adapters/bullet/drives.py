@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from adapters.bullet.mobility import Footing, Skeleton
-from adapters.bullet.vendor import LIFTED, Port
-from harness.scene import Drive, Spring, Vector3
-from harness.trajectory import Floats
+from plumbline.adapters.bullet.mobility import Footing, Skeleton
+from plumbline.adapters.bullet.vendor import LIFTED, Port
+from plumbline.harness.scene import Drive, Spring, Vector3
+from plumbline.harness.trajectory import Floats
 
 
 @dataclass(slots=True)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.scene import Quaternion, Vector3
-from harness.trajectory import Floats
+from plumbline.harness.scene import Quaternion, Vector3
+from plumbline.harness.trajectory import Floats
 
 
 def xyzw(q: Quaternion) -> list[float]:

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterator
 
-from adapters.bullet.frames import plus
-from adapters.bullet.plan import Plan
-from adapters.bullet.shapes import Placed
-from harness.scene import Body, Box, ConvexHull, Plane, Scene, Vector3, multiply, outer_radius, rotate
+from plumbline.adapters.bullet.frames import plus
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.shapes import Placed
+from plumbline.harness.scene import Body, Box, ConvexHull, Plane, Scene, Vector3, multiply, outer_radius, rotate
 
 REACH = 1000.0
 """How far [m] the box that stands for a plane goes on to the sides and down beyond all that moves at the start."""

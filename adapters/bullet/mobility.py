@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from adapters.bullet.frames import matrices
-from adapters.bullet.trees import Tree, joint_axis
-from adapters.bullet.vendor import Port
-from harness.adapter.rotations import conjugate
-from harness.scene import Ball, Fixed, Prismatic, Quaternion, Scene, Vector3, multiply, rotate
-from harness.trajectory import Floats
+from plumbline.adapters.bullet.frames import matrices
+from plumbline.adapters.bullet.trees import Tree, joint_axis
+from plumbline.adapters.bullet.vendor import Port
+from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.scene import Ball, Fixed, Prismatic, Quaternion, Scene, Vector3, multiply, rotate
+from plumbline.harness.trajectory import Floats
 
 TOUCHING = 1e-6
 """The gap [m] within which a foot stands at the start: scenes are built touching to rounding."""

@@ -4,18 +4,18 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from adapters.bullet.actuated import actuated
-from adapters.bullet.assembly import Assembly
-from adapters.bullet.bodies import check_joined, put_base, tell_body, tell_multibody
-from adapters.bullet.frames import minus, xyzw
-from adapters.bullet.plan import Plan
-from adapters.bullet.shapes import collision_shape
-from adapters.bullet.trees import Link, Tree, joint_axis
-from adapters.bullet.vendor import LIFTED
-from harness.adapter import Unsupported
-from harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
-from harness.adapter.rotations import IDENTITY, conjugate
-from harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
+from plumbline.adapters.bullet.actuated import actuated
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.bodies import check_joined, put_base, tell_body, tell_multibody
+from plumbline.adapters.bullet.frames import minus, xyzw
+from plumbline.adapters.bullet.plan import Plan
+from plumbline.adapters.bullet.shapes import collision_shape
+from plumbline.adapters.bullet.trees import Link, Tree, joint_axis
+from plumbline.adapters.bullet.vendor import LIFTED
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
+from plumbline.harness.adapter.rotations import IDENTITY, conjugate
+from plumbline.harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
 
 MOST_COORDINATES = 128
 """Of one multibody, base included (MAX_DEGREE_OF_FREEDOM of SharedMemoryCommands.h); beyond, states are cut in silence."""

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from adapters.bullet.trees import fast_tops
-from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, Port, break_contacts_at, silenced
-from harness.adapter import Settings, SettingsError
-from harness.adapter.fast_rotors import fast_rotors
-from harness.scene import Effect, Scene
+from plumbline.adapters.bullet.trees import fast_tops
+from plumbline.adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, Port, break_contacts_at, silenced
+from plumbline.harness.adapter import Settings, SettingsError
+from plumbline.harness.adapter.fast_rotors import fast_rotors
+from plumbline.harness.scene import Effect, Scene
 
 VENDOR_STEP = 1 / 240
 """The time step [s] that the Quickstart Guide says is best left as it is: solver iterations and ERPs are tuned to it."""

@@ -4,16 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from adapters.bullet.frames import plus
-from adapters.bullet.options import substep, with_slop
-from adapters.bullet.shapes import Placed
-from adapters.bullet.sliding import may_slide
-from adapters.bullet.surfaces import Coefficients, braked, coefficients
-from harness.adapter import Settings
-from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
-from harness.adapter.rotations import conjugate, principal_frame
-from harness.adapter.touching_kinds import Kind
-from harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply, rotate
+from plumbline.adapters.bullet.frames import plus
+from plumbline.adapters.bullet.options import substep, with_slop
+from plumbline.adapters.bullet.shapes import Placed
+from plumbline.adapters.bullet.sliding import may_slide
+from plumbline.adapters.bullet.surfaces import Coefficients, braked, coefficients
+from plumbline.harness.adapter import Settings
+from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
+from plumbline.harness.adapter.rotations import conjugate, principal_frame
+from plumbline.harness.adapter.touching_kinds import Kind
+from plumbline.harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply, rotate
 
 KINEMATIC_RATIO = 1e12
 """Mass of a kinematic body over the greatest mass of the scene."""

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from adapters.bullet.assembly import Assembly
-from harness.adapter.joint_reactions import about_the_anchor, turned_back
-from harness.scene import Joint, Prismatic, Revolute, Scene
-from harness.trajectory import Floats, State
-from harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.harness.adapter.joint_reactions import about_the_anchor, turned_back
+from plumbline.harness.scene import Joint, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
 
 
 class ReactionReader:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from adapters.bullet.vendor import Port, connected, pybullet_module, silenced
-from harness.adapter import Unsupported
-from harness.scene.parity.facts import FIXED, JointFacts
-from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
+from plumbline.adapters.bullet.vendor import Port, connected, pybullet_module, silenced
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene.parity.facts import FIXED, JointFacts
+from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
 
 _OPEN = 1e9
 """A bound beyond which pybullet means none."""

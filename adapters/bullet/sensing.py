@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from adapters.bullet.frames import plus, xyzw
-from adapters.bullet.shapes import single_shape, unseen_shape, visual_shape
-from adapters.bullet.vendor import Port, connected, silenced
-from harness.adapter.rotations import IDENTITY
-from harness.scene import WORLD, Camera, ConvexHull, Quaternion, Scene, TriangleMesh, Vector3, multiply, rotate
-from harness.trajectory import Floats, Hits, Image, State
+from plumbline.adapters.bullet.frames import plus, xyzw
+from plumbline.adapters.bullet.shapes import single_shape, unseen_shape, visual_shape
+from plumbline.adapters.bullet.vendor import Port, connected, silenced
+from plumbline.harness.adapter.rotations import IDENTITY
+from plumbline.harness.scene import WORLD, Camera, ConvexHull, Quaternion, Scene, TriangleMesh, Vector3, multiply, rotate
+from plumbline.harness.trajectory import Floats, Hits, Image, State
 
 RAY_BATCH = 16_000
 """Rays in one call; beyond 16383 the binding drops rays in silence."""

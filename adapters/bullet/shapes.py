@@ -8,10 +8,10 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from adapters.bullet.frames import plus, xyzw
-from adapters.bullet.vendor import Port
-from harness.adapter import Unsupported
-from harness.scene import (
+from plumbline.adapters.bullet.frames import plus, xyzw
+from plumbline.adapters.bullet.vendor import Port
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,

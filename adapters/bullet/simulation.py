@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from adapters.bullet.assembly import Assembly
-from adapters.bullet.drives import Actuation
-from adapters.bullet.reactions import ReactionReader
-from adapters.bullet.sensing import Twin
-from adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
-from harness.adapter import Diverged, Notice, Settings, Unsupported
-from harness.adapter.rotations import IDENTITY, products
-from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
-from harness.scene import Camera, Scene, Vector3
-from harness.trajectory import Contacts, Floats, Hits, Image, State
-from harness.trajectory.joint_states import JointStates
+from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.drives import Actuation
+from plumbline.adapters.bullet.reactions import ReactionReader
+from plumbline.adapters.bullet.sensing import Twin
+from plumbline.adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
+from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
+from plumbline.harness.adapter.rotations import IDENTITY, products
+from plumbline.harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
+from plumbline.harness.scene import Camera, Scene, Vector3
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
+from plumbline.harness.trajectory.joint_states import JointStates
 
 Pushes = tuple[tuple[int, int, Any, Any], ...]
 """(number, link, force in W [N], torque in W [N m]) of bodies."""

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene import Box, Capsule, Effect, Plane, Quaternion, Scene, Shape, Sphere, Vector3, multiply, rotate
-from harness.trajectory import Floats
+from plumbline.harness.scene import Box, Capsule, Effect, Plane, Quaternion, Scene, Shape, Sphere, Vector3, multiply, rotate
+from plumbline.harness.trajectory import Floats
 
 SLOPE = 1e-6
 """The least cosine between a direction and gravity, and between it and the horizontal, that counts as a slope."""

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.scene import Body, Box, Effect, Plane, Scene, multiply, rotate
-from harness.trajectory import Floats
+from plumbline.harness.scene import Body, Box, Effect, Plane, Scene, multiply, rotate
+from plumbline.harness.trajectory import Floats
 
 ALIGNED = 1e-6
 """The greatest sine of an angle between two directions that count as one."""

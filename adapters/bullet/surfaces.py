@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.adapter import Unsupported
-from harness.adapter.touching_kinds import Kind, touching_kinds
-from harness.scene import Effect, Scene, Surface
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.touching_kinds import Kind, touching_kinds
+from plumbline.harness.scene import Effect, Scene, Surface
 
 GREATEST_FRICTION = 10.0
 """btManifoldResult clamps every combined coefficient to this."""

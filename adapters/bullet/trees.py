@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.bullet.frames import matrices, xyzw
-from harness.adapter import Unsupported
-from harness.adapter.carried_laws import carried, followed
-from harness.adapter.disjoint_sets import DisjointSets
-from harness.adapter.fast_rotors import fast_rotors
-from harness.adapter.spanning_forest import spanning_forest
-from harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
+from plumbline.adapters.bullet.frames import matrices, xyzw
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.carried_laws import carried, followed
+from plumbline.harness.adapter.disjoint_sets import DisjointSets
+from plumbline.harness.adapter.fast_rotors import fast_rotors
+from plumbline.harness.adapter.spanning_forest import spanning_forest
+from plumbline.harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
 
 
 @dataclass(frozen=True, slots=True)

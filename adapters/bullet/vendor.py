@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from harness.adapter import Unavailable
+from plumbline.harness.adapter import Unavailable
 
 LIFTED = 1e30
 """A velocity limit [m/s, rad/s] and a force limit [N] that nothing reaches."""

@@ -78,20 +78,20 @@ import importlib.metadata
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from adapters.dart.build import build
-from adapters.dart.detectors import DETECTORS
-from adapters.dart.knob_trade_offs import KNOB_TRADE_OFFS
-from adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
-from adapters.dart.solvers import SOLVERS
-from adapters.dart.vendor import load
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unsupported
-from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
-from harness.scene import Effect, Scene
+from plumbline.adapters.dart.build import build
+from plumbline.adapters.dart.detectors import DETECTORS
+from plumbline.adapters.dart.knob_trade_offs import KNOB_TRADE_OFFS
+from plumbline.adapters.dart.options import DRIVES, INTEGRATOR, JOINTS
+from plumbline.adapters.dart.solvers import SOLVERS
+from plumbline.adapters.dart.vendor import load
+from plumbline.harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unsupported
+from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
+from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.scene.parity.loaded import Loaded, Request
+    from plumbline.harness.scene.parity.loaded import Loaded, Request
 
 __all__ = ["ADAPTER"]
 
@@ -110,7 +110,7 @@ class DartAdapter(Adapter):
 
     def load_robot(self, path: "Path", request: "Request") -> "Loaded":
         """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
-        from adapters.dart.robot_loader import load
+        from plumbline.adapters.dart.robot_loader import load
 
         if request.way:
             raise Unsupported(f"loader {request.way!r}", "there is one alone")
@@ -267,10 +267,10 @@ ADAPTER = DartAdapter(
         ),
     ),
     laws=(
-        "adapters.dart.foresight:Foresight.foresee",
-        "adapters.dart.drives:Pushes.set",
-        "adapters.dart.forces:damp",
-        "adapters.dart.simulation:DartSimulation._sprung",
+        "plumbline.adapters.dart.foresight:Foresight.foresee",
+        "plumbline.adapters.dart.drives:Pushes.set",
+        "plumbline.adapters.dart.forces:damp",
+        "plumbline.adapters.dart.simulation:DartSimulation._sprung",
     ),
     deviations=(
         "a joint that closes a loop, on 'tuned' also the ball joint of a top and the hinge of a fast rotor, is a velocity "

@@ -7,8 +7,8 @@ from typing import assert_never
 
 import numpy as np
 
-from adapters.dart.surfaces import touching_bodies
-from harness.scene import (
+from plumbline.adapters.dart.surfaces import touching_bodies
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -23,7 +23,7 @@ from harness.scene import (
     TriangleMesh,
     rotation_matrix,
 )
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 CLOSE = 0.01
 """Two bodies are near if their bounding balls meet, each larger by this share."""

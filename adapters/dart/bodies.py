@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.joints import add_joint
-from adapters.dart.shapes import add_shapes
-from adapters.dart.trees import WORLD_FRAME, Edge
-from adapters.dart.vendor import pose
-from harness.adapter.touching_kinds import Kind
-from harness.scene import Effect
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.joints import add_joint
+from plumbline.adapters.dart.shapes import add_shapes
+from plumbline.adapters.dart.trees import WORLD_FRAME, Edge
+from plumbline.adapters.dart.vendor import pose
+from plumbline.harness.adapter.touching_kinds import Kind
+from plumbline.harness.scene import Effect
 
 
 def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tuple[float, float]]) -> None:

@@ -5,21 +5,21 @@ from typing import Any
 
 import numpy as np
 
-from adapters.dart.bodies import add_bodies, start
-from adapters.dart.built import Built
-from adapters.dart.detectors import choose_detector, keep_apart
-from adapters.dart.joints import add_constraints
-from adapters.dart.options import INTEGRATOR, validated
-from adapters.dart.simulation import DartSimulation
-from adapters.dart.solvers import choose_solver, set_solver
-from adapters.dart.surfaces import coefficients
-from adapters.dart.tops import substeps_of
-from adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
-from adapters.dart.vendor import overheard
-from harness.adapter import Notice, Settings, SettingsError, Unsupported
-from harness.adapter.distance_springs import DistanceSprings, is_distance_spring
-from harness.adapter.fast_rotors import rotor_notices
-from harness.scene import Effect, Scene
+from plumbline.adapters.dart.bodies import add_bodies, start
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.detectors import choose_detector, keep_apart
+from plumbline.adapters.dart.joints import add_constraints
+from plumbline.adapters.dart.options import INTEGRATOR, validated
+from plumbline.adapters.dart.simulation import DartSimulation
+from plumbline.adapters.dart.solvers import choose_solver, set_solver
+from plumbline.adapters.dart.surfaces import coefficients
+from plumbline.adapters.dart.tops import substeps_of
+from plumbline.adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
+from plumbline.adapters.dart.vendor import overheard
+from plumbline.harness.adapter import Notice, Settings, SettingsError, Unsupported
+from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
+from plumbline.harness.adapter.fast_rotors import rotor_notices
+from plumbline.harness.scene import Effect, Scene
 
 
 def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:

@@ -3,11 +3,11 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from adapters.dart.drives import Motor
-from harness.adapter import Notice, Settings
-from harness.adapter.distance_springs import DistanceSprings
-from harness.scene import Effect, Scene
-from harness.trajectory import Floats
+from plumbline.adapters.dart.drives import Motor
+from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.trajectory import Floats
 
 Loop = tuple[tuple[int, Floats], ...]
 """One or two (place of the body, point in B [m]): what a constraint holds together, or to the world."""

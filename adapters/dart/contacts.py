@@ -5,9 +5,9 @@ from dataclasses import fields
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.vendor import body_of
-from harness.trajectory import Contacts, Floats
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.vendor import body_of
+from plumbline.harness.trajectory import Contacts, Floats
 
 MOST_CONTACTS = 1000
 """CollisionOption::maxNumContacts; dartpy hands out a copy of the option, so that it cannot be raised.

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from itertools import combinations, combinations_with_replacement
 
-from adapters.dart.built import Built
-from adapters.dart.surfaces import touching_bodies
-from harness.adapter import Notice, Unsupported
-from harness.scene import Effect, Scene
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.surfaces import touching_bodies
+from plumbline.harness.adapter import Notice, Unsupported
+from plumbline.harness.scene import Effect, Scene
 
 DETECTORS = ("fcl", "ode", "dart", "bullet")
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Notice
-from harness.scene import Drive, Spring
-from harness.trajectory import Floats
+from plumbline.harness.adapter import Notice
+from plumbline.harness.scene import Drive, Spring
+from plumbline.harness.trajectory import Floats
 
 SERVO_NOTICE = Notice(
     "drives: DART's own servo holds the velocity (c u + k (target - x))/(c + dt k) by whatever force within the limit: another "

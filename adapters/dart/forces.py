@@ -4,9 +4,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.drives import Pushes
-from harness.trajectory import Floats
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.drives import Pushes
+from plumbline.harness.trajectory import Floats
 
 Wrenches = tuple[Floats, Floats]
 """(f_B_W, tau_B_W), each (n, 3): N and N m on every body."""

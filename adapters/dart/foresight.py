@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.drives import Laws, by_skeleton
-from adapters.dart.holds import Holds, Spans, Touch, islands
-from harness.trajectory import Floats, Integers
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.drives import Laws, by_skeleton
+from plumbline.adapters.dart.holds import Holds, Spans, Touch, islands
+from plumbline.harness.trajectory import Floats, Integers
 
 SHARED = 1e-10
 """Of the mobility of all mass at once: what makes redundant holds share a load, too little to give way."""

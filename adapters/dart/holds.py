@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from adapters.dart.built import Built, Loop
-from adapters.dart.drives import AT_REST
-from adapters.dart.surfaces import SMALLEST_COEFFICIENT
-from adapters.dart.vendor import body_of
-from harness.trajectory import Floats
+from plumbline.adapters.dart.built import Built, Loop
+from plumbline.adapters.dart.drives import AT_REST
+from plumbline.adapters.dart.surfaces import SMALLEST_COEFFICIENT
+from plumbline.adapters.dart.vendor import body_of
+from plumbline.harness.trajectory import Floats
 
 SLIDING = 0.999
 """From this share of its greatest friction on a contact slides rather than sticks."""

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.drives import SERVO_NOTICE, Motor
-from adapters.dart.trees import WORLD_FRAME, Edge, ends
-from adapters.dart.vendor import pose
-from harness.adapter import Unsupported
-from harness.adapter.carried_laws import refuse_armature
-from harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Spring
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.drives import SERVO_NOTICE, Motor
+from plumbline.adapters.dart.trees import WORLD_FRAME, Edge, ends
+from plumbline.adapters.dart.vendor import pose
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.carried_laws import refuse_armature
+from plumbline.harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Spring
 
 
 def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:

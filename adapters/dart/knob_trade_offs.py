@@ -3,7 +3,7 @@
 The figures are of `plumbline run dominance`, which tries every value in every case at the case's own step.
 """
 
-from harness.adapter import TradeOff
+from plumbline.harness.adapter import TradeOff
 
 KNOB_TRADE_OFFS = (
     TradeOff(

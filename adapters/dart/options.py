@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from adapters.dart.detectors import DETECTORS
-from adapters.dart.solvers import SOLVERS
-from harness.adapter import Settings, SettingsError
+from plumbline.adapters.dart.detectors import DETECTORS
+from plumbline.adapters.dart.solvers import SOLVERS
+from plumbline.harness.adapter import Settings, SettingsError
 
 INTEGRATOR = "semi_implicit_euler"
 DRIVES = ("spring", "stable", "servo")

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from adapters.dart.built import Built
-from harness.adapter.joint_reactions import about_the_anchor, turned_back
-from harness.trajectory import Floats, State
-from harness.trajectory.kinematics import rotate
+from plumbline.adapters.dart.built import Built
+from plumbline.harness.adapter.joint_reactions import about_the_anchor, turned_back
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import rotate
 
 
 def reactions(built: Built, present: State) -> Floats:

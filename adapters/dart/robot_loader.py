@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from adapters.dart.vendor import load as dart_module
-from adapters.dart.vendor import overheard
-from harness.adapter import Unsupported
-from harness.scene.parity.facts import FIXED, JointFacts, Law
-from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
+from plumbline.adapters.dart.vendor import load as dart_module
+from plumbline.adapters.dart.vendor import overheard
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law
+from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
 
 _KINDS = {"RevoluteJoint": "revolute", "PrismaticJoint": "prismatic", "BallJoint": "ball", "FreeJoint": "free"}
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from adapters.dart.built import Built
-from harness.adapter import Unsupported
-from harness.adapter.what_goes_in import check_rays
-from harness.scene import Ellipsoid
-from harness.trajectory import Floats, Hits, Integers
+from plumbline.adapters.dart.built import Built
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.what_goes_in import check_rays
+from plumbline.harness.scene import Ellipsoid
+from plumbline.harness.trajectory import Floats, Hits, Integers
 
 LONGEST_RAY = 1e9
 """A ray is a segment in DART [m]; beyond this its fraction loses the millimetre."""

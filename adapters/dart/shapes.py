@@ -7,13 +7,13 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.vectors import tangents
-from adapters.dart.vendor import pose
-from harness.adapter import Unsupported
-from harness.adapter.touching_kinds import Kind
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
-from harness.trajectory import Floats, Integers
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.vectors import tangents
+from plumbline.adapters.dart.vendor import pose
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.touching_kinds import Kind
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Effect, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.trajectory import Floats, Integers
 
 SLAB = 1e3
 """Under the Bullet detector, which holds a solid on a plane at one point, a plane is a slab of these half extents [m]."""

@@ -6,21 +6,21 @@ from typing import Any
 
 import numpy as np
 
-from adapters.dart.built import Built
-from adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
-from adapters.dart.drives import Pushes
-from adapters.dart.forces import Wrenches, push
-from adapters.dart.foresight import Foresight
-from adapters.dart.reactions import reactions
-from adapters.dart.sensing import Caster
-from adapters.dart.vectors import quaternions
-from adapters.dart.vendor import correcting
-from harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
-from harness.adapter.distance_springs import DistanceSprings
-from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
-from harness.scene import Camera, Effect, Vector3
-from harness.trajectory import Contacts, Floats, Hits, Image, State
-from harness.trajectory.joint_states import JointStates
+from plumbline.adapters.dart.built import Built
+from plumbline.adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
+from plumbline.adapters.dart.drives import Pushes
+from plumbline.adapters.dart.forces import Wrenches, push
+from plumbline.adapters.dart.foresight import Foresight
+from plumbline.adapters.dart.reactions import reactions
+from plumbline.adapters.dart.sensing import Caster
+from plumbline.adapters.dart.vectors import quaternions
+from plumbline.adapters.dart.vendor import correcting
+from plumbline.harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported
+from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
+from plumbline.harness.scene import Camera, Effect, Vector3
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
+from plumbline.harness.trajectory.joint_states import JointStates
 
 STEPS_UNCHECKED = 32
 """How many steps go by between two looks for NaN within one call of `step`."""

@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from adapters.dart.arrangement import Arrangement
-from harness.adapter import Settings
-from harness.scene import Effect, Scene, Sphere
+from plumbline.adapters.dart.arrangement import Arrangement
+from plumbline.harness.adapter import Settings
+from plumbline.harness.scene import Effect, Scene, Sphere
 
 SOLVERS = ("dantzig", "pgs", "matrix_free", "nsgs", "fbf")
 FAST, FINE_TOLERANCE = 0.08, 1e-6

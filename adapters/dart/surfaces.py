@@ -4,9 +4,9 @@ import math
 from collections import deque
 from collections.abc import Mapping
 
-from harness.adapter import Unsupported
-from harness.adapter.touching_kinds import Kind, kinds_of, touching_kinds
-from harness.scene import Body, Effect, Scene
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.touching_kinds import Kind, kinds_of, touching_kinds
+from plumbline.harness.scene import Body, Effect, Scene
 
 SMALLEST_COEFFICIENT = 1e-3
 """DART_FRICTION_COEFF_THRESHOLD and DART_RESTITUTION_COEFF_THRESHOLD: what is not above counts as zero."""

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from adapters.dart.vectors import cross_matrix
-from harness.adapter.fast_rotors import fast_rotors
-from harness.scene import Body, Effect, Scene, Vector3, rotation_matrix
-from harness.trajectory import Floats
+from plumbline.adapters.dart.vectors import cross_matrix
+from plumbline.harness.adapter.fast_rotors import fast_rotors
+from plumbline.harness.scene import Body, Effect, Scene, Vector3, rotation_matrix
+from plumbline.harness.trajectory import Floats
 
 ROTOR_STEP = 1 / 960
 """The longest (sub)step [s] of a fast rotor on `joints` = "auto".

@@ -5,13 +5,13 @@ from typing import assert_never
 
 import numpy as np
 
-from adapters.dart.tops import spins
-from harness.adapter import Unsupported
-from harness.adapter.carried_laws import carried
-from harness.adapter.fast_rotors import fast_rotors
-from harness.adapter.spanning_forest import spanning_forest
-from harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
-from harness.trajectory import Floats
+from plumbline.adapters.dart.tops import spins
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.carried_laws import carried
+from plumbline.harness.adapter.fast_rotors import fast_rotors
+from plumbline.harness.adapter.spanning_forest import spanning_forest
+from plumbline.harness.scene import Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import Floats
 
 WORLD_FRAME = -1
 """The place of the world, and of every static body, in the graph of joints."""

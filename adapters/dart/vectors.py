@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 
 def tangents(normal: Floats) -> Floats:

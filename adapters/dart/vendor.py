@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Unavailable
-from harness.scene import Quaternion, Vector3, rotation_matrix
-from harness.trajectory import Floats
+from plumbline.harness.adapter import Unavailable
+from plumbline.harness.scene import Quaternion, Vector3, rotation_matrix
+from plumbline.harness.trajectory import Floats
 
 
 def load() -> Any:

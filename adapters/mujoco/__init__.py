@@ -69,25 +69,25 @@ scene asks for; `speculative` follows the scene.
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from adapters.mujoco.build import build
-from adapters.mujoco.knob_trade_offs import KNOB_TRADE_OFFS
-from adapters.mujoco.many_worlds import MujocoWorlds
-from adapters.mujoco.options import INTEGRATORS, SOLVERS
-from adapters.mujoco.simulation import MujocoSimulation
-from adapters.mujoco.softness import VENDOR_TIME_CONSTANT
-from adapters.mujoco.vendor import mujoco_module
-from harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unsupported
-from harness.adapter.many_worlds import Batch
-from harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
-from harness.scene import Effect, Scene
+from plumbline.adapters.mujoco.build import build
+from plumbline.adapters.mujoco.knob_trade_offs import KNOB_TRADE_OFFS
+from plumbline.adapters.mujoco.many_worlds import MujocoWorlds
+from plumbline.adapters.mujoco.options import INTEGRATORS, SOLVERS
+from plumbline.adapters.mujoco.simulation import MujocoSimulation
+from plumbline.adapters.mujoco.softness import VENDOR_TIME_CONSTANT
+from plumbline.adapters.mujoco.vendor import mujoco_module
+from plumbline.harness.adapter import Adapter, Emulation, Feature, Settings, Simulation, TradeOff, Unsupported
+from plumbline.harness.adapter.many_worlds import Batch
+from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
+from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from harness.scene.parity.facts import RobotFacts
-    from harness.scene.parity.loaded import Loaded, Request
-    from harness.scene.parity.parting import Motion
-    from harness.trajectory import Floats
+    from plumbline.harness.scene.parity.facts import RobotFacts
+    from plumbline.harness.scene.parity.loaded import Loaded, Request
+    from plumbline.harness.scene.parity.parting import Motion
+    from plumbline.harness.trajectory import Floats
 
 __all__ = ["ADAPTER"]
 
@@ -102,7 +102,7 @@ class MujocoAdapter(Adapter):
 
     def load_robot(self, path: "Path", request: "Request") -> "Loaded":
         """What the package's own loader makes of a robot file. Raises: Unsupported, Unavailable."""
-        from adapters.mujoco.robot_loader import load
+        from plumbline.adapters.mujoco.robot_loader import load
 
         if request.way:
             raise Unsupported(f"loader {request.way!r}", "there is one alone")
@@ -110,7 +110,7 @@ class MujocoAdapter(Adapter):
 
     def move_robot(self, robot: "RobotFacts", motion: "Motion") -> "Floats":
         """The positions of a robot of facts that torques move. Raises: Unsupported, Unavailable."""
-        from adapters.mujoco.robot_motion import moved
+        from plumbline.adapters.mujoco.robot_motion import moved
 
         return moved(robot, motion)
 

@@ -1,6 +1,6 @@
 """How much memory a model's data sets aside for contacts and constraints where the engine's own guess is out of reach."""
 
-from harness.scene import Scene
+from plumbline.harness.scene import Scene
 
 MANY = 1200
 """Bodies up to which the guess stands: it grows with their square, 1.8 GB for a thousand, 14 for three thousand."""

@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.limits import bounds_of
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.softness import hold_dry, stop
-from adapters.mujoco.trees import Link
-from adapters.mujoco.vendor import linear_law
-from harness.adapter.carried_laws import refuse_speed_limit
-from harness.adapter.rotations import conjugate
-from harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.limits import bounds_of
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.softness import hold_dry, stop
+from plumbline.adapters.mujoco.trees import Link
+from plumbline.adapters.mujoco.vendor import linear_law
+from plumbline.harness.adapter.carried_laws import refuse_speed_limit
+from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.scene import Ball, Distance, Fixed, Joint, Revolute, multiply
 
 KINEMATIC_ARMATURE = 1e12
 """Inertia of a kinematic body over that of all movable ones: a force then changes its velocity by rounding."""

@@ -4,27 +4,27 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.bodies import add_body
-from adapters.mujoco.closures import close_loop, couple, keep_distance
-from adapters.mujoco.collisions import add_shapes
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.drive_damping import damp_joints
-from adapters.mujoco.drives import add_drives
-from adapters.mujoco.flags import set_options
-from adapters.mujoco.inertial import add_inertial
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.pressed_through import pressed_through
-from adapters.mujoco.resolved import resolved_settings
-from adapters.mujoco.settle import settle
-from adapters.mujoco.simulation import MujocoSimulation
-from adapters.mujoco.sparse_factor import may_err, sparse
-from adapters.mujoco.start import check_start, start
-from adapters.mujoco.surfaces import Law, contact_laws
-from adapters.mujoco.trees import Link
-from adapters.mujoco.vendor import flag
-from adapters.mujoco.world import Hung, Indices, World
-from harness.adapter import Notice, Settings, Unsupported
-from harness.scene import Distance, Effect, Fixed, Joint, Prismatic, Revolute, Scene
+from plumbline.adapters.mujoco.bodies import add_body
+from plumbline.adapters.mujoco.closures import close_loop, couple, keep_distance
+from plumbline.adapters.mujoco.collisions import add_shapes
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.drive_damping import damp_joints
+from plumbline.adapters.mujoco.drives import add_drives
+from plumbline.adapters.mujoco.flags import set_options
+from plumbline.adapters.mujoco.inertial import add_inertial
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.pressed_through import pressed_through
+from plumbline.adapters.mujoco.resolved import resolved_settings
+from plumbline.adapters.mujoco.settle import settle
+from plumbline.adapters.mujoco.simulation import MujocoSimulation
+from plumbline.adapters.mujoco.sparse_factor import may_err, sparse
+from plumbline.adapters.mujoco.start import check_start, start
+from plumbline.adapters.mujoco.surfaces import Law, contact_laws
+from plumbline.adapters.mujoco.trees import Link
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.adapters.mujoco.world import Hung, Indices, World
+from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.scene import Distance, Effect, Fixed, Joint, Prismatic, Revolute, Scene
 
 
 def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:

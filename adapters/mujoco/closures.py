@@ -4,14 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.limits import bounds_of
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.softness import hold, stop
-from adapters.mujoco.vendor import linear_law, set_equality
-from harness.adapter import Unsupported
-from harness.adapter.carried_laws import carried, followed
-from harness.scene import WORLD, Coupling, Distance, Fixed, Joint, Prismatic, Revolute
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.limits import bounds_of
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.softness import hold, stop
+from plumbline.adapters.mujoco.vendor import linear_law, set_equality
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.carried_laws import carried, followed
+from plumbline.harness.scene import WORLD, Coupling, Distance, Fixed, Joint, Prismatic, Revolute
 
 
 def close_loop(plan: Plan, draft: Draft, joint: Joint) -> None:

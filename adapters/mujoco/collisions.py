@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP, VISUAL_GROUP, add_geom
-from adapters.mujoco.surfaces import Law, ranked, tell_surface
-from harness.adapter import Unsupported
-from harness.scene import WORLD, Effect, Scene
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP, VISUAL_GROUP, add_geom
+from plumbline.adapters.mujoco.surfaces import Law, ranked, tell_surface
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import WORLD, Effect, Scene
 
 
 def add_shapes(plan: Plan, draft: Draft, laws: Mapping[frozenset[str], Law]) -> None:

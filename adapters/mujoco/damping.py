@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.plan import Plan
-from harness.adapter import Unsupported
-from harness.scene import Effect, Fixed, Prismatic, Revolute
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Effect, Fixed, Prismatic, Revolute
 
 
 def dampen(plan: Plan, model: Any) -> None:

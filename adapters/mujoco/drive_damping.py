@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.rates import resisted
-from adapters.mujoco.vendor import flag
-from adapters.mujoco.world import World
-from harness.trajectory import Floats
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.rates import resisted
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.trajectory import Floats
 
 
 def damp_joints(draft: Draft, world: World, h: float) -> bool:

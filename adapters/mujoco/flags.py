@@ -1,10 +1,10 @@
 """Settings and effects as options and flags of the model."""
 
-from adapters.mujoco.arena import arena_for
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.vendor import flag
-from harness.scene import Effect
+from plumbline.adapters.mujoco.arena import arena_for
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.harness.scene import Effect
 
 
 def set_options(plan: Plan, draft: Draft) -> None:

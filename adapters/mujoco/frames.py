@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.adapter.rotations import principal_frame
-from harness.scene import Body, Quaternion, Vector3
-from harness.trajectory import Floats
+from plumbline.harness.adapter.rotations import principal_frame
+from plumbline.harness.scene import Body, Quaternion, Vector3
+from plumbline.harness.trajectory import Floats
 
 
 def principal(body: Body) -> tuple[Vector3, Quaternion]:

@@ -1,10 +1,10 @@
 """How firm contacts are where one body may bear another that is many times heavier: by the masses of a scene."""
 
-from adapters.mujoco.options import Options
-from adapters.mujoco.softness import time_constant
-from harness.adapter.touching_kinds import Kind, touching_kinds
-from harness.scene import Scene
-from harness.scene.shape import width
+from plumbline.adapters.mujoco.options import Options
+from plumbline.adapters.mujoco.softness import time_constant
+from plumbline.harness.adapter.touching_kinds import Kind, touching_kinds
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.shape import width
 
 FIRM = 0.999
 """Impedance of contacts on tuned: what rests sinks by micrometres."""

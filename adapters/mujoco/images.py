@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.shapes import BOTH_GROUP, VISUAL_GROUP
-from adapters.mujoco.vendor import flag
-from adapters.mujoco.world import World
-from harness.adapter import Unsupported
-from harness.adapter.rotations import matrix, products
-from harness.scene import WORLD, Camera
-from harness.trajectory import Floats, Image, Integers
+from plumbline.adapters.mujoco.shapes import BOTH_GROUP, VISUAL_GROUP
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.rotations import matrix, products
+from plumbline.harness.scene import WORLD, Camera
+from plumbline.harness.trajectory import Floats, Image, Integers
 
 SLICES = 192
 """Corners of a drawn circle: a sphere is off by up to (1 - cos(pi/192)) of its radius, about 1.3e-4."""

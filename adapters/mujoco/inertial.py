@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.vendor import flag
-from adapters.mujoco.world import World
-from harness.adapter.rotations import IDENTITY, conjugate, matrix
-from harness.scene import WORLD, Effect, Imu, multiply
-from harness.trajectory import Floats
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter.rotations import IDENTITY, conjugate, matrix
+from plumbline.harness.scene import WORLD, Effect, Imu, multiply
+from plumbline.harness.trajectory import Floats
 
 
 def add_inertial(plan: Plan, draft: Draft) -> None:

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.vendor import flag
-from adapters.mujoco.world import World
-from harness.scene import Prismatic, Revolute
-from harness.trajectory.joint_states import JointStates
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.scene import Prismatic, Revolute
+from plumbline.harness.trajectory.joint_states import JointStates
 
 
 class JointReader:

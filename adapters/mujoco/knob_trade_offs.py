@@ -3,7 +3,7 @@
 The figures are of `plumbline run dominance`, which tries every value in every case at the case's own step.
 """
 
-from harness.adapter import TradeOff
+from plumbline.harness.adapter import TradeOff
 
 FIRST_ORDER = (
     "one stage for four, of first order: what flies errs 98 times as much, a top 50 times, a double pendulum "

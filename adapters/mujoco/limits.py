@@ -1,8 +1,8 @@
 """The limits of a joint as a range of MuJoCo."""
 
-from adapters.mujoco.vendor import OPEN
-from harness.adapter import Unsupported
-from harness.scene import Joint, Limits
+from plumbline.adapters.mujoco.vendor import OPEN
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Joint, Limits
 
 
 def bounds_of(joint: Joint) -> list[float] | None:

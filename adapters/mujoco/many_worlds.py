@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adapters.mujoco.simulation import MujocoSimulation
-from harness.adapter import Notice, Settings
-from harness.trajectory import State
+from plumbline.adapters.mujoco.simulation import MujocoSimulation
+from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.trajectory import State
 
 
 class MujocoWorlds:

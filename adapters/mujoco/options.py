@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from harness.adapter import Settings, SettingsError
+from plumbline.harness.adapter import Settings, SettingsError
 
 INTEGRATORS = ("discrete", "euler", "rk4", "implicitfast", "implicit")
 """A search that turns a knob to the next value meets the discrete one beside Euler, and RK4 where that is refused."""

@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adapters.mujoco.frames import principal
-from adapters.mujoco.heavy_loads import impedance_for
-from adapters.mujoco.options import Options, checked
-from adapters.mujoco.trees import Link, forest
-from harness.adapter import Settings
-from harness.adapter.rotations import matrix
-from harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply
-from harness.trajectory import Floats
+from plumbline.adapters.mujoco.frames import principal
+from plumbline.adapters.mujoco.heavy_loads import impedance_for
+from plumbline.adapters.mujoco.options import Options, checked
+from plumbline.adapters.mujoco.trees import Link, forest
+from plumbline.harness.adapter import Settings
+from plumbline.harness.adapter.rotations import matrix
+from plumbline.harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply
+from plumbline.harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from adapters.mujoco.world import World
-from harness.adapter.rotations import matrix
-from harness.scene import Vector3
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter.rotations import matrix
+from plumbline.harness.scene import Vector3
 
 
 def prescribe(world: World, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.softness import time_constant
-from harness.adapter.touching_kinds import Kind, touching_kinds
-from harness.scene import Body, Capsule, Cylinder, PlacedShape, Plane, Sphere, rotate
-from harness.scene.shape import outer_radius, width
-from harness.trajectory import Floats
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.softness import time_constant
+from plumbline.harness.adapter.touching_kinds import Kind, touching_kinds
+from plumbline.harness.scene import Body, Capsule, Cylinder, PlacedShape, Plane, Sphere, rotate
+from plumbline.harness.scene.shape import outer_radius, width
+from plumbline.harness.trajectory import Floats
 
 
 def give(constant: float, ratio: float) -> float:

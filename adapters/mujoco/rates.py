@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.vendor import flag, refuse
-from harness.trajectory import Floats, Integers
+from plumbline.adapters.mujoco.vendor import flag, refuse
+from plumbline.harness.trajectory import Floats, Integers
 
 EXACT_ROWS = 200
 """Springs and dampers up to which their fastest mode is found exactly rather than bounded."""

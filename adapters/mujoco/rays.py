@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP
-from adapters.mujoco.vendor import refuse
-from adapters.mujoco.world import World
-from harness.adapter.what_goes_in import check_rays
-from harness.trajectory import Floats, Hits
+from plumbline.adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP
+from plumbline.adapters.mujoco.vendor import refuse
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter.what_goes_in import check_rays
+from plumbline.harness.trajectory import Floats, Hits
 
 
 def cast(world: World, origins: Floats, directions: Floats, max_range: float) -> Hits:

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from harness.adapter import Unsupported
+from plumbline.harness.adapter import Unsupported
 
 
 def _rebound(z: float, steps: int, fine: int) -> float:

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.softness import LEAST_STEPS, friction_constant, time_constant
-from harness.adapter import Settings
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.softness import LEAST_STEPS, friction_constant, time_constant
+from plumbline.harness.adapter import Settings
 
 
 def resolved_settings(plan: Plan, draft: Draft, model: Any, tolerance_scale: float) -> Settings:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.vendor import mujoco_module
-from harness.adapter import Unsupported
-from harness.scene.parity.facts import FIXED, JointFacts, Law
-from harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, in_packages, matrix_gap
+from plumbline.adapters.mujoco.vendor import mujoco_module
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law
+from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, in_packages, matrix_gap
 
 
 def load(path: Path, request: Request) -> Loaded:

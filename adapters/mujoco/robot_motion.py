@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.vendor import mujoco_module
-from harness.adapter import Unsupported
-from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
-from harness.scene.parity.parting import DT, Motion
-from harness.trajectory import Floats
+from plumbline.adapters.mujoco.vendor import mujoco_module
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
+from plumbline.harness.scene.parity.parting import DT, Motion
+from plumbline.harness.trajectory import Floats
 
 
 def moved(robot: RobotFacts, motion: Motion) -> Floats:

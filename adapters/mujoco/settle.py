@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.damping import dampen
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.rates import fastest, stiffest
-from adapters.mujoco.sparse_factor import may_err
-from adapters.mujoco.vendor import flag
-from harness.scene import Effect
+from plumbline.adapters.mujoco.damping import dampen
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.rates import fastest, stiffest
+from plumbline.adapters.mujoco.sparse_factor import may_err
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.harness.scene import Effect
 
 RESOLVED_RATE = 0.1
 """Largest rate times step of a spring or damper that Euler is given in a scene with contacts: about 60 steps a period."""

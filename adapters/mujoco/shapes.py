@@ -5,12 +5,12 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.frames import upright
-from adapters.mujoco.plan import Plan
-from harness.adapter import Unsupported
-from harness.adapter.rotations import conjugate, matrix
-from harness.scene import (
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.frames import upright
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.rotations import conjugate, matrix
+from plumbline.harness.scene import (
     Box,
     Capsule,
     ConvexHull,
@@ -24,7 +24,7 @@ from harness.scene import (
     Vector3,
     multiply,
 )
-from harness.trajectory import Floats, Integers
+from plumbline.harness.trajectory import Floats, Integers
 
 COLLISION_GROUP, BOTH_GROUP, VISUAL_GROUP = 1, 0, 2
 """Geom groups: rays see shapes that collide, images see shapes that are drawn."""

@@ -5,20 +5,20 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.frames import cross
-from adapters.mujoco.images import Renderer
-from adapters.mujoco.inertial import Inertial
-from adapters.mujoco.joint_states import JointReader
-from adapters.mujoco.prescribed import prescribe
-from adapters.mujoco.rays import cast, caster
-from adapters.mujoco.vendor import OPEN, counters, fatal, flag
-from adapters.mujoco.world import World
-from harness.adapter import Diverged, Notice, Settings
-from harness.adapter.rotations import products
-from harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
-from harness.scene import Camera, Vector3
-from harness.trajectory import Contacts, Floats, Hits, Image, State
-from harness.trajectory.joint_states import JointStates
+from plumbline.adapters.mujoco.frames import cross
+from plumbline.adapters.mujoco.images import Renderer
+from plumbline.adapters.mujoco.inertial import Inertial
+from plumbline.adapters.mujoco.joint_states import JointReader
+from plumbline.adapters.mujoco.prescribed import prescribe
+from plumbline.adapters.mujoco.rays import cast, caster
+from plumbline.adapters.mujoco.vendor import OPEN, counters, fatal, flag
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter import Diverged, Notice, Settings
+from plumbline.harness.adapter.rotations import products
+from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
+from plumbline.harness.scene import Camera, Vector3
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
+from plumbline.harness.trajectory.joint_states import JointStates
 
 
 class MujocoSimulation:

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from adapters.mujoco.options import Options
+from plumbline.adapters.mujoco.options import Options
 
 VENDOR_TIME_CONSTANT = 0.02
 """The time constant of MuJoCo's constraints [s] (solref[0])."""

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.vendor import flag
-from harness.adapter.touching_kinds import touching_kinds
-from harness.scene import Effect
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.vendor import flag
+from plumbline.harness.adapter.touching_kinds import touching_kinds
+from plumbline.harness.scene import Effect
 
 FAULTY = "4.0.0"
 """The version whose sparse factor of the Newton solver its makers call wrong (release notes of 4.0.1, issue 3767)."""

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from adapters.mujoco.draft import Draft
-from adapters.mujoco.plan import Plan
-from adapters.mujoco.vendor import fatal, flag
-from adapters.mujoco.world import World
-from harness.adapter import Simulation, Unsupported
-from harness.scene import Ball, Distance, Fixed, Revolute
-from harness.trajectory import State
+from plumbline.adapters.mujoco.draft import Draft
+from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.vendor import fatal, flag
+from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter import Simulation, Unsupported
+from plumbline.harness.scene import Ball, Distance, Fixed, Revolute
+from plumbline.harness.trajectory import State
 
 
 def start(plan: Plan, draft: Draft, world: World) -> None:

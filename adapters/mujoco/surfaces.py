@@ -4,12 +4,12 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from adapters.mujoco.options import Options
-from adapters.mujoco.rebound import elastic
-from adapters.mujoco.softness import friction_constant, impedance, time_constant
-from harness.adapter import Unsupported
-from harness.adapter.touching_kinds import touching_kinds
-from harness.scene import Effect, Scene, Surface
+from plumbline.adapters.mujoco.options import Options
+from plumbline.adapters.mujoco.rebound import elastic
+from plumbline.adapters.mujoco.softness import friction_constant, impedance, time_constant
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.touching_kinds import touching_kinds
+from plumbline.harness.scene import Effect, Scene, Surface
 
 REBOUND_IMPEDANCE = 0.9999
 """Impedance of a contact that rebounds: its reference acceleration is taken as it is, with next to nothing of gravity."""

@@ -3,9 +3,9 @@
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
-from harness.adapter.carried_laws import carried, followed
-from harness.adapter.spanning_forest import spanning_forest
-from harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute, Scene
+from plumbline.harness.adapter.carried_laws import carried, followed
+from plumbline.harness.adapter.spanning_forest import spanning_forest
+from plumbline.harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 
 
 @dataclass(frozen=True, slots=True)

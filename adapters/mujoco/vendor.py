@@ -5,7 +5,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from harness.adapter import Unavailable, Unsupported
+from plumbline.harness.adapter import Unavailable, Unsupported
 
 OPEN = 1e10
 """A bound that no coordinate reaches: MuJoCo calls a state above it diverged (mjMAXVAL)."""

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.scene import Scene
-from harness.trajectory import Floats, Integers
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Integers
 
 
 @dataclass(frozen=True, slots=True)

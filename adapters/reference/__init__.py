@@ -67,16 +67,16 @@ Deviations:
 
 from dataclasses import dataclass
 
-from adapters.reference.advantages import ADVANTAGES
-from adapters.reference.build import build, build_batch, compile_for
-from adapters.reference.kernels import kernels
-from adapters.reference.knob_trade_offs import KNOB_TRADE_OFFS
-from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SUITED
-from adapters.reference.vendor import engine_version
-from harness.adapter import Adapter, Feature, Settings, Simulation, TradeOff
-from harness.adapter.many_worlds import Batch
-from harness.adapter.mass_points import built_with_points, with_inertia
-from harness.scene import Effect, Scene
+from plumbline.adapters.reference.advantages import ADVANTAGES
+from plumbline.adapters.reference.build import build, build_batch, compile_for
+from plumbline.adapters.reference.kernels import kernels
+from plumbline.adapters.reference.knob_trade_offs import KNOB_TRADE_OFFS
+from plumbline.adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SUITED
+from plumbline.adapters.reference.vendor import engine_version
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, TradeOff
+from plumbline.harness.adapter.many_worlds import Batch
+from plumbline.harness.adapter.mass_points import built_with_points, with_inertia
+from plumbline.harness.scene import Effect, Scene
 
 __all__ = ["ADAPTER"]
 
@@ -190,5 +190,5 @@ ADAPTER = ReferenceAdapter(
     },
     compile_allowance=900.0,
     kernels=kernels,
-    loads=("engine.steps.smooth", "engine.steps.contact", "engine.compile.prepared"),
+    loads=("plumbline.engine.steps.smooth", "plumbline.engine.steps.contact", "plumbline.engine.compile.prepared"),
 )  # fmt: skip

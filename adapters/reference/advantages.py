@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from harness.adapter import Advantage
+from plumbline.harness.adapter import Advantage
 
 __all__ = ["ADVANTAGES"]
 

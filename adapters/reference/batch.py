@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from harness.adapter import Diverged, Notice, Settings, Unsupported
-from harness.trajectory import State
+from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
+from plumbline.harness.trajectory import State
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["ReferenceBatch"]
 
@@ -29,7 +29,7 @@ class ReferenceBatch:
 
     def step(self, count: int = 1) -> None:
         """Advance every world by count * dt. Raises: Diverged, Unsupported."""
-        import engine
+        from plumbline import engine
 
         try:
             self._batch.step(count * self._steps)

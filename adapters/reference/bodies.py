@@ -2,18 +2,18 @@
 
 from typing import TYPE_CHECKING
 
-from adapters.reference.shapes import engine_shape
-from harness.scene import Body, Effect
+from plumbline.adapters.reference.shapes import engine_shape
+from plumbline.harness.scene import Body, Effect
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["engine_body"]
 
 
 def engine_body(body: Body, effects: Effect) -> "engine.Body":
     """A body without the damping that the scene leaves out."""
-    import engine
+    from plumbline import engine
 
     return engine.Body(
         name=body.name,

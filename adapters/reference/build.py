@@ -2,16 +2,16 @@
 
 from typing import TYPE_CHECKING
 
-from adapters.reference.batch import ReferenceBatch
-from adapters.reference.options import SUITED, engine_options, resolved_settings, steps_in
-from adapters.reference.simulation import ReferenceSimulation
-from adapters.reference.suited import suited
-from adapters.reference.world import make_world
-from harness.adapter import Settings
-from harness.scene import Camera, Scene
+from plumbline.adapters.reference.batch import ReferenceBatch
+from plumbline.adapters.reference.options import SUITED, engine_options, resolved_settings, steps_in
+from plumbline.adapters.reference.simulation import ReferenceSimulation
+from plumbline.adapters.reference.suited import suited
+from plumbline.adapters.reference.world import make_world
+from plumbline.harness.adapter import Settings
+from plumbline.harness.scene import Camera, Scene
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["build", "build_batch", "compile_for"]
 
@@ -27,7 +27,7 @@ def build_batch(scene: Scene, settings: Settings, count: int) -> ReferenceBatch 
 
     Raises: Unsupported, SettingsError.
     """
-    import engine
+    from plumbline import engine
 
     world, options = _world(scene, settings)
     try:
@@ -39,7 +39,7 @@ def build_batch(scene: Scene, settings: Settings, count: int) -> ReferenceBatch 
 
 def compile_for(scene: Scene, settings: Settings) -> None:
     """Compile what the scene's steps, rays and pictures need. Raises: Unsupported, SettingsError."""
-    import engine
+    from plumbline import engine
 
     world, _ = _world(scene, settings)
     world.compile()

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 
-from harness.adapter import Unsupported
-from harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["engine_joint", "shift_of_target"]
 
@@ -18,7 +18,7 @@ NEVER_REACHED = 1e6
 
 def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
     """A joint, without the drive that the scene leaves out."""
-    import engine
+    from plumbline import engine
 
     ends: dict[str, Any] = {
         "name": joint.name, "parent": joint.parent, "child": joint.child, "collide": joint.collide
@@ -69,7 +69,7 @@ def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
 
 def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str, Any]:
     """Limits, spring and drive of a joint."""
-    import engine
+    from plumbline import engine
 
     extras: dict[str, Any] = {}
     if joint.limits is not None:
@@ -94,7 +94,7 @@ def _drive(drive: Drive) -> "engine.Drive":
     Without stiffness and damping it is a damper towards a rate that nothing reaches, cut off at the torque: at less than half
     of that rate the cut force is the torque to the last bit.
     """
-    import engine
+    from plumbline import engine
 
     limit = np.inf if drive.limit is None else drive.limit
     stiffness, damping, rate = drive.stiffness, drive.damping, drive.target_velocity

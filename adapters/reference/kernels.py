@@ -8,11 +8,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from adapters.reference.vendor import check_cache
-from harness.adapter.kernels import KernelGroup, Kernels
+from plumbline.adapters.reference.vendor import check_cache
+from plumbline.harness.adapter.kernels import KernelGroup, Kernels
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = [
     "above_ground", "cast", "group", "is_stored", "kernels", "many_worlds", "stage", "step", "typed",
@@ -23,8 +23,8 @@ CONTACTS, JOINT_COORDINATES, RAYS, FREE = "contacts", "joint coordinates", "rays
 
 def is_stored(entry: str) -> bool:
     """Does the cache hold machine code of an entry of today's sources? Args: entry: `module.function`, below `engine`."""
-    import engine
-    from engine.compile.jit import cache_directory
+    from plumbline import engine
+    from plumbline.engine.compile.jit import cache_directory
 
     module, _, name = entry.rpartition(".")
     path = Path(engine.__file__).parent.joinpath(*module.split(".")).with_suffix(".py")
@@ -42,8 +42,8 @@ def typed(family: str, entry: str, types: str, first: bool = False) -> KernelGro
     """An entry for arguments of these types: F floats and I integers of a world, n a number, T and N tables of each kind."""
 
     def compile_entry() -> None:
-        from engine.steps.many_worlds import FLOATS, INTS
-        from engine.steps.many_worlds import types as numba
+        from plumbline.engine.steps.many_worlds import FLOATS, INTS
+        from plumbline.engine.steps.many_worlds import types as numba
 
         tables = numba.Array(numba.float64, 2, "C"), numba.Array(numba.int64, 2, "C")
         known = dict(zip("FInTN", (FLOATS, INTS, numba.int64, *tables), strict=True))
@@ -66,9 +66,9 @@ def stage(family: str, entry: str, first: bool = False) -> KernelGroup:
 def kernels() -> Kernels:
     """What the scenes of studies call, on both tracks and with every knob turned. Raises: Unavailable."""
     check_cache()
-    import engine
-    from engine.compile.jit import cache_directory, jit_is_off
-    from engine.options import FREE_INTEGRATORS
+    from plumbline import engine
+    from plumbline.engine.compile.jit import cache_directory, jit_is_off
+    from plumbline.engine.options import FREE_INTEGRATORS
 
     if jit_is_off():
         return Kernels(notes=("NUMBA_DISABLE_JIT is set: functions run as plain Python, and take a hundred times longer",))
@@ -123,7 +123,7 @@ IMAGES = (
 
 
 def _notes() -> tuple[str, ...]:
-    from engine.compile.jit import LINKED, SWITCH, linker
+    from plumbline.engine.compile.jit import LINKED, SWITCH, linker
 
     if linker() is not None:
         return ()
@@ -132,25 +132,25 @@ def _notes() -> tuple[str, ...]:
 
 
 def _swept() -> None:
-    import engine
+    from plumbline import engine
 
     above_ground(engine.Sphere(0.1), continuous="swept").compile()
 
 
 def _exact() -> None:
-    import engine
+    from plumbline import engine
 
     above_ground(engine.Sphere(0.1), solver="exact").compile()
 
 
 def _tiles() -> None:
-    import engine
+    from plumbline import engine
 
     cast(above_ground(engine.Sphere(0.1), contacts=False))
 
 
 def _polyhedra() -> None:
-    import engine
+    from plumbline import engine
 
     hull = engine.ConvexHull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
     cast(above_ground(hull, contacts=False))
@@ -162,7 +162,7 @@ def cast(world: "engine.World", threads: int = 1) -> None:
 
 
 def _pictures() -> None:
-    import engine
+    from plumbline import engine
 
     eye = engine.Eye(width=8, height=8, focal_x=4.0, focal_y=4.0, centre_x=4.0, centre_y=4.0)
     for method in ("rasterised", "ray_traced"):
@@ -171,14 +171,14 @@ def _pictures() -> None:
 
 def many_worlds(threads: int = 1) -> None:
     """Step two worlds side by side."""
-    import engine
+    from plumbline import engine
 
     engine.Batch.replicate(engine.World([engine.Body(name="body")]), 2, threads).step()
 
 
 def above_ground(shape: "engine.Shape", **options: object) -> "engine.World":
     """A world of a body above the ground."""
-    import engine
+    from plumbline import engine
 
     ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
     body = engine.Body(name="body", shapes=[engine.Placed(shape)], p_WB=(0, 0, 0.05))

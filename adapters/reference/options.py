@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from harness.adapter import Settings, SettingsError
-from harness.adapter.promised_bits import BITS, OF_ONE_MACHINE
-from harness.scene import Effect, Scene
+from plumbline.harness.adapter import Settings, SettingsError
+from plumbline.harness.adapter.promised_bits import BITS, OF_ONE_MACHINE
+from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = [
     "EXACT",
@@ -73,7 +73,7 @@ UNSET: Mapping[str, Mapping[str, Any]] = {SOFT: {}, EXACT: {"substeps": 1}, SEQU
 
 def engine_options(scene: Scene, settings: Settings) -> "engine.Options":
     """The engine's options for a solver of its own, under the effects of the scene. Raises: SettingsError."""
-    import engine
+    from plumbline import engine
 
     solver = settings.solver or SOFT
     if solver not in UNSET:

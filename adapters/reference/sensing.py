@@ -2,19 +2,19 @@
 
 from typing import TYPE_CHECKING
 
-from harness.adapter import Unsupported
-from harness.scene import WORLD, Camera, Scene, multiply, rotate
-from harness.trajectory import Image
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import WORLD, Camera, Scene, multiply, rotate
+from plumbline.harness.trajectory import Image
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["picture"]
 
 
 def picture(world: "engine.World", scene: Scene, camera: Camera, colour: bool) -> Image:
     """The engine's own picture, on as many threads as the world has. Raises: Unsupported."""
-    import engine
+    from plumbline import engine
 
     try:
         seen = world.render(_eye(world, scene, camera), camera.renderer, colour=colour, threads=world.options.threads)
@@ -25,7 +25,7 @@ def picture(world: "engine.World", scene: Scene, camera: Camera, colour: bool) -
 
 def _eye(world: "engine.World", scene: Scene, camera: Camera) -> "engine.Eye":
     """A camera in the engine's words, where its body is now."""
-    import engine
+    from plumbline import engine
 
     p_WS, q_WS = camera.p_BS, camera.q_BS
     if camera.body != WORLD:

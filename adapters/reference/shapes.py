@@ -2,17 +2,17 @@
 
 from typing import TYPE_CHECKING, assert_never
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, PlacedShape, Plane, Sphere, TriangleMesh
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, PlacedShape, Plane, Sphere, TriangleMesh
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["engine_shape"]
 
 
 def engine_shape(placed: PlacedShape) -> "engine.Placed":
     """A shape at its pose in B."""
-    import engine
+    from plumbline import engine
 
     shape = placed.shape
     made: engine.Shape

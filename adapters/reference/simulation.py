@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from adapters.reference.joints import shift_of_target
-from adapters.reference.sensing import picture
-from harness.adapter import Diverged, Notice, Settings, Unsupported
-from harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
-from harness.scene import Camera, Effect, Prismatic, Revolute, Scene, Vector3
-from harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
-from harness.trajectory.joint_states import JointStates
+from plumbline.adapters.reference.joints import shift_of_target
+from plumbline.adapters.reference.sensing import picture
+from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
+from plumbline.harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
+from plumbline.harness.scene import Camera, Effect, Prismatic, Revolute, Scene, Vector3
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, Integers, State
+from plumbline.harness.trajectory.joint_states import JointStates
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["ReferenceSimulation"]
 
@@ -50,7 +50,7 @@ class ReferenceSimulation:
 
     def step(self, count: int = 1) -> None:
         """Advance by count * dt. Raises: Diverged, Unsupported."""
-        import engine
+        from plumbline import engine
 
         listened = self._steps - 1 if self._watched and count > 0 else 0
         try:
@@ -66,7 +66,7 @@ class ReferenceSimulation:
 
     def retime(self, dt: float) -> None:
         """The length [s] of each step from the next one on. Raises: Unsupported."""
-        import engine
+        from plumbline import engine
 
         try:
             self._world.retime(dt / self._steps)

@@ -4,14 +4,23 @@ from dataclasses import replace
 from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
-from adapters.reference.foresight import half_width, heap_gives_way, length, mass_ratio, quickest_turn, way_through
-from adapters.reference.options import EXACT, SEQUENTIAL, SOFT, SOFT_OPTIONS, UNSET, UNSUBSTEPPED, WHOLE_STEPS, engine_options
-from adapters.reference.world import make_world
-from harness.adapter import Settings, Unsupported
-from harness.scene import Effect, Scene
+from plumbline.adapters.reference.foresight import half_width, heap_gives_way, length, mass_ratio, quickest_turn, way_through
+from plumbline.adapters.reference.options import (
+    EXACT,
+    SEQUENTIAL,
+    SOFT,
+    SOFT_OPTIONS,
+    UNSET,
+    UNSUBSTEPPED,
+    WHOLE_STEPS,
+    engine_options,
+)
+from plumbline.adapters.reference.world import make_world
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["suited"]
 
@@ -121,7 +130,7 @@ def _exact_knows(scene: Scene) -> bool:
 
 def _overlaps(scene: Scene, world: "engine.World") -> bool:
     """Whether two bodies start deeper in each other than `DEEP`, as the first step of a world, taken here, finds them."""
-    import engine
+    from plumbline import engine
 
     try:
         world.step(1)

@@ -2,17 +2,17 @@
 
 from typing import TYPE_CHECKING
 
-from harness.scene import Effect, Surface
+from plumbline.harness.scene import Effect, Surface
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["engine_surface"]
 
 
 def engine_surface(law: Surface, effects: Effect) -> "engine.Surface":
     """A law without what the scene leaves out."""
-    import engine
+    from plumbline import engine
 
     rubs = Effect.FRICTION in effects
     return engine.Surface(

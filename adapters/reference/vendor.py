@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from harness.adapter import Unavailable
+from plumbline.harness.adapter import Unavailable
 
 __all__ = ["check_cache", "engine_version"]
 
@@ -11,8 +11,8 @@ __all__ = ["check_cache", "engine_version"]
 def engine_version() -> str:
     """Version and digest of the engine's sources. Raises: Unavailable."""
     check_cache()
-    import engine
-    from engine.compile.sources import source_digest
+    from plumbline import engine
+    from plumbline.engine.compile.sources import source_digest
 
     return f"{engine.__version__}+{source_digest()[:8]}"
 

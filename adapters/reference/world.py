@@ -2,21 +2,21 @@
 
 from typing import TYPE_CHECKING
 
-from adapters.reference.bodies import engine_body
-from adapters.reference.joints import engine_joint
-from adapters.reference.surfaces import engine_surface
-from harness.adapter import Unsupported
-from harness.scene import Effect, Scene
+from plumbline.adapters.reference.bodies import engine_body
+from plumbline.adapters.reference.joints import engine_joint
+from plumbline.adapters.reference.surfaces import engine_surface
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
-    import engine
+    from plumbline import engine
 
 __all__ = ["make_world"]
 
 
 def make_world(scene: Scene, options: "engine.Options") -> "engine.World":
     """Exactly this scene. Raises: Unsupported."""
-    import engine
+    from plumbline import engine
 
     effects = scene.effects
     try:

@@ -5,15 +5,15 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section IV.8 (L
 
 import math
 
-from engine.articulated import tables as tree
-from engine.articulated.articulated_body import transmitted
-from engine.articulated.motion import move_links
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec, load3, load4, load9, store3, store4
-from engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_turn, quat_unit, sub
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.articulated_body import transmitted
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec, load3, load4, load9, store3, store4
+from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_turn, quat_unit, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 
 @kernel

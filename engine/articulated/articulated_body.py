@@ -14,12 +14,12 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 (table 
 
 import math
 
-from engine.articulated import tables as tree
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.floats import fma
-from engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
-from engine.maths.vec import add, axpy, dot, mat_vec, sym_vec, tmat_vec
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.floats import fma
+from plumbline.engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
+from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, sym_vec, tmat_vec
 
 STILL: Vec = (0.0, 0.0, 0.0)
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from engine.articulated import tables as tree
-from engine.articulated.forest import Forest, Link
-from engine.build.assembly import grow
-from engine.build.solids import quat_mat, quat_mul
-from engine.maths.arrays import dot, mat_vec
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.forest import Forest, Link
+from plumbline.engine.build.assembly import grow
+from plumbline.engine.build.solids import quat_mat, quat_mul
+from plumbline.engine.maths.arrays import dot, mat_vec
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
 
 DEGREES = {at.FIXED: 0, at.BALL: 3, at.REVOLUTE: 1, at.PRISMATIC: 1, tree.FREE: 6}
 """The columns of each type of joint."""

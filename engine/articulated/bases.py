@@ -8,16 +8,16 @@ is left behind. That is an impulse, which meets the inertia of the links alone:
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 and 11.7 (impulsive dynamics).
 """
 
-from engine.articulated import tables as tree
-from engine.articulated.articulated_body import accelerations
-from engine.articulated.forces import weigh_links
-from engine.articulated.motion import move_links
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import load3, load4, store3, store4
-from engine.maths.vec import add, axpy, cross, mat_vec, quat_mat, quat_turn, sub
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.forces import weigh_links
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import load3, load4, store3, store4
+from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, quat_mat, quat_turn, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 
 @kernel

@@ -9,17 +9,17 @@ Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Pro
 
 from typing import Final
 
-from engine.articulated import tables as tree
-from engine.articulated.articulated_body import accelerations
-from engine.articulated.forces import weigh_links
-from engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, write_laws
-from engine.articulated.momenta import load_momenta, press_links
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, load3, load6, load9
-from engine.maths.vec import add, dot, mat_vec, sym_vec, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.forces import weigh_links
+from plumbline.engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, write_laws
+from plumbline.engine.articulated.momenta import load_momenta, press_links
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, load3, load6, load9
+from plumbline.engine.maths.vec import add, dot, mat_vec, sym_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 PATIENCE = 3
 """Rounds, after the best one, in which no fewer columns were on the wrong segment."""

@@ -6,11 +6,11 @@ bodies are loose: those have nothing of a tree, and a sweep over both costs more
 
 from collections.abc import Sequence
 
-from engine.articulated.forest import Forest, NoForest, forest_of
-from engine.describe.bodies import Body
-from engine.describe.errors import NotSupported
-from engine.describe.joints import Joint
-from engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
+from plumbline.engine.articulated.forest import Forest, NoForest, forest_of
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.joints import Joint
+from plumbline.engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
 
 INTEGRATORS = ("semi_implicit_euler", "rk4", "implicit_midpoint", ADAPTIVE)
 """Those that know joint coordinates."""

@@ -10,18 +10,18 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.9 (cross 
 Lubich, Wanner, Geometric Numerical Integration, section VI.1 (Hamilton's equations).
 """
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import rates_of
-from engine.articulated.articulated_body import accelerations
-from engine.articulated.bases import free_columns
-from engine.articulated.forces import weigh_links
-from engine.articulated.motion import base_of, move_links
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec, load3, load6, load9, store3
-from engine.maths.vec import add, axpy, cross, dot, scale, sym_rotate, sym_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import rates_of
+from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.bases import free_columns
+from plumbline.engine.articulated.forces import weigh_links
+from plumbline.engine.articulated.motion import base_of, move_links
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec, load3, load6, load9, store3
+from plumbline.engine.maths.vec import add, axpy, cross, dot, scale, sym_rotate, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 STILL: Vec = (0.0, 0.0, 0.0)
 

@@ -15,33 +15,33 @@ Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; F
 
 from typing import Final, NamedTuple
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import add_reactions, drift_coordinates
-from engine.articulated.articulated_body import answer_forces
-from engine.articulated.bases import carry_bases
-from engine.articulated.bounded import settle_laws
-from engine.articulated.contact_mobility import write_mobilities
-from engine.articulated.contact_sweeps import start_warm, sweep_trees
-from engine.articulated.laws import PRESSED, write_laws
-from engine.articulated.loops import count_loop_rows, hold_loops, write_loop_matrix, write_loops
-from engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
-from engine.articulated.motion import move_links
-from engine.articulated.responses import write_free_responses, write_responses
-from engine.articulated.secants import bend_links
-from engine.articulated.semi_implicit_euler import close_bends, take_changes
-from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
-from engine.articulated.tables import Tables
-from engine.articulated.touched import BODY, LINK, NOWHERE, Touched
-from engine.compile.jit import kernel
-from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
-from engine.maths.vec import add, axpy, cross, quat_mul, quat_unit, scale
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts, Joints, Rows, Shapes
-from engine.respond.arms import refresh
-from engine.respond.share_loads import share_loads
-from engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach
-from engine.respond.substep import approach, bounce, end_substep, friction_mode
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import add_reactions, drift_coordinates
+from plumbline.engine.articulated.articulated_body import answer_forces
+from plumbline.engine.articulated.bases import carry_bases
+from plumbline.engine.articulated.bounded import settle_laws
+from plumbline.engine.articulated.contact_mobility import write_mobilities
+from plumbline.engine.articulated.contact_sweeps import start_warm, sweep_trees
+from plumbline.engine.articulated.laws import PRESSED, write_laws
+from plumbline.engine.articulated.loops import count_loop_rows, hold_loops, write_loop_matrix, write_loops
+from plumbline.engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.responses import write_free_responses, write_responses
+from plumbline.engine.articulated.secants import bend_links
+from plumbline.engine.articulated.semi_implicit_euler import close_bends, take_changes
+from plumbline.engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.touched import BODY, LINK, NOWHERE, Touched
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.semi_implicit_euler import drift, kick
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import add, axpy, cross, quat_mul, quat_unit, scale
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, Shapes
+from plumbline.engine.respond.arms import refresh
+from plumbline.engine.respond.share_loads import share_loads
+from plumbline.engine.respond.softness import FRESH, PRESS, REBOUND, RELAX, Softness, slow_approach
+from plumbline.engine.respond.substep import approach, bounce, end_substep, friction_mode
 
 ROUNDS: Final = 4
 """Times at most that laws and contacts are settled in turns in a sub-step. A stop that is struck takes two."""

@@ -10,15 +10,15 @@ J. Robotics Automation 3, 1987; Featherstone, Rigid Body Dynamics Algorithms, 20
 
 from typing import Final
 
-from engine.articulated.touched import Touched, change_of
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec, store6, store9
-from engine.maths.vec import add, cross, neg, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts
-from engine.respond.centre import Centre, centre_of, relative_motion
-from engine.respond.mobility import effective_masses, write_stop
-from engine.respond.pair import Motion
+from plumbline.engine.articulated.touched import Touched, change_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec, store6, store9
+from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts
+from plumbline.engine.respond.centre import Centre, centre_of, relative_motion
+from plumbline.engine.respond.mobility import effective_masses, write_stop
+from plumbline.engine.respond.pair import Motion
 
 SHARE: Final = 1e-6
 """Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""

@@ -7,17 +7,17 @@ Source: as `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms, 
 
 from typing import Final
 
-from engine.articulated.touched import LINK, NOWHERE, Touched, give
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec
-from engine.maths.vec import add, cross, neg, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Contacts
-from engine.respond.centre import Centre, centre_of, relative_motion
-from engine.respond.pair import motion_of
-from engine.respond.soft import resist
-from engine.respond.softness import Softness
-from engine.respond.substep import kept_impulse
+from plumbline.engine.articulated.touched import LINK, NOWHERE, Touched, give
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec
+from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Contacts
+from plumbline.engine.respond.centre import Centre, centre_of, relative_motion
+from plumbline.engine.respond.pair import motion_of
+from plumbline.engine.respond.soft import resist
+from plumbline.engine.respond.softness import Softness
+from plumbline.engine.respond.substep import kept_impulse
 
 STIFFEST: Final = 0.249
 """Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""

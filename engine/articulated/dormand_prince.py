@@ -16,24 +16,24 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import add_reactions, change_rates, rates_of
-from engine.articulated.articulated_body import accelerations
-from engine.articulated.bases import carry_bases
-from engine.articulated.bounded import solve_laws
-from engine.articulated.forces import load_links
-from engine.articulated.laws import STIFF_ALONE
-from engine.articulated.motion import move_links
-from engine.articulated.runge_kutta import push_columns
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.integrate.dormand_prince import MOST_TRIALS, STAGES, A, E
-from engine.integrate.runge_kutta import quat_rate
-from engine.maths.elementary import fifth_root
-from engine.maths.rows import Floats, load4, store4
-from engine.maths.vec import quat_unit
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import add_reactions, change_rates, rates_of
+from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.bases import carry_bases
+from plumbline.engine.articulated.bounded import solve_laws
+from plumbline.engine.articulated.forces import load_links
+from plumbline.engine.articulated.laws import STIFF_ALONE
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.runge_kutta import push_columns
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.dormand_prince import MOST_TRIALS, STAGES, A, E
+from plumbline.engine.integrate.runge_kutta import quat_rate
+from plumbline.engine.maths.elementary import fifth_root
+from plumbline.engine.maths.rows import Floats, load4, store4
+from plumbline.engine.maths.vec import quat_unit
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 POSE: Final = 7
 """Numbers of a link's pose in y."""

@@ -9,13 +9,13 @@ with a_C = a + w' x r + w x v_C of the spatial acceleration (w', a), with dampin
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inertia about a point) and 2.14 (equation of motion).
 """
 
-from engine.articulated import tables as tree
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6, store9
-from engine.maths.vec import add, axpy, cross, neg, sym_rotate, sym_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6, store9
+from plumbline.engine.maths.vec import add, axpy, cross, neg, sym_rotate, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

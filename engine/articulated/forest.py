@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.describe.bodies import Body
-from engine.describe.joints import Ball, Distance, Joint
-from engine.maths.arrays import dot, eigenvalues
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.joints import Ball, Distance, Joint
+from plumbline.engine.maths.arrays import dot, eigenvalues
 
 THINNEST = 1e-12
 """Of m l^2, the least moment of inertia of a body whose centre swings at l about a ball joint. Coordinates of a tree know the

@@ -14,22 +14,22 @@ import math
 
 import numpy as np
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
-from engine.articulated.articulated_body import accelerations
-from engine.articulated.bases import carry_bases, free_columns
-from engine.articulated.bounded import settle_laws, solve_laws
-from engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
-from engine.articulated.forces import load_links
-from engine.articulated.laws import SMOOTH, STIFF_ALONE, take_laws, write_laws
-from engine.articulated.mixing import DEPTH, mixed
-from engine.articulated.motion import move_links
-from engine.articulated.runge_kutta import push_columns
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import add_reactions, change_rates, drift_coordinates
+from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.bases import carry_bases, free_columns
+from plumbline.engine.articulated.bounded import settle_laws, solve_laws
+from plumbline.engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
+from plumbline.engine.articulated.forces import load_links
+from plumbline.engine.articulated.laws import SMOOTH, STIFF_ALONE, take_laws, write_laws
+from plumbline.engine.articulated.mixing import DEPTH, mixed
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.runge_kutta import push_columns
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""

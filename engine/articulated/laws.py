@@ -16,12 +16,12 @@ graphs).
 import math
 from typing import Final
 
-from engine.articulated import tables as tree
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats
-from engine.memory import arena as at
-from engine.memory.tables import Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Joints
 
 # Which laws act.
 PRESSED: Final = -1

@@ -13,15 +13,15 @@ inverse inertia of the loops).
 import math
 from typing import Final
 
-from engine.articulated.tables import Tables
-from engine.articulated.touched import NOWHERE, Touched, change_of, give
-from engine.compile.jit import kernel
-from engine.constrain.joint_rows import equality_rows
-from engine.constrain.reactions import add_reaction
-from engine.maths.rows import Floats, Vec, load3
-from engine.maths.vec import dot, scale
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.touched import NOWHERE, Touched, change_of, give
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.constrain.reactions import add_reaction
+from plumbline.engine.maths.rows import Floats, Vec, load3
+from plumbline.engine.maths.vec import dot, scale
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 DEPENDENT: Final = 1e-10
 """Pivots below this share of what the two bodies alone would give way: the row follows from the tree's joints or other rows."""

@@ -12,8 +12,8 @@ for fixed-point iterations, SIAM J. Numer. Anal. 49(4), 2011.
 import math
 from typing import Final
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats
 
 DEPTH: Final = 6
 """Differences that are kept at most."""

@@ -11,17 +11,17 @@ where nothing acts they are kept to round-off.
 Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.1.4 (SHAKE and RATTLE).
 """
 
-from engine.articulated import tables as tree
-from engine.articulated.forces import put_inertia
-from engine.articulated.motion import move_links
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.elementary import exp
-from engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6
-from engine.maths.vec import add, axpy, cross, mat_vec, scale, sub, sym_rotate, sym_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.forces import put_inertia
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.semi_implicit_euler import turn_inertia
+from plumbline.engine.maths.elementary import exp
+from plumbline.engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6
+from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, scale, sub, sym_rotate, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

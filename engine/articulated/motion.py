@@ -9,14 +9,14 @@ in the axes of its parent; a free root's are w_WB and v_WB.
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.2 (spatial vectors), 3.5 (acceleration) and 4.4 (joints).
 """
 
-from engine.articulated import tables as tree
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.elementary import cos_sin
-from engine.maths.floats import fma
-from engine.maths.rows import Floats, Mat, Quat, Vec, load3, load4, load9, store3, store4, store9
-from engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_mul, sub
-from engine.memory import arena as at
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import cos_sin
+from plumbline.engine.maths.floats import fma
+from plumbline.engine.maths.rows import Floats, Mat, Quat, Vec, load3, load4, load9, store3, store4, store9
+from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_mul, sub
+from plumbline.engine.memory import arena as at
 
 STILL: Vec = (0.0, 0.0, 0.0)
 EYE: Mat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)

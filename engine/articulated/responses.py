@@ -13,13 +13,13 @@ Kreutz-Delgado, A spatial operator algebra for manipulator modeling and control,
 
 import math
 
-from engine.articulated import tables as tree
-from engine.articulated.tables import Tables
-from engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, FIRST_TAKEN, LINK, NOWHERE, Touched
-from engine.compile.jit import kernel
-from engine.maths.rows import load3, load6
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, FIRST_TAKEN, LINK, NOWHERE, Touched
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import load3, load6
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

@@ -7,23 +7,23 @@ Nothing has to be projected: the coordinates leave the bodies no way off their j
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1, table 1.2 (1901, Kutta).
 """
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import add_reactions, change_rates, rates_of
-from engine.articulated.articulated_body import accelerations
-from engine.articulated.bases import carry_bases, free_columns
-from engine.articulated.bounded import solve_laws
-from engine.articulated.forces import load_links, weigh_links
-from engine.articulated.laws import STIFF_ALONE
-from engine.articulated.motion import move_links
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.constrain.coordinate import explicit_force
-from engine.constrain.stiffness import DAMPED, STIFF
-from engine.integrate.runge_kutta import quat_rate
-from engine.maths.rows import Floats, load4, store4
-from engine.maths.vec import quat_unit
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import add_reactions, change_rates, rates_of
+from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.bases import carry_bases, free_columns
+from plumbline.engine.articulated.bounded import solve_laws
+from plumbline.engine.articulated.forces import load_links, weigh_links
+from plumbline.engine.articulated.laws import STIFF_ALONE
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.coordinate import explicit_force
+from plumbline.engine.constrain.stiffness import DAMPED, STIFF
+from plumbline.engine.integrate.runge_kutta import quat_rate
+from plumbline.engine.maths.rows import Floats, load4, store4
+from plumbline.engine.maths.vec import quat_unit
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 SUM = 7
 """The column of a link's stages from which the weighted sum of slopes stands, behind the coordinates at the start."""

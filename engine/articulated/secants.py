@@ -12,16 +12,16 @@ and what slides goes h q' D_parent n more.
 import math
 from typing import Final
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import rates_of
-from engine.articulated.momenta import centre_velocity, put_force
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.elementary import atan2, cos_sin
-from engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4
-from engine.maths.vec import add, axpy, cross, dot, quat_mul, scale, sub, sym_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import rates_of
+from plumbline.engine.articulated.momenta import centre_velocity, put_force
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import atan2, cos_sin
+from plumbline.engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4
+from plumbline.engine.maths.vec import add, axpy, cross, dot, quat_mul, scale, sub, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 SMALL: Final = 2.5e-3
 """The square of half an angle, or of its sine, up to which the series here are as good as round-off: below 1e-17 is left."""

@@ -18,19 +18,19 @@ section VII.1.4; Leimkuhler, Patrick, A symplectic integrator for Riemannian man
 
 import math
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import add_reactions, change_rates, drift_coordinates
-from engine.articulated.articulated_body import answer_forces
-from engine.articulated.bounded import settle_laws
-from engine.articulated.laws import ALL, write_laws
-from engine.articulated.momenta import go_on_bending, keep_momenta
-from engine.articulated.motion import move_links
-from engine.articulated.secants import bend_links
-from engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import add_reactions, change_rates, drift_coordinates
+from plumbline.engine.articulated.articulated_body import answer_forces
+from plumbline.engine.articulated.bounded import settle_laws
+from plumbline.engine.articulated.laws import ALL, write_laws
+from plumbline.engine.articulated.momenta import go_on_bending, keep_momenta
+from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.secants import bend_links
+from plumbline.engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.memory.tables import Bodies, Joints
 
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that no round is made for. It leaves out as small a share of the way of

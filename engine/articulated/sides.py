@@ -13,15 +13,15 @@ section 31 (proximations).
 
 from typing import Final
 
-from engine.articulated import tables as tree
-from engine.articulated.advance import add_reactions
-from engine.articulated.bounded import answer_laws
-from engine.articulated.laws import next_segment, take_laws
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import add_reactions
+from plumbline.engine.articulated.bounded import answer_laws
+from plumbline.engine.articulated.laws import next_segment, take_laws
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints
 
 MOST_TURNS: Final = 50
 """By the contraction above these are beyond what rounding tells for c up to a fifth; a step that needs more is far too long."""

@@ -9,9 +9,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import inlined
-from engine.maths.rows import Floats, Ints
-from engine.memory.carve import table_within
+from plumbline.engine.compile.jit import inlined
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory.carve import table_within
 
 # Links: what stays.
 LINK: Final = 0

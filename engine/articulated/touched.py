@@ -15,13 +15,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from engine.articulated import tables as tree
-from engine.articulated.tables import Tables
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Vec, load3
-from engine.maths.vec import axpy, scale
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3
+from plumbline.engine.maths.vec import axpy, scale
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 # Places.
 BODY: Final = 0

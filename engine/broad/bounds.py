@@ -5,13 +5,13 @@ Source: Ericson, Real-Time Collision Detection, sections 4.2 (axis-aligned boxes
 
 import math
 
-from engine.broad.collision_filter import CollisionFilter, kept_apart
-from engine.compile.jit import inlined, kernel
-from engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
-from engine.maths.vec import add, mat_vec, norm, quat_mat, quat_mul
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Shapes, shapes_of
+from plumbline.engine.broad.collision_filter import CollisionFilter, kept_apart
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
+from plumbline.engine.maths.vec import add, mat_vec, norm, quat_mat, quat_mul
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import Shapes, shapes_of
 
 
 @kernel

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from engine.broad.bounds import overlap, place_shapes, reaches_plane
-from engine.broad.collision_filter import collision_filter_of, kept_apart
-from engine.compile.jit import inlined, kernel, template
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE, FULL
+from plumbline.engine.broad.bounds import overlap, place_shapes, reaches_plane
+from plumbline.engine.broad.collision_filter import collision_filter_of, kept_apart
+from plumbline.engine.compile.jit import inlined, kernel, template
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DONE, FULL
 
 SKIN = 0.1
 """By how much candidates' bounds are widened on each side, as a share of the shape's bounding radius [1]."""

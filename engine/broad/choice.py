@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from importlib import import_module
 
-from engine.maths.types import Floats, Ints
-from engine.memory.status import DONE
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory.status import DONE
 
 FindPairs = Callable[[Floats, Ints], int]
 DropApart = Callable[[Floats, Ints], None]
@@ -33,11 +33,11 @@ def load_search(broad_phase: str, volume: str, shapes: int, threads: int, colour
     if broad_phase == "brute_force" and volume == "aabb" and shapes <= FEW and not coloured:
         return None
     if threads == 1:
-        found: FindPairs = import_module(f"engine.broad.{broad_phase}").find_pairs
+        found: FindPairs = import_module(f"plumbline.engine.broad.{broad_phase}").find_pairs
         return found
-    from engine.broad.parallel_pairs import write_pairs
+    from plumbline.engine.broad.parallel_pairs import write_pairs
 
-    search = import_module(f"engine.broad.{broad_phase}").find_candidates
+    search = import_module(f"plumbline.engine.broad.{broad_phase}").find_candidates
 
     def find_pairs(floats: Floats, ints: Ints) -> int:
         return int(search(floats, ints, threads) or write_pairs(floats, ints, threads))
@@ -49,7 +49,7 @@ def load_volume(name: str) -> DropApart | None:
     """The test of the pairs that the axis-aligned boxes leave, or None where these alone decide."""
     if name == "aabb":
         return None
-    tested: DropApart = import_module(f"engine.broad.volumes.{name}").drop_apart
+    tested: DropApart = import_module(f"plumbline.engine.broad.volumes.{name}").drop_apart
     return tested
 
 

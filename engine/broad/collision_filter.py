@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from engine.compile.jit import inlined, kernel
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 
 class CollisionFilter(NamedTuple):

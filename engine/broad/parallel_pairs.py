@@ -1,12 +1,12 @@
 """The candidates compared by their bounds of this step, shared out among threads."""
 
-from engine.broad.candidates import compare_candidates
-from engine.broad.shares import search_in_shares
-from engine.compile.jit import parallel_entry
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import ints_of
-from engine.memory.status import DONE, FULL
+from plumbline.engine.broad.candidates import compare_candidates
+from plumbline.engine.broad.shares import search_in_shares
+from plumbline.engine.compile.jit import parallel_entry
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import ints_of
+from plumbline.engine.memory.status import DONE, FULL
 
 
 @parallel_entry

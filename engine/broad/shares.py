@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numba import prange
 
-from engine.broad.candidates import add_unbounded, bounds_are_stale, count_shapes, keep_candidates
-from engine.compile.jit import kernel, template
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import ints_of
-from engine.memory.status import DONE
+from plumbline.engine.broad.candidates import add_unbounded, bounds_are_stale, count_shapes, keep_candidates
+from plumbline.engine.compile.jit import kernel, template
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import ints_of
+from plumbline.engine.memory.status import DONE
 
 
 @kernel

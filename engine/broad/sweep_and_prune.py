@@ -9,13 +9,13 @@ Rigid Bodies, 1992, section 2.3.
 
 import math
 
-from engine.broad.bounds import boxes_overlap
-from engine.broad.candidates import add_pair, may_move, search_anew
-from engine.broad.shares import search_in_shares_anew
-from engine.compile.jit import entry, kernel, parallel_entry
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.broad.bounds import boxes_overlap
+from plumbline.engine.broad.candidates import add_pair, may_move, search_anew
+from plumbline.engine.broad.shares import search_in_shares_anew
+from plumbline.engine.compile.jit import entry, kernel, parallel_entry
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 
 @kernel

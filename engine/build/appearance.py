@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from engine.describe.bodies import Body
-from engine.describe.shapes import Placed
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.shapes import Placed
 
 
 def looks_of(body: Body) -> Sequence[Placed]:

@@ -5,21 +5,21 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from engine.build.closed_mesh import closed_volume
-from engine.build.joint_order import ROWS
-from engine.build.polyhedra import Polyhedron
-from engine.build.principal_frame import principal_frame
-from engine.build.solids import body_solids, quat_mat, quat_mul
-from engine.describe.bodies import Body, Surface
-from engine.describe.check import finite, spd_inertia, unit_quaternion
-from engine.describe.errors import NotSupported
-from engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
-from engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
-from engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.layout import FLOATS, INTS, Per, shapes_of
-from engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
+from plumbline.engine.build.closed_mesh import closed_volume
+from plumbline.engine.build.joint_order import ROWS
+from plumbline.engine.build.polyhedra import Polyhedron
+from plumbline.engine.build.principal_frame import principal_frame
+from plumbline.engine.build.solids import body_solids, quat_mat, quat_mul
+from plumbline.engine.describe.bodies import Body, Surface
+from plumbline.engine.describe.check import finite, spd_inertia, unit_quaternion
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
+from plumbline.engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
+from plumbline.engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.layout import FLOATS, INTS, Per, shapes_of
+from plumbline.engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
 
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
 ENDLESS = 1e9

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.types import Floats
+from plumbline.engine.maths.types import Floats
 
 
 def closed_volume(vertices: Floats, faces: NDArray[Any]) -> float:

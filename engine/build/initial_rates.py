@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.describe.bodies import Body
-from engine.describe.errors import NotSupported
-from engine.describe.joints import Ball, Distance, Fixed, Joint, Revolute
-from engine.maths.arrays import dot, norm, unit
-from engine.maths.types import Floats
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.joints import Ball, Distance, Fixed, Joint, Revolute
+from plumbline.engine.maths.arrays import dot, norm, unit
+from plumbline.engine.maths.types import Floats
 
 AGREES = 1e-6
 """Rates below this share of the speeds that they are made of are none: a scene in single precision is off by half an ulp, 6e-8,

@@ -9,8 +9,8 @@ Source: George, Liu, Computer Solution of Large Sparse Positive Definite Systems
 
 from collections.abc import Sequence
 
-from engine.describe.bodies import Body
-from engine.describe.joints import Ball, Distance, Fixed, Joint, Prismatic, Revolute
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.joints import Ball, Distance, Fixed, Joint, Prismatic, Revolute
 
 ROWS = {Fixed: 6, Ball: 3, Revolute: 5, Prismatic: 5, Distance: 1}
 """The equality rows of each type of joint."""

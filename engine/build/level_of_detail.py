@@ -13,13 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from engine.build.closed_mesh import closed_volume
-from engine.build.solids import mat_quat, quat_mat, quat_mul
-from engine.describe.bodies import Body
-from engine.describe.errors import NotSupported
-from engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
-from engine.maths.arrays import eigen, mat_vec, norm, unit
-from engine.maths.types import Floats
+from plumbline.engine.build.closed_mesh import closed_volume
+from plumbline.engine.build.solids import mat_quat, quat_mat, quat_mul
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.shapes import Box, ConvexHull, Placed, Sphere, TriangleMesh
+from plumbline.engine.maths.arrays import eigen, mat_vec, norm, unit
+from plumbline.engine.maths.types import Floats
 
 CONCAVITY = 0.05
 """CoACD's threshold [1] unless set."""

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.arrays import cross, dot, norm, unit
-from engine.maths.types import Floats, Ints
+from plumbline.engine.maths.arrays import cross, dot, norm, unit
+from plumbline.engine.maths.types import Floats, Ints
 
 FLAT = 1e-9
 """Share of the size within which facets lie in one plane [1]: quickhull's own facets of one face differ by rounding only."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from engine.maths.arrays import det, eigen, unit
-from engine.maths.types import Floats
+from plumbline.engine.maths.arrays import det, eigen, unit
+from plumbline.engine.maths.types import Floats
 
 
 def principal_frame(inertia: Floats) -> tuple[Floats, Floats]:

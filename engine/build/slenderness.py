@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.describe.bodies import Body
-from engine.describe.errors import NotSupported
-from engine.describe.joints import Joint
-from engine.maths.arrays import eigenvalues
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.joints import Joint
+from plumbline.engine.maths.arrays import eigenvalues
 
 SLENDEREST = 1e10
 """The largest ratio of a body's principal moments. In the world's axes each entry of the inverse inertia is rounded to 1e-16 of

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, inner_edges, triangle_polyhedron
-from engine.describe.bodies import Body
-from engine.describe.check import unit_quaternion
-from engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
-from engine.maths.arrays import cross, dot, mat_mat, mat_vec, norm, unit
-from engine.maths.types import Floats
-from engine.memory import arena as at
+from plumbline.engine.build.polyhedra import Polyhedron, box_polyhedron, hull_polyhedron, inner_edges, triangle_polyhedron
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.check import unit_quaternion
+from plumbline.engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.engine.maths.arrays import cross, dot, mat_mat, mat_vec, norm, unit
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.memory import arena as at
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from typing import Any, TypeVar, cast
 
 import platformdirs
 
-from engine.compile.sources import closure_digest
+from plumbline.engine.compile.sources import closure_digest
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -40,7 +40,7 @@ def linker() -> Any:
 
     if numba.__version__.rpartition(".")[0] not in LINKED or jit_is_off() or os.environ.get(SWITCH) == "off":
         return None
-    from engine.compile import linker as found
+    from plumbline.engine.compile import linker as found
 
     return found
 

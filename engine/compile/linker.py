@@ -26,8 +26,8 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.runtime.nrt import rtsys
 
-from engine.compile.kernel_cache import read_checked, write_checked
-from engine.compile.table_type import Table, as_given, get_item, set_item, within
+from plumbline.engine.compile.kernel_cache import read_checked, write_checked
+from plumbline.engine.compile.table_type import Table, as_given, get_item, set_item, within
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 types: Any = numba.types

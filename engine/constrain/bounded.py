@@ -11,14 +11,14 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import inlined
-from engine.constrain.careful import careful_solve
-from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
-from engine.constrain.principal_pivoting import settle_bounds
-from engine.constrain.stages import KNOWN, NEW
-from engine.maths.rows import Floats
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Rows
+from plumbline.engine.compile.jit import inlined
+from plumbline.engine.constrain.careful import careful_solve
+from plumbline.engine.constrain.direct import apply_all, factor, is_careful, rate, solve
+from plumbline.engine.constrain.principal_pivoting import settle_bounds
+from plumbline.engine.constrain.stages import KNOWN, NEW
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Rows
 
 FAR = 1e-3
 """A limit that the velocities at hand [m/s or rad/s] stay off by more than this is held at no impulse to begin with."""

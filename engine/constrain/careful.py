@@ -12,13 +12,13 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import kernel, seldom
-from engine.constrain.dependence import LOW_PIVOT, lies_in_span
-from engine.maths.double_double import Double, add2, div2, dot2, less2, mul2, product
-from engine.maths.rows import Floats, Sym, load3, load6, store3
-from engine.maths.vec import add
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Rows
+from plumbline.engine.compile.jit import kernel, seldom
+from plumbline.engine.constrain.dependence import LOW_PIVOT, lies_in_span
+from plumbline.engine.maths.double_double import Double, add2, div2, dot2, less2, mul2, product
+from plumbline.engine.maths.rows import Floats, Sym, load3, load6, store3
+from plumbline.engine.maths.vec import add
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Rows
 
 NOISE = 1e-27
 """Pivots below this share of their diagonal are round-off even here."""

@@ -10,13 +10,13 @@ Source: Catto, Soft Constraints, GDC 2011; Lacoursiere, Ghosts and Machines, 200
 
 import math
 
-from engine.compile.jit import kernel
-from engine.constrain.joint_rows import anchors, put_row
-from engine.maths.elementary import atan2
-from engine.maths.rows import Floats, load3, load4
-from engine.maths.vec import add, along, cross, dot, mat_vec, neg, quat_conj, quat_mat, quat_mul, sub
-from engine.memory import arena as at
-from engine.memory.tables import Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.joint_rows import anchors, put_row
+from plumbline.engine.maths.elementary import atan2
+from plumbline.engine.maths.rows import Floats, load3, load4
+from plumbline.engine.maths.vec import add, along, cross, dot, mat_vec, neg, quat_conj, quat_mat, quat_mul, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Joints, Rows
 
 
 @kernel

@@ -15,11 +15,11 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import seldom
-from engine.maths.rows import Floats, load3
-from engine.maths.vec import dot
-from engine.memory import arena as at
-from engine.memory.tables import Rows
+from plumbline.engine.compile.jit import seldom
+from plumbline.engine.maths.rows import Floats, load3
+from plumbline.engine.maths.vec import dot
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Rows
 
 LOW_PIVOT = 1e-6
 """Pivots below this share of their diagonal are looked into: gaps of 1e-5 leave 1e-10, and more near a singular pose."""

@@ -12,13 +12,13 @@ from typing import Final
 
 import numpy as np
 
-from engine.compile.jit import kernel
-from engine.constrain.careful import careful_apply, careful_solve
-from engine.constrain.dependence import LOW_PIVOT, SUSPECT, lies_in_span
-from engine.maths.rows import Floats, load3, load6, store3
-from engine.maths.vec import axpy, dot, scale, sym_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.careful import careful_apply, careful_solve
+from plumbline.engine.constrain.dependence import LOW_PIVOT, SUSPECT, lies_in_span
+from plumbline.engine.maths.rows import Floats, load3, load6, store3
+from plumbline.engine.maths.vec import axpy, dot, scale, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Rows
 
 NOISE = 1e-11
 """Pivots of soft rows below this share of their diagonal are round-off."""

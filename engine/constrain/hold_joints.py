@@ -6,15 +6,15 @@ those of the next.
 Source: Catto, Soft Constraints, GDC 2011 (accumulated impulses).
 """
 
-from engine.compile.jit import kernel
-from engine.constrain.bounded import solve_bounded
-from engine.constrain.coordinate import bounded_rows
-from engine.constrain.direct import assemble
-from engine.constrain.joint_rows import equality_rows
-from engine.constrain.reactions import add_reactions
-from engine.constrain.stages import BEGIN, END, Held
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.bounded import solve_bounded
+from plumbline.engine.constrain.coordinate import bounded_rows
+from plumbline.engine.constrain.direct import assemble
+from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.constrain.reactions import add_reactions
+from plumbline.engine.constrain.stages import BEGIN, END, Held
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 
 @kernel

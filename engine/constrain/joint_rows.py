@@ -10,11 +10,24 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, section 8.2 (loop constrai
 6.4.
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec, load3, load4, store3
-from engine.maths.vec import add, along, cross, dot, mat_vec, neg, norm, perpendicular, quat_conj, quat_mat, quat_mul, sub
-from engine.memory import arena as at
-from engine.memory.tables import Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec, load3, load4, store3
+from plumbline.engine.maths.vec import (
+    add,
+    along,
+    cross,
+    dot,
+    mat_vec,
+    neg,
+    norm,
+    perpendicular,
+    quat_conj,
+    quat_mat,
+    quat_mul,
+    sub,
+)
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Joints, Rows
 
 Jacobian = tuple[Vec, Vec, Vec, Vec]
 """Linear and angular part of A, then of B."""

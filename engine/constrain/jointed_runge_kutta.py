@@ -14,20 +14,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import kernel
-from engine.constrain.careful import careful_apply, careful_solve
-from engine.constrain.coordinate import coordinate_row, explicit_force
-from engine.constrain.direct import apply_all, assemble, factor, is_careful, rate, solve
-from engine.constrain.joint_rows import equality_rows
-from engine.constrain.projection import project
-from engine.constrain.reactions import add_reaction, add_reactions
-from engine.integrate.runge_kutta import quat_rate
-from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.rows import Floats, Ints, Vec, load3, load4, load6, store3, store4
-from engine.maths.vec import axpy, cross, dot, quat_turn, quat_unit, scale, sub, sym_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.careful import careful_apply, careful_solve
+from plumbline.engine.constrain.coordinate import coordinate_row, explicit_force
+from plumbline.engine.constrain.direct import apply_all, assemble, factor, is_careful, rate, solve
+from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.constrain.projection import project
+from plumbline.engine.constrain.reactions import add_reaction, add_reactions
+from plumbline.engine.integrate.runge_kutta import quat_rate
+from plumbline.engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, load6, store3, store4
+from plumbline.engine.maths.vec import axpy, cross, dot, quat_turn, quat_unit, scale, sub, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 
 class Stages(NamedTuple):

@@ -6,16 +6,16 @@ is wider than it has any need to be: where no motion of the bodies closes it, it
 
 import numpy as np
 
-from engine.compile.jit import seldom
-from engine.constrain.joint_rows import anchors, equality_rows
-from engine.constrain.projection import close_gaps
-from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.rows import Floats, Ints, load3
-from engine.maths.vec import dot, norm
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import OPEN_JOINT
-from engine.memory.tables import Bodies, Joints, Rows, bodies_of, joints_of, rows_of
+from plumbline.engine.compile.jit import seldom
+from plumbline.engine.constrain.joint_rows import anchors, equality_rows
+from plumbline.engine.constrain.projection import close_gaps
+from plumbline.engine.integrate.semi_implicit_euler import turn_inertia
+from plumbline.engine.maths.rows import Floats, Ints, load3
+from plumbline.engine.maths.vec import dot, norm
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import OPEN_JOINT
+from plumbline.engine.memory.tables import Bodies, Joints, Rows, bodies_of, joints_of, rows_of
 
 CLOSED = 1e-6
 """A gap below this share of the joint's levers, or this angle, is closed: rounds end at 1e-14 or where round-off stops them."""

@@ -18,13 +18,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import kernel, seldom
-from engine.constrain.careful import careful_solve
-from engine.constrain.dependence import SUSPECT
-from engine.constrain.direct import apply_all, factor, is_careful, rate, solve
-from engine.maths.rows import Floats
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Rows
+from plumbline.engine.compile.jit import kernel, seldom
+from plumbline.engine.constrain.careful import careful_solve
+from plumbline.engine.constrain.dependence import SUSPECT
+from plumbline.engine.constrain.direct import apply_all, factor, is_careful, rate, solve
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Rows
 
 ROUND_OFF = 1e-12
 """As in `bounded`."""

@@ -7,18 +7,18 @@ Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section VII.
 Integration, section IV.4.
 """
 
-from engine.compile.jit import kernel
-from engine.constrain.bounded import solve_bounded
-from engine.constrain.coordinate import implicit_rows
-from engine.constrain.direct import apply_all, assemble, factor, rate, solve
-from engine.constrain.joint_rows import equality_rows
-from engine.constrain.reactions import add_reactions
-from engine.constrain.stages import NEW
-from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.rows import Floats, load3, load4, store3, store4
-from engine.maths.vec import add, quat_turn
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.bounded import solve_bounded
+from plumbline.engine.constrain.coordinate import implicit_rows
+from plumbline.engine.constrain.direct import apply_all, assemble, factor, rate, solve
+from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.constrain.reactions import add_reactions
+from plumbline.engine.constrain.stages import NEW
+from plumbline.engine.integrate.semi_implicit_euler import turn_inertia
+from plumbline.engine.maths.rows import Floats, load3, load4, store3, store4
+from plumbline.engine.maths.vec import add, quat_turn
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 ROUND_OFF = 1e-14
 """A gap [m or rad] below this is as good as closed."""

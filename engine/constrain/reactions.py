@@ -4,9 +4,9 @@ A row that moves its anchor has a linear part, and its impulse acts at the ancho
 impulse is a moment. So the sums of both kinds need no lever.
 """
 
-from engine.compile.jit import kernel
-from engine.memory import arena as at
-from engine.memory.tables import Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Joints, Rows
 
 LINEAR_B = at.JACOBIAN + 6
 ANGULAR_B = at.JACOBIAN + 9

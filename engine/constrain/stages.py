@@ -1,7 +1,7 @@
 """The stages of a sub-step in which joints are held, and the holding where there are none, which steps without joints know."""
 
-from engine.compile.jit import kernel
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 BEGIN, NEW, KNOWN, END = range(-1, 3)
 """Rows are written; solved with a new matrix; solved with the matrix of the last call; and rotors keep their rates."""

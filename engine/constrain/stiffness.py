@@ -7,12 +7,12 @@ stability, 2.78.
 Source: Hairer, Wanner, Solving Ordinary Differential Equations II, section IV.2 (stability domain of order four).
 """
 
-from engine.compile.jit import kernel
-from engine.constrain.coordinate import coordinate_row
-from engine.constrain.direct import assemble, factor, is_careful, solve
-from engine.constrain.joint_rows import equality_rows
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.coordinate import coordinate_row
+from plumbline.engine.constrain.direct import assemble, factor, is_careful, solve
+from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 STIFF = 0.1
 """dt^2 k / m above this is taken implicitly."""

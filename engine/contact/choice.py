@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from engine.maths.types import Floats, Ints
+from plumbline.engine.maths.types import Floats, Ints
 
 Collide = Callable[[Floats, Ints], None]
 
@@ -10,10 +10,10 @@ Collide = Callable[[Floats, Ints], None]
 def load_collide(moving_meshes: bool) -> Collide:
     """That of convex shapes, or, where forces move triangle meshes, the one that knows these too."""
     if moving_meshes:
-        from engine.contact.collide_meshes import collide_meshes
+        from plumbline.engine.contact.collide_meshes import collide_meshes
 
         return collide_meshes
-    from engine.contact.collide_convex import collide_convex
+    from plumbline.engine.contact.collide_convex import collide_convex
 
     return collide_convex
 
@@ -22,6 +22,6 @@ def load_sorting(coloured: bool) -> Collide | None:
     """What sorts the pairs of a step by colours, where these are wanted."""
     if not coloured:
         return None
-    from engine.contact.colours import sort_pairs
+    from plumbline.engine.contact.colours import sort_pairs
 
     return sort_pairs

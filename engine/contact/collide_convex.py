@@ -1,16 +1,16 @@
 """The convex narrow phase of one step, compiled only where two shapes without a closed form come near each other."""
 
-from engine.compile.jit import entry
-from engine.contact.look_ahead import look_ahead, thinnest
-from engine.contact.tables import pairs_of, rules_of
-from engine.maths.rows import Floats, Ints, store3
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.narrow.collide import is_convex_pair, ordered
-from engine.narrow.convex import convex_contact, plane_contact
-from engine.narrow.gjk import simplex_of
-from engine.narrow.point import Points
-from engine.narrow.support import solids_of
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.contact.look_ahead import look_ahead, thinnest
+from plumbline.engine.contact.tables import pairs_of, rules_of
+from plumbline.engine.maths.rows import Floats, Ints, store3
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.narrow.collide import is_convex_pair, ordered
+from plumbline.engine.narrow.convex import convex_contact, plane_contact
+from plumbline.engine.narrow.gjk import simplex_of
+from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.support import solids_of
 
 HANDICAP = 1e-3
 """Share of the thinner shape's half thickness [1] by which another normal must beat that of a face."""

@@ -3,18 +3,18 @@
 Compiled for such worlds alone; all others have `collide_convex`, which knows triangles as what convex shapes touch.
 """
 
-from engine.compile.jit import entry
-from engine.contact.look_ahead import look_ahead, thinnest
-from engine.contact.tables import pairs_of, rules_of
-from engine.maths.rows import Floats, Ints, store3
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.narrow.collide import is_convex_pair, ordered
-from engine.narrow.convex import convex_contact, plane_contact
-from engine.narrow.gjk import simplex_of
-from engine.narrow.mesh_mesh import SUNK, mesh_contact, mesh_plane
-from engine.narrow.point import Points
-from engine.narrow.support import solids_of
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.contact.look_ahead import look_ahead, thinnest
+from plumbline.engine.contact.tables import pairs_of, rules_of
+from plumbline.engine.maths.rows import Floats, Ints, store3
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.narrow.collide import is_convex_pair, ordered
+from plumbline.engine.narrow.convex import convex_contact, plane_contact
+from plumbline.engine.narrow.gjk import simplex_of
+from plumbline.engine.narrow.mesh_mesh import SUNK, mesh_contact, mesh_plane
+from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.support import solids_of
 
 HANDICAP = 1e-3
 """As in `collide_convex`."""

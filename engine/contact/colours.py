@@ -16,11 +16,11 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.maths.rows import Floats, Ints, load3
-from engine.maths.vec import sub
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3
+from plumbline.engine.maths.vec import sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 
 @kernel

@@ -3,20 +3,20 @@
 Where every body is still, a step may keep the contacts of the last one and run none of this.
 """
 
-from engine.broad.bounds import brute_force, place_shapes
-from engine.broad.collision_filter import collision_filter_of
-from engine.compile.jit import kernel
-from engine.contact.manifolds import build_manifolds
-from engine.contact.stillness import keep_rest, mark_still
-from engine.contact.tables import old_contacts_of, pairs_of, rules_of
-from engine.contact.warm_starting import keep_old, start_anew
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import CONVEX_PENDING, DONE, FULL
-from engine.memory.tables import bodies_of, contacts_of, shapes_of
-from engine.narrow.collide import is_convex_pair, ordered
-from engine.narrow.point import Points
+from plumbline.engine.broad.bounds import brute_force, place_shapes
+from plumbline.engine.broad.collision_filter import collision_filter_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.manifolds import build_manifolds
+from plumbline.engine.contact.stillness import keep_rest, mark_still
+from plumbline.engine.contact.tables import old_contacts_of, pairs_of, rules_of
+from plumbline.engine.contact.warm_starting import keep_old, start_anew
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import CONVEX_PENDING, DONE, FULL
+from plumbline.engine.memory.tables import bodies_of, contacts_of, shapes_of
+from plumbline.engine.narrow.collide import is_convex_pair, ordered
+from plumbline.engine.narrow.point import Points
 
 
 @kernel

@@ -2,10 +2,10 @@
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, load3
-from engine.maths.vec import norm, sub
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3
+from plumbline.engine.maths.vec import norm, sub
+from plumbline.engine.memory import arena as at
 
 
 @kernel

@@ -3,19 +3,19 @@
 Source: Ericson, Real-Time Collision Detection, section 12.4; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 """
 
-from engine.compile.jit import kernel
-from engine.contact.look_ahead import look_ahead, thinnest
-from engine.contact.tables import OldContacts, Pairs, Rules
-from engine.contact.warm_starting import carry_over, go_on, last_manifold, start_anew, take_over
-from engine.maths.rows import Floats, Vec, load3, store3
-from engine.maths.vec import add, axpy, cross, dot, norm, sub
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts, Shapes
-from engine.narrow.box_box import FACE_OF_B
-from engine.narrow.collide import collide, is_convex_pair, ordered
-from engine.narrow.point import CORNERS_OF_B, Points
-from engine.respond.prepare import prepare
-from engine.swept.begin import FAST, begins
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.look_ahead import look_ahead, thinnest
+from plumbline.engine.contact.tables import OldContacts, Pairs, Rules
+from plumbline.engine.contact.warm_starting import carry_over, go_on, last_manifold, start_anew, take_over
+from plumbline.engine.maths.rows import Floats, Vec, load3, store3
+from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts, Shapes
+from plumbline.engine.narrow.box_box import FACE_OF_B
+from plumbline.engine.narrow.collide import collide, is_convex_pair, ordered
+from plumbline.engine.narrow.point import CORNERS_OF_B, Points
+from plumbline.engine.respond.prepare import prepare
+from plumbline.engine.swept.begin import FAST, begins
 
 NEAR = 0.02
 """Share of half the thickness of the thinner shape [1] within which points of different features match."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,21 +3,21 @@
 Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 """
 
-from engine.broad.bounds import brute_force, place_shapes
-from engine.broad.collision_filter import collision_filter_of
-from engine.compile.jit import kernel
-from engine.contact.look_ahead import look_ahead
-from engine.contact.manifolds import AT_REST
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import add, axpy, cross, dot, norm, scale, sub
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE, FULL
-from engine.memory.tables import Shapes, shapes_of
-from engine.narrow.box_pairs import sphere_box
-from engine.narrow.point import Points
-from engine.narrow.round_pairs import sphere_plane
-from engine.narrow.solid import solid_of
+from plumbline.engine.broad.bounds import brute_force, place_shapes
+from plumbline.engine.broad.collision_filter import collision_filter_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.look_ahead import look_ahead
+from plumbline.engine.contact.manifolds import AT_REST
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, scale, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DONE, FULL
+from plumbline.engine.memory.tables import Shapes, shapes_of
+from plumbline.engine.narrow.box_pairs import sphere_box
+from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.round_pairs import sphere_plane
+from plumbline.engine.narrow.solid import solid_of
 
 
 @kernel

@@ -8,10 +8,10 @@ Source: Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, load3, load4, store3, store4
-from engine.maths.vec import norm, sub
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3, load4, store3, store4
+from plumbline.engine.maths.vec import norm, sub
+from plumbline.engine.memory import arena as at
 
 SHARE = 0.01
 """Share of the margin, or of the body's own extent where that is less [1], by which a still body may have moved.

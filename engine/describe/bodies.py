@@ -6,10 +6,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from engine.describe.check import finite, not_negative, positive, spd_inertia, unit_quaternion
-from engine.describe.optics import Optics
-from engine.describe.shapes import Placed
-from engine.maths.types import Floats
+from plumbline.engine.describe.check import finite, not_negative, positive, spd_inertia, unit_quaternion
+from plumbline.engine.describe.optics import Optics
+from plumbline.engine.describe.shapes import Placed
+from plumbline.engine.maths.types import Floats
 
 Numbers = Sequence[float] | Floats
 """A few numbers: a tuple, a list or an array."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.maths.arrays import eigenvalues, norm
+from plumbline.engine.maths.arrays import eigenvalues, norm
 
 
 def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: str) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from engine.describe.check import finite, not_negative, number
-from engine.maths.arrays import norm
+from plumbline.engine.describe.check import finite, not_negative, number
+from plumbline.engine.maths.arrays import norm
 
 WORLD = "world"
 """The parent of a joint that holds its child to the world."""

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from engine.describe.check import finite, not_negative, number
-from engine.maths.arrays import norm
+from plumbline.engine.describe.check import finite, not_negative, number
+from plumbline.engine.maths.arrays import norm
 
 
 def _share(label: str, field: str, value: float) -> None:

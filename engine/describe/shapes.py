@@ -6,8 +6,8 @@ from typing import get_args
 
 import numpy as np
 
-from engine.describe.check import finite, positive
-from engine.maths.arrays import norm
+from plumbline.engine.describe.check import finite, positive
+from plumbline.engine.maths.arrays import norm
 
 FLAT = 1e-12
 """Height of a triangle over its longest edge [1] below which rounding decides where its normal points."""

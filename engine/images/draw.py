@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from engine.describe.bodies import Body
-from engine.describe.errors import NotSupported
-from engine.describe.optics import Sun
-from engine.images.eye import Eye, Picture
-from engine.images.tables import lighting_of
-from engine.maths.types import Floats, Ints
-from engine.rays.hits import Cast, Hits
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.optics import Sun
+from plumbline.engine.images.eye import Eye, Picture
+from plumbline.engine.images.tables import lighting_of
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.rays.hits import Cast, Hits
 
 BLOCK = 1 << 16
 """Pixels that are traced at once: their rays of one generation take some ten megabytes."""
@@ -19,8 +19,8 @@ BLOCK = 1 << 16
 
 def rasterised(floats: Floats, ints: Ints, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: bool = True) -> Picture:
     """A picture by the z-buffer. Raises: NotSupported for a lens."""
-    from engine.images.rasteriser import rasterise
-    from engine.images.shading import name_bodies, shade
+    from plumbline.engine.images.rasteriser import rasterise
+    from plumbline.engine.images.shading import name_bodies, shade
 
     if eye.lens is not None:
         raise NotSupported("lens of a rasterised picture", "a rasteriser draws straight lines; the ray tracer knows lenses")
@@ -37,8 +37,8 @@ def rasterised(floats: Floats, ints: Ints, bodies: Sequence[Body], sun: Sun, eye
 
 def ray_traced(cast: Cast, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: bool = True) -> Picture:
     """A picture by rays. Raises: ValueError for a lens that shows nothing at some pixel."""
-    from engine.images.patterns import even_points
-    from engine.images.waves import Light, first_wave, follow
+    from plumbline.engine.images.patterns import even_points
+    from plumbline.engine.images.waves import Light, first_wave, follow
 
     depth, body = np.empty((eye.height, eye.width)), np.empty((eye.height, eye.width), np.int64)
     painted = np.zeros((eye.height, eye.width, 3)) if colour else None
@@ -68,7 +68,7 @@ def _aimed(cast: Cast, eye: Eye, first: int, rows: int, x: float, y: float) -> t
     Returns: origins (n, 3) or (1, 3) m, directions (n, 3), hits, z-depths (rows, w) m.
     Raises: ValueError naming the first pixel at which the lens shows nothing.
     """
-    from engine.images.lens import look
+    from plumbline.engine.images.lens import look
 
     origins = np.atleast_2d(np.asarray(eye.p_WE, float))
     directions, length = np.empty((rows * eye.width, 3)), np.empty(rows * eye.width)

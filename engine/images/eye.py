@@ -5,8 +5,8 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from engine.describe.check import finite, not_negative, number, positive, unit_quaternion, whole
-from engine.maths.types import Floats, Ints
+from plumbline.engine.describe.check import finite, not_negative, number, positive, unit_quaternion, whole
+from plumbline.engine.maths.types import Floats, Ints
 
 WIDEST = 16384
 
@@ -83,7 +83,7 @@ class Eye:
     @property
     def axes(self) -> Floats:
         """R_WE (3, 3): right, down and ahead as columns."""
-        from engine.build.solids import quat_mat  # late: it loads the compiler
+        from plumbline.engine.build.solids import quat_mat  # late: it loads the compiler
 
         return quat_mat(unit_quaternion("eye", "q_WE", self.q_WE))
 

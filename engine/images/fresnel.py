@@ -6,9 +6,9 @@ Introduction to Ray Tracing, 1989, section 2.5 (vectors).
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec
-from engine.maths.vec import axpy, dot, norm, scale
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec
+from plumbline.engine.maths.vec import axpy, dot, norm, scale
 
 
 @kernel

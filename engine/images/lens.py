@@ -5,10 +5,10 @@ Source: Brown, Decentering Distortion of Lenses, Photogrammetric Engineering 32,
 
 import math
 
-from engine.compile.jit import entry, kernel
-from engine.maths.elementary import hypot
-from engine.maths.rows import Floats, load9, store3
-from engine.maths.vec import mat_vec
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.elementary import hypot
+from plumbline.engine.maths.rows import Floats, load9, store3
+from plumbline.engine.maths.vec import mat_vec
 
 RESIDUAL = 1e-12
 """Largest distance [1] of a distorted direction from the pixel that it belongs to."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.describe.bodies import Body
-from engine.describe.optics import Sun
-from engine.images.tables import lighting_of
-from engine.maths.arrays import unit
-from engine.maths.types import Floats, Ints
-from engine.rays.hits import Cast
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.optics import Sun
+from plumbline.engine.images.tables import lighting_of
+from plumbline.engine.maths.arrays import unit
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.rays.hits import Cast
 
 KINDS = ("given", "mirrored", "reflected", "refracted")
 
@@ -37,7 +37,7 @@ class Paths:
 
 def traced_paths(cast: Cast, bodies: Sequence[Body], origins: Floats, directions: Floats, bounces: int) -> Paths:
     """All pieces of rays with origins (r, 3) m and directions (r, 3) over so many surfaces; scattering ends a way."""
-    from engine.images.waves import Light, first_wave, follow
+    from plumbline.engine.images.waves import Light, first_wave, follow
 
     light = Light(lighting_of(bodies, Sun(irradiance=0.0)), bounces, 0)
     count = len(directions)

@@ -6,7 +6,7 @@ Theoretic Methods for Multiple Integration, 1976 (a pattern shifted for each pla
 
 import numpy as np
 
-from engine.maths.types import Floats
+from plumbline.engine.maths.types import Floats
 
 
 def even_points(count: int) -> Floats:

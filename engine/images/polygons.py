@@ -9,11 +9,11 @@ rule for edges).
 
 import math
 
-from engine.compile.jit import kernel
-from engine.images.scanlines import flat_row
-from engine.images.screen import Screen, pixel_range, row_of
-from engine.maths.rows import Floats, Vec, load3, store3
-from engine.maths.vec import axpy, dot, sub
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.images.scanlines import flat_row
+from plumbline.engine.images.screen import Screen, pixel_range, row_of
+from plumbline.engine.maths.rows import Floats, Vec, load3, store3
+from plumbline.engine.maths.vec import axpy, dot, sub
 
 GRID = float(2**20)
 """Steps of a pixel that corners are rounded to."""

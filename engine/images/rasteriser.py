@@ -8,15 +8,15 @@ Source: Catmull, A Subdivision Algorithm for Computer Display of Curved Surfaces
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.images.polygons import draw_polygon
-from engine.images.rounds import draw_ball, draw_capsule, draw_cylinder, draw_ellipsoid
-from engine.images.scanlines import flat_row
-from engine.images.screen import Screen, row_of, screen_of
-from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4, load9, store3
-from engine.maths.vec import add, dot, mat_vec, quat_mat, quat_mul, sub, tmat_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.images.polygons import draw_polygon
+from plumbline.engine.images.rounds import draw_ball, draw_capsule, draw_cylinder, draw_ellipsoid
+from plumbline.engine.images.scanlines import flat_row
+from plumbline.engine.images.screen import Screen, row_of, screen_of
+from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4, load9, store3
+from plumbline.engine.maths.vec import add, dot, mat_vec, quat_mat, quat_mul, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 TAGS = 2**32
 """Patches of a shape that can be told apart: a tag is its row in the table of shapes times this, plus the patch."""

@@ -5,11 +5,11 @@ Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 
 
 import math
 
-from engine.compile.jit import kernel
-from engine.images.scanlines import ball_end_row, ball_row, cap_row, ellipsoid_row, side_row
-from engine.images.screen import Screen, pixel_range, row_of
-from engine.maths.rows import Floats, Mat, Vec
-from engine.maths.vec import axpy, dot, neg
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.images.scanlines import ball_end_row, ball_row, cap_row, ellipsoid_row, side_row
+from plumbline.engine.images.screen import Screen, pixel_range, row_of
+from plumbline.engine.maths.rows import Floats, Mat, Vec
+from plumbline.engine.maths.vec import axpy, dot, neg
 
 Window = tuple[float, float, float, float]
 """Left, right, upper and lower end in units of the focal lengths."""

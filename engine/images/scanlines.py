@@ -10,10 +10,10 @@ in homogeneous form); Heckbert, Moreton, Interpolation for Polygon Texture Mappi
 
 import math
 
-from engine.compile.jit import kernel, stream
-from engine.images.screen import Row
-from engine.maths.rows import Mat, Vec
-from engine.maths.vec import cross, dot, mat_vec
+from plumbline.engine.compile.jit import kernel, stream
+from plumbline.engine.images.screen import Row
+from plumbline.engine.maths.rows import Mat, Vec
+from plumbline.engine.maths.vec import cross, dot, mat_vec
 
 
 @kernel

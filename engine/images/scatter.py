@@ -12,13 +12,13 @@ Sequences, 2018 (the shifts).
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import entry, kernel
-from engine.images.fresnel import reflect, reflectance, refract
-from engine.images.tables import Lighting
-from engine.maths.elementary import cos_sin
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale
-from engine.rays.hits import Hits
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.images.fresnel import reflect, reflectance, refract
+from plumbline.engine.images.tables import Lighting
+from plumbline.engine.maths.elementary import cos_sin
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale
+from plumbline.engine.rays.hits import Hits
 
 GIVEN, MIRRORED, REFLECTED, REFRACTED, SCATTERED = 0, 1, 2, 3, 4
 """How a ray came to be."""

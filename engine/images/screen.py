@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import inlined, kernel
-from engine.maths.rows import Floats, Ints
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.rows import Floats, Ints
 
 
 class Screen(NamedTuple):

@@ -10,13 +10,13 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.images.rasteriser import TAGS, shape_pose
-from engine.images.tables import Lighting
-from engine.maths.rows import Floats, Ints, Vec, load3, load9, store3, store9
-from engine.maths.vec import add, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.images.rasteriser import TAGS, shape_pose
+from plumbline.engine.images.tables import Lighting
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load9, store3, store9
+from plumbline.engine.maths.vec import add, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 
 @kernel

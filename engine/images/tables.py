@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.describe.bodies import Body
-from engine.describe.optics import Sun
-from engine.maths.arrays import unit
-from engine.maths.types import Floats
+from plumbline.engine.describe.bodies import Body
+from plumbline.engine.describe.optics import Sun
+from plumbline.engine.maths.arrays import unit
+from plumbline.engine.maths.types import Floats
 
 
 class Lighting(NamedTuple):

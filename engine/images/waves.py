@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.images.scatter import AIR, GIVEN, Generation, ShadowRays, add_unshaded, scatter
-from engine.images.tables import Lighting
-from engine.maths.types import Floats, Ints
-from engine.rays.hits import Cast, Hits
+from plumbline.engine.images.scatter import AIR, GIVEN, Generation, ShadowRays, add_unshaded, scatter
+from plumbline.engine.images.tables import Lighting
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.rays.hits import Cast, Hits
 
 
 @dataclass(frozen=True, slots=True)

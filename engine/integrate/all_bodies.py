@@ -1,11 +1,11 @@
 """One stage of a step for all bodies that it concerns: those that nothing touches, or the touched ones."""
 
-from engine.compile.jit import kernel
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift, drift_free, kick
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.runge_kutta import runge_kutta_free
+from plumbline.engine.integrate.semi_implicit_euler import drift, drift_free, kick
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

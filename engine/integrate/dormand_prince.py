@@ -16,14 +16,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
-from engine.integrate.free_steps import advance_free
-from engine.maths.elementary import fifth_root
-from engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
-from engine.maths.vec import axpy
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
+from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.maths.elementary import fifth_root
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import axpy
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 STAGES: Final = 7
 A: Final = np.array(

@@ -6,14 +6,14 @@ Source: Euler, Institutionum calculi integralis I (1768), section 650; Hairer, N
 Equations I, section I.7.
 """
 
-from engine.compile.jit import entry, kernel
-from engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
-from engine.integrate.free_steps import advance_free
-from engine.integrate.runge_kutta import quat_axpy
-from engine.maths.rows import Floats, Ints, load3, store3
-from engine.maths.vec import axpy
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
+from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.integrate.runge_kutta import quat_axpy
+from plumbline.engine.maths.rows import Floats, Ints, load3, store3
+from plumbline.engine.maths.vec import axpy
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

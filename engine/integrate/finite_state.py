@@ -2,8 +2,8 @@
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats
 
 
 @kernel

@@ -9,10 +9,10 @@ Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Eule
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import cos_sin, exp, expm1
-from engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4
-from engine.maths.vec import (
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import cos_sin, exp, expm1
+from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import (
     add,
     axpy,
     cross,
@@ -26,7 +26,7 @@ from engine.maths.vec import (
     scale,
     tmat_vec,
 )
-from engine.memory import arena as at
+from plumbline.engine.memory import arena as at
 
 
 @kernel

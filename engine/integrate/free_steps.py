@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from typing import Any
 
-from engine.compile.jit import kernel
-from engine.integrate.finite_state import is_finite
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE, UNSOLVED
-from engine.memory.tables import bodies_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.finite_state import is_finite
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
+from plumbline.engine.memory.tables import bodies_of
 
 
 @kernel

@@ -10,8 +10,8 @@ Source: Austin, Krishnaprasad, Wang, J. Comput. Phys. 107 (1993) 105; Lewis, Sim
 
 import math
 
-from engine.compile.jit import entry, kernel
-from engine.integrate.free_body import (
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.integrate.free_body import (
     from_principal,
     is_pushed,
     kicked_spin,
@@ -20,11 +20,11 @@ from engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
-from engine.integrate.free_steps import advance_free
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import axpy, cross, dot, norm, quat_mul, scale, sub
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import axpy, cross, dot, norm, quat_mul, scale, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 MOST_ITERATIONS = 50
 """Newton's method needs three or four where h w is small; where it needs more than this the step is far too long."""

@@ -5,9 +5,9 @@ For the energy k m_i^2 / 2 alone a body turns about axis i by k m_i h, and its m
 Source: Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997) 5840, section III.
 """
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import cos_sin
-from engine.maths.rows import Quat, Vec
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import cos_sin
+from plumbline.engine.maths.rows import Quat, Vec
 
 
 @kernel

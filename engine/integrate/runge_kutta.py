@@ -5,12 +5,12 @@ State (p, q, v, L): p' = v,  q' = w q / 2,  v' = g + f/m - c v,  L' = tau - c L,
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1, table 1.2 (1901, Kutta).
 """
 
-from engine.compile.jit import kernel
-from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.rows import Floats, Quat, Sym, Vec, load3, load4, load6, store3, store4
-from engine.maths.vec import add, axpy, mat_vec, quat_mat, quat_mul, quat_turn, quat_unit, scale, sym_vec, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
+from plumbline.engine.maths.rows import Floats, Quat, Sym, Vec, load3, load4, load6, store3, store4
+from plumbline.engine.maths.vec import add, axpy, mat_vec, quat_mat, quat_mul, quat_turn, quat_unit, scale, sym_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

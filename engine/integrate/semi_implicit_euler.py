@@ -6,12 +6,12 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections I.1.2 
 while the body turns, so a free body conserves it to round-off.
 """
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import exp
-from engine.maths.rows import Floats, Vec, load3, load4, load6, store3, store4, store6
-from engine.maths.vec import axpy, mat_vec, quat_mat, quat_turn, scale, sym_rotate, sym_vec, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import exp
+from plumbline.engine.maths.rows import Floats, Vec, load3, load4, load6, store3, store4, store6
+from plumbline.engine.maths.vec import axpy, mat_vec, quat_mat, quat_turn, scale, sym_rotate, sym_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

@@ -14,8 +14,8 @@ from typing import Final
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.integrate.free_body import (
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.integrate.free_body import (
     from_principal,
     is_pushed,
     kicked_spin,
@@ -24,12 +24,12 @@ from engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
-from engine.integrate.free_steps import advance_free
-from engine.integrate.principal_turns import turn_first, turn_third
-from engine.maths.rows import Floats, Ints, Quat, Vec, load3, store3
-from engine.maths.vec import axpy, scale
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.integrate.principal_turns import turn_first, turn_third
+from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, store3
+from plumbline.engine.maths.vec import axpy, scale
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 ROOT_OF_FOUR = 1.5874010519681994748  # the third
 SUZUKI_4: Final = np.array([1.0, 1.0, -ROOT_OF_FOUR, 1.0, 1.0]) / (4.0 - ROOT_OF_FOUR)

@@ -9,8 +9,8 @@ where nothing is damped.
 Source: Verlet, Phys. Rev. 159 (1967) 98; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997) 5840 (rotation).
 """
 
-from engine.compile.jit import entry, kernel
-from engine.integrate.free_body import (
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.integrate.free_body import (
     from_principal,
     is_pushed,
     kicked_spin,
@@ -19,12 +19,12 @@ from engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
-from engine.integrate.free_steps import advance_free
-from engine.integrate.principal_turns import turn_first, turn_second, turn_third
-from engine.maths.rows import Floats, Ints, load3, store3
-from engine.maths.vec import axpy
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.integrate.principal_turns import turn_first, turn_second, turn_third
+from plumbline.engine.maths.rows import Floats, Ints, load3, store3
+from plumbline.engine.maths.vec import axpy
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

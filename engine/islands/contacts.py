@@ -6,18 +6,18 @@ The sweeps are those of `step_contact` in the same order, so the bits are the sa
 from collections.abc import Callable
 from typing import TypeVar
 
-from engine.compile.jit import kernel
-from engine.constrain.stages import BEGIN, END, KNOWN, NEW
-from engine.integrate.semi_implicit_euler import drift, kick
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Bodies, Contacts, shapes_of
-from engine.respond.arms import refresh
-from engine.respond.share_loads import share_loads
-from engine.respond.soft import sweep
-from engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
-from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.stages import BEGIN, END, KNOWN, NEW
+from plumbline.engine.integrate.semi_implicit_euler import drift, kick
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import Bodies, Contacts, shapes_of
+from plumbline.engine.respond.arms import refresh
+from plumbline.engine.respond.share_loads import share_loads
+from plumbline.engine.respond.soft import sweep
+from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, REBOUND, RELAX, Softness, slow_approach, softness_of
+from plumbline.engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 
 Table = TypeVar("Table", Floats, Ints)
 Copy = Callable[[Floats, Ints, int], None]

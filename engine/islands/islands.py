@@ -10,10 +10,10 @@ Dynamics with Temporal Coherence, GDC 2005 (islands).
 
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Ints
-from engine.memory import arena as at
-from engine.memory.carve import ints_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import ints_of
 
 
 class Islands(NamedTuple):

@@ -4,14 +4,14 @@ Each island has its own matrix, so that the direct solve costs the sum of the cu
 their sum.
 """
 
-from engine.compile.jit import kernel
-from engine.constrain.hold_joints import hold
-from engine.constrain.reactions import clear_reactions
-from engine.islands.contacts import advance_stages, copy_row, give_island, take_island
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of, table_within
-from engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.hold_joints import hold
+from plumbline.engine.constrain.reactions import clear_reactions
+from plumbline.engine.islands.contacts import advance_stages, copy_row, give_island, take_island
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of, table_within
+from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 ROOM = (9, 6, 8, 8, 4)
 """The most rows of a joint of each type: its equalities, and one each for limits, spring and drive; what else it has adds."""

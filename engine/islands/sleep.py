@@ -16,14 +16,14 @@ Source: Catto, Box2D, 2007 (islands, sleep); Schmidl, Optimization-Based Animati
 
 import math
 
-from engine.compile.jit import kernel
-from engine.integrate.semi_implicit_euler import angular_momentum
-from engine.maths.rows import Floats, Ints, load3, store3
-from engine.maths.vec import dot
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE, FULL
-from engine.memory.tables import Contacts, contacts_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.semi_implicit_euler import angular_momentum
+from plumbline.engine.maths.rows import Floats, Ints, load3, store3
+from plumbline.engine.maths.vec import dot
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DONE, FULL
+from plumbline.engine.memory.tables import Contacts, contacts_of
 
 
 @kernel

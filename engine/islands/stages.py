@@ -1,11 +1,11 @@
 """What comes before and after the islands of a step are solved: find contacts, wake, group; and sleep."""
 
-from engine.compile.jit import kernel
-from engine.contact.find_contacts import find_contacts, keep_contacts
-from engine.integrate.all_bodies import advance_untouched
-from engine.integrate.finite_state import is_finite
-from engine.integrate.semi_implicit_euler import drift
-from engine.islands.islands import (
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
+from plumbline.engine.integrate.all_bodies import advance_untouched
+from plumbline.engine.integrate.finite_state import is_finite
+from plumbline.engine.integrate.semi_implicit_euler import drift
+from plumbline.engine.islands.islands import (
     assign_rows,
     connect,
     ends_of,
@@ -17,12 +17,12 @@ from engine.islands.islands import (
     number_islands,
     start_islands,
 )
-from engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
-from engine.memory.tables import bodies_of
+from plumbline.engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
+from plumbline.engine.memory.tables import bodies_of
 
 
 @kernel

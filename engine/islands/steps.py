@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 from numba import prange
 
-from engine.compile.jit import template
-from engine.islands.islands import share
-from engine.islands.stages import any_hit, end_islands, next_meeting, skip_sleep
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import ints_of
-from engine.memory.status import DONE
+from plumbline.engine.compile.jit import template
+from plumbline.engine.islands.islands import share
+from plumbline.engine.islands.stages import any_hit, end_islands, next_meeting, skip_sleep
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import ints_of
+from plumbline.engine.memory.status import DONE
 
 Advance = Callable[[Floats, Ints, int, int, int, int], None]
 """The stages first..end - 1 of the step of an island: (floats, ints, island, first, end, whether any was hit)."""

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.maths.types import Floats
+from plumbline.engine.maths.types import Floats
 
 SWEEPS = 30
 """At most: five did for each of 20 000 random matrices whose moments lay up to 1e16 apart."""

@@ -4,8 +4,8 @@ Source: Dekker, A Floating-Point Technique for Extending the Available Precision
 Library for Double-Double and Quad-Double Arithmetic, 2007.
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec
 
 Double = tuple[float, float]
 

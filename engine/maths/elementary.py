@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import kernel, seldom
-from engine.maths.floats import fma, from_word, word
+from plumbline.engine.compile.jit import kernel, seldom
+from plumbline.engine.maths.floats import fma, from_word, word
 
 PI_HALF = (1.5707963267948966, 6.123233995736766e-17)
 PI = (3.141592653589793, 1.2246467991473532e-16)

@@ -8,7 +8,7 @@ import struct
 from collections.abc import Callable
 from typing import Any, cast
 
-from engine.compile.jit import jit_is_off
+from plumbline.engine.compile.jit import jit_is_off
 
 
 def _fma() -> Callable[[float, float, float], float]:

@@ -3,9 +3,9 @@
 Terms: Vec (x, y, z); Quat (w, x, y, z), unit; Mat nine numbers by rows; Sym (xx, yy, zz, xy, xz, yz).
 """
 
-from engine.compile.jit import kernel
-from engine.maths.types import Floats as Floats
-from engine.maths.types import Ints as Ints
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.types import Floats as Floats
+from plumbline.engine.maths.types import Ints as Ints
 
 Vec = tuple[float, float, float]
 Quat = tuple[float, float, float, float]

@@ -2,10 +2,10 @@
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import cos_sin
-from engine.maths.floats import fma
-from engine.maths.rows import Mat, Quat, Sym, Vec
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import cos_sin
+from plumbline.engine.maths.floats import fma
+from plumbline.engine.maths.rows import Mat, Quat, Sym, Vec
 
 
 @kernel

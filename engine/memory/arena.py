@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from engine.maths.rows import Floats, Ints
-from engine.memory.layout import FLOATS, INTS, Per, float_columns, int_columns
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory.layout import FLOATS, INTS, Per, float_columns, int_columns
 
 # What holds for the whole world.
 SETTING: Final = float_columns(Per.WORLD, 24)

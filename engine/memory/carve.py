@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.compile.jit import inlined, kernel, linker
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.layout import FLOATS, INTS
+from plumbline.engine.compile.jit import inlined, kernel, linker
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.layout import FLOATS, INTS
 
 OPEN = 0
 """In place of a number of columns that the world decides."""

@@ -6,11 +6,11 @@ and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test bet
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Mat, Vec
-from engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
-from engine.narrow.point import Points, put_point
-from engine.narrow.solid import Solid
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Mat, Vec
+from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.solid import Solid
 
 HANDICAP = 1e-3
 """Share of the smallest half extent [1] by which a face of B must beat those of A, and an edge pair all faces.

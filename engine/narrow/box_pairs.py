@@ -5,11 +5,11 @@ Source: Ericson, Real-Time Collision Detection, sections 5.1.3 (closest point of
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec
-from engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.narrow.point import Points, put_point
-from engine.narrow.solid import Solid, axis_of, moved
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec
+from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.solid import Solid, axis_of, moved
 
 
 @kernel

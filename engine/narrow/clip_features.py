@@ -6,11 +6,11 @@ Convex Polyhedra, GDC 2013.
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec, load3
-from engine.maths.vec import axpy, cross, dot, perpendicular, sub
-from engine.narrow.box_box import keep_four
-from engine.narrow.point import Points, put_point
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec, load3
+from plumbline.engine.maths.vec import axpy, cross, dot, perpendicular, sub
+from plumbline.engine.narrow.box_box import keep_four
+from plumbline.engine.narrow.point import Points, put_point
 
 ON_SIDE = 1e-7
 """Share of the reference face's size [1] within which a corner counts as on its side: it keeps its feature."""

@@ -1,16 +1,16 @@
 """Choose the narrow phase of a pair by the types of its shapes; the lower type is always shape A."""
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Ints, Vec
-from engine.memory import arena as at
-from engine.memory.tables import Shapes
-from engine.narrow.box_box import box_box
-from engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
-from engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
-from engine.narrow.ellipsoid_plane import ellipsoid_plane
-from engine.narrow.point import Points
-from engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
-from engine.narrow.solid import solid_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Ints, Vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Shapes
+from plumbline.engine.narrow.box_box import box_box
+from plumbline.engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
+from plumbline.engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
+from plumbline.engine.narrow.ellipsoid_plane import ellipsoid_plane
+from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
+from plumbline.engine.narrow.solid import solid_of
 
 UNKNOWN = -1
 """The number of points of a pair of shapes that has no narrow phase."""

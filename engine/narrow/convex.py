@@ -4,19 +4,19 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (preferring faces).
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec, load3, store3
-from engine.maths.vec import add, axpy, dot, neg, norm, scale, sub
-from engine.memory import arena as at
-from engine.narrow.clip_features import clip_features, crossing_lines
-from engine.narrow.curved import sharpen
-from engine.narrow.epa import depth
-from engine.narrow.features import facing, is_line, write_feature
-from engine.narrow.gjk import SHARE, Simplex, distance
-from engine.narrow.point import CORNERS_OF_B, Points, put_point
-from engine.narrow.sphere_triangle import sphere_triangle
-from engine.narrow.support import Solids, core_radius, separation_along
-from engine.narrow.triangle import BACK, BESIDE, leans_over
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec, load3, store3
+from plumbline.engine.maths.vec import add, axpy, dot, neg, norm, scale, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.clip_features import clip_features, crossing_lines
+from plumbline.engine.narrow.curved import sharpen
+from plumbline.engine.narrow.epa import depth
+from plumbline.engine.narrow.features import facing, is_line, write_feature
+from plumbline.engine.narrow.gjk import SHARE, Simplex, distance
+from plumbline.engine.narrow.point import CORNERS_OF_B, Points, put_point
+from plumbline.engine.narrow.sphere_triangle import sphere_triangle
+from plumbline.engine.narrow.support import Solids, core_radius, separation_along
+from plumbline.engine.narrow.triangle import BACK, BESIDE, leans_over
 
 FACE = 1 << 13
 """Features of one reference face lie within this many numbers."""

@@ -14,11 +14,11 @@ Schneider, Convex Bodies: The Brunn-Minkowski Theory, 2014, section 2.5 (curvatu
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec, load3, load9
-from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, perpendicular, scale, sub, tmat_vec
-from engine.memory import arena as at
-from engine.narrow.support import Solids, core_support
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec, load3, load9
+from plumbline.engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, perpendicular, scale, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.support import Solids, core_support
 
 ROUNDS = 8
 ROUGH = 1e-15

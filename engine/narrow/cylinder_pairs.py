@@ -6,11 +6,11 @@ contact cases).
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec
-from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.narrow.point import Points, put_point
-from engine.narrow.solid import Solid, axis_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec
+from plumbline.engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.solid import Solid, axis_of
 
 UPRIGHT = 1e-3
 """Sine of the tilt below which a cylinder stands on the same four points of its rim, whichever of them is lowest."""

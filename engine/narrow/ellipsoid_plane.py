@@ -4,12 +4,12 @@ Source: Ericson, Real-Time Collision Detection, section 3.8 (support mappings); 
 (the support function |D n| of an ellipsoid).
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec
-from engine.maths.vec import add, axpy, dot, mat_vec, neg, sub, tmat_vec
-from engine.narrow.point import Points, put_point
-from engine.narrow.solid import Solid, axis_of
-from engine.narrow.support import ellipsoid_support
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec
+from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, neg, sub, tmat_vec
+from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.solid import Solid, axis_of
+from plumbline.engine.narrow.support import ellipsoid_support
 
 
 @kernel

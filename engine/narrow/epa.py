@@ -6,12 +6,12 @@ Detection in Interactive 3D Environments, 2003, section 4.3.8.
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import cos_sin
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale, sub
-from engine.narrow.gjk import Simplex, corner, put_corner
-from engine.narrow.support import Solids
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import cos_sin
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale, sub
+from plumbline.engine.narrow.gjk import Simplex, corner, put_corner
+from plumbline.engine.narrow.support import Solids
 
 CORNERS = 160
 """Most corners of the polytope: a curved surface, of which each new corner quarters the error nearby, needs about 100."""

@@ -5,13 +5,13 @@ Source: Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013 (
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import cos_sin
-from engine.maths.rows import Vec, load3, load9, store3
-from engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
-from engine.memory import arena as at
-from engine.narrow.point import Points
-from engine.narrow.support import Solids, core_support
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import cos_sin
+from plumbline.engine.maths.rows import Vec, load3, load9, store3
+from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.support import Solids, core_support
 
 RIM = 16
 """Corners of the polygon that stands for a cap: its sides lie within 2 % of the radius of the rim."""

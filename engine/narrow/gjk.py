@@ -8,12 +8,12 @@ sub-simplices).
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.narrow.support import Solids, core_support
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.narrow.support import Solids, core_support
 
 MAX_ROUNDS = 128
 CLOSE = 1e-14

@@ -12,17 +12,17 @@ Graphics, 2014, section 4 (one-sided triangles).
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Mat, Vec, load3, load9
-from engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, scale, sub
-from engine.memory import arena as at
-from engine.narrow.clip_features import clip_features
-from engine.narrow.features import write_feature
-from engine.narrow.gjk import SHARE, Simplex, distance
-from engine.narrow.point import CORNERS_OF_B, Points, put_point
-from engine.narrow.support import Solids
-from engine.narrow.triangle import leans_over
-from engine.narrow.triangle_triangle import CROSSING, EDGES_OF_B, corner, triangle_triangle
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Mat, Vec, load3, load9
+from plumbline.engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm, scale, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.clip_features import clip_features
+from plumbline.engine.narrow.features import write_feature
+from plumbline.engine.narrow.gjk import SHARE, Simplex, distance
+from plumbline.engine.narrow.point import CORNERS_OF_B, Points, put_point
+from plumbline.engine.narrow.support import Solids
+from plumbline.engine.narrow.triangle import leans_over
+from plumbline.engine.narrow.triangle_triangle import CROSSING, EDGES_OF_B, corner, triangle_triangle
 
 HANDICAP = 1e-3
 """Share of the smaller triangle's radius [1] by which another normal must beat that of a face."""

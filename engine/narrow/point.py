@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Vec, store3
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, store3
+from plumbline.engine.memory import arena as at
 
 CORNERS_OF_B = 1 << 24
 """Features of convex pairs from here belong to corners of B on a face of A."""

@@ -3,11 +3,11 @@
 Source: Ericson, Real-Time Collision Detection, sections 4.5 and 5.1.9 (closest points of two segments).
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec
-from engine.maths.vec import along, axpy, cross, dot, norm, scale, sub
-from engine.narrow.point import Points, put_point
-from engine.narrow.solid import Solid, axis_of, moved
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec
+from plumbline.engine.maths.vec import along, axpy, cross, dot, norm, scale, sub
+from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.solid import Solid, axis_of, moved
 
 UP = (0.0, 0.0, 1.0)
 

@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Mat, Vec, load3, load9
-from engine.memory import arena as at
-from engine.memory.tables import Shapes
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Mat, Vec, load3, load9
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Shapes
 
 
 class Solid(NamedTuple):

@@ -5,13 +5,13 @@ Source: Ericson, Real-Time Collision Detection, section 5.1.5 (closest point on 
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec, load3, load9
-from engine.maths.vec import axpy, mat_vec, neg, norm, scale, sub, tmat_vec
-from engine.memory import arena as at
-from engine.narrow.point import Points, put_point
-from engine.narrow.support import Solids
-from engine.narrow.triangle import BACK, BESIDE, ON_EDGE, leans_over
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec, load3, load9
+from plumbline.engine.maths.vec import axpy, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.support import Solids
+from plumbline.engine.narrow.triangle import BACK, BESIDE, ON_EDGE, leans_over
 
 TOUCHING = 1e-9
 """Share of the size [1] of a distance whose direction rounding spoils: the triangle's own normal is taken there."""

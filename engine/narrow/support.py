@@ -8,11 +8,11 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Vec, load3, load9
-from engine.maths.vec import dot, mat_vec, tmat_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load9
+from plumbline.engine.maths.vec import dot, mat_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 
 class Solids(NamedTuple):

@@ -4,11 +4,11 @@ Source: Ericson, Real-Time Collision Detection, section 5.1.5 (Voronoi regions o
 Interactive Simulation of Rigid Body Dynamics in Computer Graphics, 2014, section 4 (one-sided triangles).
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec, load3, load9
-from engine.maths.vec import cross, dot, norm, sub, tmat_vec
-from engine.memory import arena as at
-from engine.narrow.support import Solids
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec, load3, load9
+from plumbline.engine.maths.vec import cross, dot, norm, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.support import Solids
 
 ON_EDGE = 1e-6
 """Share of the triangle's size [1] within which a point lies on an edge."""

@@ -10,9 +10,9 @@ Devillers, Fast and Robust Triangle-Triangle Overlap Test Using Orientation Pred
 
 from typing import Final
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Mat, Vec
-from engine.maths.vec import axpy, cross, dot, sub
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Mat, Vec
+from plumbline.engine.maths.vec import axpy, cross, dot, sub
 
 APART: Final = 0
 CROSSING: Final = 1  # along a segment, perhaps a point

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from engine.describe.check import finite
-from engine.maths.arrays import norm
-from engine.maths.types import Floats, Ints
-from engine.rays.hits import Hits, room_for
+from plumbline.engine.describe.check import finite
+from plumbline.engine.maths.arrays import norm
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.rays.hits import Hits, room_for
 
 
 def as_rays(origins: Any, directions: Any) -> tuple[Floats, Floats]:
@@ -44,13 +44,13 @@ def check_rays(origins: Floats, directions: Floats) -> None:
 def choose_tiles(threads: int) -> Callable[..., bool]:
     """The compiled cast for so many threads."""
     if threads == 1:
-        from engine.rays.tiles import cast_tiles
+        from plumbline.engine.rays.tiles import cast_tiles
 
         return cast_tiles
     import numba
 
-    from engine.compile.jit import most_threads
-    from engine.rays.tiles_parallel import cast_tiles_parallel
+    from plumbline.engine.compile.jit import most_threads
+    from plumbline.engine.rays.tiles_parallel import cast_tiles_parallel
 
     numba.set_num_threads(min(threads, most_threads()))
     return cast_tiles_parallel

@@ -8,11 +8,11 @@ Source: Amanatides, Ray Tracing with Cones, 1984 (bounding cones).
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import kernel, stream
-from engine.maths.rows import Floats, Ints, Vec, load3
-from engine.maths.vec import add, along, dot, norm, sub
-from engine.memory import arena as at
-from engine.rays.streams import Rays
+from plumbline.engine.compile.jit import kernel, stream
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3
+from plumbline.engine.maths.vec import add, along, dot, norm, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.rays.streams import Rays
 
 WIDE = 0.1
 """Cosine of the half angle [1] of a cone below which nothing is culled by it."""

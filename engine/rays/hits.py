@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.maths.types import Floats, Ints
+from plumbline.engine.maths.types import Floats, Ints
 
 
 class Hits(NamedTuple):

@@ -6,10 +6,10 @@ of rays).
 
 import math
 
-from engine.compile.jit import kernel, stream
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.rays.streams import (
+from plumbline.engine.compile.jit import kernel, stream
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.rays.streams import (
     Primitive,
     Rays,
     Triple,
@@ -21,7 +21,7 @@ from engine.rays.streams import (
     meet_sphere,
     near_ball,
 )
-from engine.rays.tiling import TileHits
+from plumbline.engine.rays.tiling import TileHits
 
 
 @stream

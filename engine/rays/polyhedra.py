@@ -10,13 +10,13 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.maths.rows import Floats, Ints, Vec, load3, load4, load9, store3
-from engine.maths.vec import add, axpy, cross, dot, mat_vec, norm, quat_mat, scale, sub, tmat_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.rays.hits import Hits
-from engine.rays.tree import RayTree
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, load9, store3
+from plumbline.engine.maths.vec import add, axpy, cross, dot, mat_vec, norm, quat_mat, scale, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.rays.hits import Hits
+from plumbline.engine.rays.tree import RayTree
 
 MISS = math.inf
 UP = (0.0, 0.0, 1.0)

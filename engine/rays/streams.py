@@ -11,10 +11,10 @@ Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (s
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import kernel, stream
-from engine.maths.rows import Floats, Ints, Mat, Vec
-from engine.maths.vec import mat_vec, tmat_vec
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel, stream
+from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec
+from plumbline.engine.maths.vec import mat_vec, tmat_vec
+from plumbline.engine.memory import arena as at
 
 MISS = math.inf
 PARALLEL = 1e-30

@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import entry, inlined, kernel
-from engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
-from engine.maths.vec import add, mat_vec, quat_mat, quat_mul
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.rays.cones import candidates, cone_around, cull, reach_planes
-from engine.rays.hits import Hits
-from engine.rays.nearest import any_beyond, clear, label, meet_shape, pack, picked, scatter, start_search
-from engine.rays.streams import Primitive, normals_of
-from engine.rays.tiling import TILE, Bundle, TileHits, Tiling, answer, load_tile, tiling_of
+from plumbline.engine.compile.jit import entry, inlined, kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
+from plumbline.engine.maths.vec import add, mat_vec, quat_mat, quat_mul
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.rays.cones import candidates, cone_around, cull, reach_planes
+from plumbline.engine.rays.hits import Hits
+from plumbline.engine.rays.nearest import any_beyond, clear, label, meet_shape, pack, picked, scatter, start_search
+from plumbline.engine.rays.streams import Primitive, normals_of
+from plumbline.engine.rays.tiling import TILE, Bundle, TileHits, Tiling, answer, load_tile, tiling_of
 
 
 class Primitives(NamedTuple):

@@ -2,11 +2,11 @@
 
 from numba import prange
 
-from engine.compile.jit import parallel_entry
-from engine.maths.rows import Floats, Ints
-from engine.rays.hits import Hits
-from engine.rays.tiles import cast_tile_range
-from engine.rays.tiling import Bundle, Tiling, tiling_of
+from plumbline.engine.compile.jit import parallel_entry
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.rays.hits import Hits
+from plumbline.engine.rays.tiles import cast_tile_range
+from plumbline.engine.rays.tiling import Bundle, Tiling, tiling_of
 
 SHARE = 32
 """Tiles that a thread takes at once: enough to spread the cost of posing the shapes."""

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compile.jit import kernel, stream
-from engine.maths.rows import Floats, Ints, Vec, load3
-from engine.maths.vec import norm, sub
-from engine.rays.hits import Hits
-from engine.rays.streams import Rays, Triple
+from plumbline.engine.compile.jit import kernel, stream
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3
+from plumbline.engine.maths.vec import norm, sub
+from plumbline.engine.rays.hits import Hits
+from plumbline.engine.rays.streams import Rays, Triple
 
 TILE = 128
 """Rays of a tile: enough to share the cost of culling, few enough that all of them stay in the first-level cache."""

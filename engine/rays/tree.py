@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.build.solids import quat_mat
-from engine.maths.arrays import mat_vec
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
+from plumbline.engine.build.solids import quat_mat
+from plumbline.engine.maths.arrays import mat_vec
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
 
 LEAF = 4
 """Most solids of a leaf."""

@@ -7,11 +7,11 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion 
 
 from typing import NamedTuple
 
-from engine.compile.jit import inlined, kernel
-from engine.maths.rows import Floats, Mat, Vec, load3, store3
-from engine.maths.vec import add, axpy, cross, mat_vec, sub, sym_vec, tmat_vec
-from engine.memory import arena as at
-from engine.respond.pair import Motion, Pair
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.rows import Floats, Mat, Vec, load3, store3
+from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, sub, sym_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.respond.pair import Motion, Pair
 
 
 class Centre(NamedTuple):

@@ -24,9 +24,9 @@ from typing import Any
 
 import numpy as np
 
-from engine.describe.check import finite, not_negative, positive
-from engine.describe.errors import NotSupported
-from engine.maths.types import Floats
+from plumbline.engine.describe.check import finite, not_negative, positive
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.maths.types import Floats
 
 ZENO = 1e-12
 """Speed after a bounce, relative to the fastest blow, below which a sphere rests: the error in its velocity."""

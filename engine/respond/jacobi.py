@@ -19,19 +19,19 @@ Source: Tonge, Benevolenski, Voroshilov, Mass splitting for jitter-free parallel
 
 from numba import prange
 
-from engine.compile.jit import inlined, kernel, template
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import add
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
-from engine.respond.arms import refresh
-from engine.respond.centre import centre_of, give_impulse, relative_motion
-from engine.respond.pair import lighter, motion_of, pair_of
-from engine.respond.prepare import weigh
-from engine.respond.soft import resist_at, roll
-from engine.respond.softness import PUSH, TURN, Softness, softness_of
-from engine.respond.substep import kept_impulse
+from plumbline.engine.compile.jit import inlined, kernel, template
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import add
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
+from plumbline.engine.respond.arms import refresh
+from plumbline.engine.respond.centre import centre_of, give_impulse, relative_motion
+from plumbline.engine.respond.pair import lighter, motion_of, pair_of
+from plumbline.engine.respond.prepare import weigh
+from plumbline.engine.respond.soft import resist_at, roll
+from plumbline.engine.respond.softness import PUSH, TURN, Softness, softness_of
+from plumbline.engine.respond.substep import kept_impulse
 
 
 @kernel

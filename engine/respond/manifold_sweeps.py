@@ -2,16 +2,16 @@
 
 from numba import prange
 
-from engine.compile.jit import kernel, template
-from engine.contact.colours import cut
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
-from engine.respond.arms import refresh
-from engine.respond.soft import sweep
-from engine.respond.softness import PUSH, TURN, Softness, softness_of
-from engine.respond.substep import warm_start
+from plumbline.engine.compile.jit import kernel, template
+from plumbline.engine.contact.colours import cut
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
+from plumbline.engine.respond.arms import refresh
+from plumbline.engine.respond.soft import sweep
+from plumbline.engine.respond.softness import PUSH, TURN, Softness, softness_of
+from plumbline.engine.respond.substep import warm_start
 
 
 @kernel

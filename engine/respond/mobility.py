@@ -5,12 +5,12 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, section 2.4 (motion 
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Mat, Sym, Vec, load6, store6, store9
-from engine.maths.vec import cross, mat_vec, sym_rotate
-from engine.memory import arena as at
-from engine.respond.centre import Centre
-from engine.respond.pair import Pair
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Mat, Sym, Vec, load6, store6, store9
+from plumbline.engine.maths.vec import cross, mat_vec, sym_rotate
+from plumbline.engine.memory import arena as at
+from plumbline.engine.respond.centre import Centre
+from plumbline.engine.respond.pair import Pair
 
 THIN = 1e-6
 """Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],

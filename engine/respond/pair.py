@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from engine.compile.jit import inlined
-from engine.maths.rows import Floats, Sym, Vec, load3, load6, store3
-from engine.maths.vec import sym_scale
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import inlined
+from plumbline.engine.maths.rows import Floats, Sym, Vec, load3, load6, store3
+from plumbline.engine.maths.vec import sym_scale
+from plumbline.engine.memory import arena as at
 
 
 class Pair(NamedTuple):

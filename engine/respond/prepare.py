@@ -1,16 +1,16 @@
 """A manifold at the start of a step: its frame, arms, material points and effective masses."""
 
-from engine.compile.jit import kernel
-from engine.maths.rows import load3, load4, load6, store3
-from engine.maths.vec import axpy, cross, mat_vec, perpendicular, quat_mat, scale, sub, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts, Shapes
-from engine.respond.arms import spread
-from engine.respond.centre import Centre, frame_of
-from engine.respond.mobility import effective_masses, write_blocks, write_stop
-from engine.respond.pair import Pair, pair_of
-from engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
-from engine.respond.rolling_rims import radius, rim_of, rolls_on
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import load3, load4, load6, store3
+from plumbline.engine.maths.vec import axpy, cross, mat_vec, perpendicular, quat_mat, scale, sub, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts, Shapes
+from plumbline.engine.respond.arms import spread
+from plumbline.engine.respond.centre import Centre, frame_of
+from plumbline.engine.respond.mobility import effective_masses, write_blocks, write_stop
+from plumbline.engine.respond.pair import Pair, pair_of
+from plumbline.engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
+from plumbline.engine.respond.rolling_rims import radius, rim_of, rolls_on
 
 
 @kernel

@@ -1,10 +1,10 @@
 """Ellipsoids that roll on: their touching point is the farthest along the normal, however the body has turned since."""
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4
-from engine.maths.vec import add, mat_vec, quat_mat, tmat_vec
-from engine.memory import arena as at
-from engine.narrow.support import ellipsoid_support
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4
+from plumbline.engine.maths.vec import add, mat_vec, quat_mat, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.support import ellipsoid_support
 
 ON_ELLIPSOID = 2.0
 """In the column of rims: at least one of the two shapes is an ellipsoid, and the manifold a single point."""

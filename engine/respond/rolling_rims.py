@@ -3,10 +3,10 @@
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, Vec, load3
-from engine.maths.vec import axpy, dot, norm, scale, sub
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3
+from plumbline.engine.maths.vec import axpy, dot, norm, scale, sub
+from plumbline.engine.memory import arena as at
 
 UPRIGHT = 1e-3
 """Sine of a cylinder's tilt [1] below which it stands, and no point of its rim is the lowest; as in the narrow phase."""

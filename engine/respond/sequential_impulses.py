@@ -20,14 +20,14 @@ Iterative Methods for Sparse Linear Systems, 2003, section 4.1 (symmetric Gauss-
 import math
 from typing import Final
 
-from engine.compile.jit import kernel
-from engine.integrate.semi_implicit_euler import turn_inertia
-from engine.maths.rows import Floats, Vec, load3, load4, store3, store4
-from engine.maths.vec import add, axpy, cross, dot, norm, quat_turn, scale, sub, sym_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts
-from engine.respond.pair import Motion, Pair, motion_of, pair_of, store_motion
-from engine.respond.softness import REBOUND
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.semi_implicit_euler import turn_inertia
+from plumbline.engine.maths.rows import Floats, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, quat_turn, scale, sub, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts
+from plumbline.engine.respond.pair import Motion, Pair, motion_of, pair_of, store_motion
+from plumbline.engine.respond.softness import REBOUND
 
 BAUMGARTE = 0.2
 """Share of a depth [1] that one position correction works off; Baumgarte's, here on pseudo-velocities."""

@@ -12,11 +12,11 @@ They are taken where none of them is negative, as the impulses that each solve s
 Source: Winkler's foundation under a rigid plate: Timoshenko, Woinowsky-Krieger, Theory of Plates and Shells, 1959, chapter 8.
 """
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints, load3, store3
-from engine.maths.vec import dot, sub
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3, store3
+from plumbline.engine.maths.vec import dot, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts
 
 FEW = 4
 """Loaded points up to which a body's contacts are left as they are: one manifold's."""

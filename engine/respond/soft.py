@@ -27,15 +27,15 @@ Dynamics Algorithms, 2008, section 2.4 (motion and force as six-vectors).
 
 import math
 
-from engine.compile.jit import inlined, kernel
-from engine.maths.floats import fma
-from engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3
-from engine.maths.vec import add, axpy, mat_vec, sub, sym_vec, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts
-from engine.respond.centre import Centre, frame_of, give_impulse, relative_motion
-from engine.respond.pair import motion_of, pair_of
-from engine.respond.softness import PRESS, REBOUND, Softness
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.floats import fma
+from plumbline.engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3
+from plumbline.engine.maths.vec import add, axpy, mat_vec, sub, sym_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts
+from plumbline.engine.respond.centre import Centre, frame_of, give_impulse, relative_motion
+from plumbline.engine.respond.pair import motion_of, pair_of
+from plumbline.engine.respond.softness import PRESS, REBOUND, Softness
 
 
 @kernel

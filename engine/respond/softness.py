@@ -6,10 +6,10 @@ Source: Catto, Soft Constraints, GDC 2011.
 import math
 from typing import Final, NamedTuple
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, load3
-from engine.maths.vec import norm
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, load3
+from plumbline.engine.maths.vec import norm
+from plumbline.engine.memory import arena as at
 
 FRESH = 8
 """Times as many sweeps for a blow and in the first sub-step of a contact, which have no impulses to start from."""

@@ -1,11 +1,11 @@
 """The kick and the drift of spheres in contact, whose velocities stand in a table of their own during a step."""
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import exp
-from engine.maths.rows import Floats, Ints, load3, load4, store3, store4
-from engine.maths.vec import axpy, quat_spin, quat_unit, scale
-from engine.memory import arena as at
-from engine.memory.tables import Bodies
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import exp
+from plumbline.engine.maths.rows import Floats, Ints, load3, load4, store3, store4
+from plumbline.engine.maths.vec import axpy, quat_spin, quat_unit, scale
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 
 @kernel

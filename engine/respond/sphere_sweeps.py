@@ -2,13 +2,13 @@
 
 from numba import prange
 
-from engine.compile.jit import kernel, template
-from engine.contact.colours import cut
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.respond.softness import PRESS, PUSH, TURN, Softness, softness_of
-from engine.respond.spheres import Touches, press_spheres, push_again, relax_spheres, touches_of, turn_normals
+from plumbline.engine.compile.jit import kernel, template
+from plumbline.engine.contact.colours import cut
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.respond.softness import PRESS, PUSH, TURN, Softness, softness_of
+from plumbline.engine.respond.spheres import Touches, press_spheres, push_again, relax_spheres, touches_of, turn_normals
 
 
 @kernel

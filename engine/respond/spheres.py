@@ -14,14 +14,14 @@ Source: Catto, Solver2D, 2024 (TGS Soft).
 import math
 from typing import NamedTuple
 
-from engine.compile.jit import inlined, kernel
-from engine.maths.floats import fma
-from engine.maths.rows import Floats, Ints, Vec, load3, store3
-from engine.maths.vec import axpy, cross, dot, norm, scale, sub
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.respond.pair import Motion
-from engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.floats import fma
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.vec import axpy, cross, dot, norm, scale, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.respond.pair import Motion
+from plumbline.engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
 
 class Touches(NamedTuple):

@@ -2,14 +2,14 @@
 
 import math
 
-from engine.compile.jit import inlined, kernel
-from engine.maths.rows import Floats, Mat, Vec, load3, store3
-from engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
-from engine.memory import arena as at
-from engine.memory.tables import Bodies, Contacts
-from engine.respond.centre import Centre, centre_of, frame_of, give_impulse, relative_motion
-from engine.respond.pair import motion_of, pair_of
-from engine.respond.softness import STUCK, TOUCHING
+from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.rows import Floats, Mat, Vec, load3, store3
+from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies, Contacts
+from plumbline.engine.respond.centre import Centre, centre_of, frame_of, give_impulse, relative_motion
+from plumbline.engine.respond.pair import motion_of, pair_of
+from plumbline.engine.respond.softness import STUCK, TOUCHING
 
 
 @inlined

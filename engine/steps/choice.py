@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import cast
 
-from engine.broad.choice import DropApart, FindPairs
-from engine.describe.errors import NotSupported
-from engine.describe.joints import Joint
-from engine.maths.types import Floats, Ints
-from engine.options import ADAPTIVE, FREE_INTEGRATORS, GAUSS_SEIDEL, Options
+from plumbline.engine.broad.choice import DropApart, FindPairs
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.joints import Joint
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.options import ADAPTIVE, FREE_INTEGRATORS, GAUSS_SEIDEL, Options
 
 Step = Callable[[Floats, Ints, int], tuple[int, int]]
 
@@ -40,26 +40,26 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
     if touching and options.solver == "sequential_impulses":
         if jointed:
             raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
-        from engine.steps.sequential import step_sequential_impulses
+        from plumbline.engine.steps.sequential import step_sequential_impulses
 
         return step_sequential_impulses
     if touching and options.sweeps != GAUSS_SEIDEL:
         return _named(f"{'spheres' if spheres else 'contact'}_{options.sweeps}")
     if spheres:
-        from engine.steps.spheres import step_spheres
+        from plumbline.engine.steps.spheres import step_spheres
 
         return step_spheres
     if islands:
         return _named("islands_jointed" if jointed else "islands", "_parallel" if options.threads > 1 else "")
     if touching and jointed:
-        from engine.steps.contact_jointed import step_contact_jointed
+        from plumbline.engine.steps.contact_jointed import step_contact_jointed
 
         return step_contact_jointed
     if touching:
-        from engine.steps.contact import step_contact
+        from plumbline.engine.steps.contact import step_contact
 
         return step_contact
-    from engine.steps import smooth
+    from plumbline.engine.steps import smooth
 
     if not jointed:
         return smooth.step_free
@@ -69,7 +69,7 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
 
 def _named(module: str, suffix: str = "") -> Step:
     """The step of a module of this package, or of those that it has the one with a suffix."""
-    return cast(Step, getattr(import_module(f"engine.steps.{module}"), f"step_{module}{suffix}"))
+    return cast(Step, getattr(import_module(f"plumbline.engine.steps.{module}"), f"step_{module}{suffix}"))
 
 
 def refuse_unsmooth(integrator: str, unsmooth: str) -> None:
@@ -86,13 +86,13 @@ def joint_coordinates_step(touching: bool, closing: bool, options: Options, unsm
     Raises: NotSupported.
     """
     if touching or closing:
-        from engine.steps import joint_coordinates_held as held
+        from plumbline.engine.steps import joint_coordinates_held as held
 
         if not touching:
             return held.step_joint_coordinates_closing
         return held.step_joint_coordinates_touching_and_closing if closing else held.step_joint_coordinates_touching
     refuse_unsmooth(options.integrator, unsmooth)
-    from engine.steps import joint_coordinates as steps
+    from plumbline.engine.steps import joint_coordinates as steps
 
     return {
         "semi_implicit_euler": steps.step_joint_coordinates_euler,

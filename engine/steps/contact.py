@@ -2,21 +2,21 @@
 
 from collections.abc import Callable
 
-from engine.compile.jit import entry, template
-from engine.constrain.stages import BEGIN, END, KNOWN, NEW, Held, hold_nothing
-from engine.contact.colours import leave_as_found
-from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, joints_of, rows_of
-from engine.respond.manifold_sweeps import as_found
-from engine.respond.share_loads import share_loads
-from engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
-from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode
-from engine.steps.count_step import count_step
-from engine.steps.stages import meet, patience
+from plumbline.engine.compile.jit import entry, template
+from plumbline.engine.constrain.stages import BEGIN, END, KNOWN, NEW, Held, hold_nothing
+from plumbline.engine.contact.colours import leave_as_found
+from plumbline.engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, joints_of, rows_of
+from plumbline.engine.respond.manifold_sweeps import as_found
+from plumbline.engine.respond.share_loads import share_loads
+from plumbline.engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
+from plumbline.engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode
+from plumbline.engine.steps.count_step import count_step
+from plumbline.engine.steps.stages import meet, patience
 
 
 @template

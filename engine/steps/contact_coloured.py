@@ -1,12 +1,12 @@
 """Steps of worlds with contact, without joints, swept by colours: as `contact`, in another order, on one thread or several."""
 
-from engine.compile.jit import parallel_entry
-from engine.constrain.stages import hold_nothing
-from engine.contact.colours import mark_manifolds
-from engine.maths.rows import Floats, Ints
-from engine.respond.manifold_sweeps import by_colour
-from engine.steps.contact import advance_contacts
-from engine.steps.stages import meet
+from plumbline.engine.compile.jit import parallel_entry
+from plumbline.engine.constrain.stages import hold_nothing
+from plumbline.engine.contact.colours import mark_manifolds
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.respond.manifold_sweeps import by_colour
+from plumbline.engine.steps.contact import advance_contacts
+from plumbline.engine.steps.stages import meet
 
 
 @parallel_entry

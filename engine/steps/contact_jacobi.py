@@ -1,11 +1,11 @@
 """Steps of worlds with contact, without joints, by Jacobi sweeps: as `contact`, all contacts at once, on any threads."""
 
-from engine.compile.jit import parallel_entry
-from engine.constrain.stages import hold_nothing
-from engine.maths.rows import Floats, Ints
-from engine.respond.jacobi import at_once, split_masses
-from engine.steps.contact import advance_contacts
-from engine.steps.stages import meet
+from plumbline.engine.compile.jit import parallel_entry
+from plumbline.engine.constrain.stages import hold_nothing
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.respond.jacobi import at_once, split_masses
+from plumbline.engine.steps.contact import advance_contacts
+from plumbline.engine.steps.stages import meet
 
 
 @parallel_entry

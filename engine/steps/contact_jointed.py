@@ -1,17 +1,17 @@
 """Steps of worlds with contact and joints: as `contact`, each sweep over contacts followed by a direct solve of all joints."""
 
-from engine.compile.jit import entry, kernel
-from engine.constrain.hold_joints import hold
-from engine.constrain.open_joints import open_joint
-from engine.constrain.reactions import clear_reactions
-from engine.contact.colours import leave_as_found
-from engine.contact.find_contacts import find_contacts
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.status import DONE
-from engine.memory.tables import Bodies, Contacts, joints_of
-from engine.respond.manifold_sweeps import as_found
-from engine.steps.contact import advance_contacts
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.constrain.hold_joints import hold
+from plumbline.engine.constrain.open_joints import open_joint
+from plumbline.engine.constrain.reactions import clear_reactions
+from plumbline.engine.contact.colours import leave_as_found
+from plumbline.engine.contact.find_contacts import find_contacts
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.status import DONE
+from plumbline.engine.memory.tables import Bodies, Contacts, joints_of
+from plumbline.engine.respond.manifold_sweeps import as_found
+from plumbline.engine.steps.contact import advance_contacts
 
 
 @kernel

@@ -1,10 +1,10 @@
 """The end of every step."""
 
-from engine.compile.jit import kernel
-from engine.integrate.finite_state import is_finite
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.status import DIVERGED, DONE
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.integrate.finite_state import is_finite
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.status import DIVERGED, DONE
 
 
 @kernel

@@ -1,10 +1,10 @@
 """Steps of worlds with contact, without joints, island by island: one after the other, or on several threads."""
 
-from engine.compile.jit import entry, kernel, parallel_entry
-from engine.islands.contacts import advance_island
-from engine.islands.stages import begin_islands
-from engine.islands.steps import in_turn, on_threads, step_by_islands
-from engine.maths.rows import Floats, Ints
+from plumbline.engine.compile.jit import entry, kernel, parallel_entry
+from plumbline.engine.islands.contacts import advance_island
+from plumbline.engine.islands.stages import begin_islands
+from plumbline.engine.islands.steps import in_turn, on_threads, step_by_islands
+from plumbline.engine.maths.rows import Floats, Ints
 
 
 @kernel

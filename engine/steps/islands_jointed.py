@@ -1,12 +1,12 @@
 """Steps of worlds with contact and joints, island by island: one after the other, or on several threads."""
 
-from engine.compile.jit import entry, kernel, parallel_entry
-from engine.constrain.open_joints import open_joint
-from engine.islands.joints import advance_jointed_island, make_room_for_rows
-from engine.islands.stages import begin_islands
-from engine.islands.steps import in_turn, on_threads, step_by_islands
-from engine.maths.rows import Floats, Ints
-from engine.memory.status import DONE
+from plumbline.engine.compile.jit import entry, kernel, parallel_entry
+from plumbline.engine.constrain.open_joints import open_joint
+from plumbline.engine.islands.joints import advance_jointed_island, make_room_for_rows
+from plumbline.engine.islands.stages import begin_islands
+from plumbline.engine.islands.steps import in_turn, on_threads, step_by_islands
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory.status import DONE
 
 
 @kernel

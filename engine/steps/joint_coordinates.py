@@ -2,28 +2,28 @@
 
 import numpy as np
 
-from engine.articulated.advance import is_finite_forest, write_state
-from engine.articulated.bases import carry_bases, take_jumps
-from engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
-from engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
-from engine.articulated.dormand_prince import room_for_trials
-from engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
-from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
-from engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
-from engine.articulated.semi_implicit_euler import semi_implicit_euler
-from engine.articulated.tables import tables_of
-from engine.compile.jit import entry
-from engine.constrain.reactions import clear_reactions
-from engine.integrate.dormand_prince import LENGTH, STAGES, Trial, dormand_prince
-from engine.integrate.implicit_midpoint import implicit_midpoint
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE, UNSOLVED
-from engine.memory.tables import bodies_of, joints_of
-from engine.steps.count_step import count_step
+from plumbline.engine.articulated.advance import is_finite_forest, write_state
+from plumbline.engine.articulated.bases import carry_bases, take_jumps
+from plumbline.engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
+from plumbline.engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
+from plumbline.engine.articulated.dormand_prince import room_for_trials
+from plumbline.engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
+from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
+from plumbline.engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
+from plumbline.engine.articulated.semi_implicit_euler import semi_implicit_euler
+from plumbline.engine.articulated.tables import tables_of
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.constrain.reactions import clear_reactions
+from plumbline.engine.integrate.dormand_prince import LENGTH, STAGES, Trial, dormand_prince
+from plumbline.engine.integrate.implicit_midpoint import implicit_midpoint
+from plumbline.engine.integrate.runge_kutta import runge_kutta_free
+from plumbline.engine.integrate.semi_implicit_euler import drift_free
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
+from plumbline.engine.memory.tables import bodies_of, joints_of
+from plumbline.engine.steps.count_step import count_step
 
 
 @entry

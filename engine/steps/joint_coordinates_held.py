@@ -2,27 +2,27 @@
 
 from collections.abc import Callable
 
-from engine.articulated.advance import is_finite_forest, write_state
-from engine.articulated.bases import take_jumps
-from engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
-from engine.articulated.contact_sweeps import under_machines
-from engine.articulated.loops import touch_loops
-from engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
-from engine.articulated.tables import tables_of
-from engine.articulated.touched import find_touched
-from engine.compile.jit import entry, kernel, template
-from engine.constrain.open_joints import open_joint
-from engine.constrain.reactions import clear_reactions
-from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE, UNSOLVED
-from engine.memory.tables import Bodies, Contacts, Rows, bodies_of, contacts_of, joints_of, rows_of, shapes_of
-from engine.respond.softness import softness_of
-from engine.respond.substep import end_step
-from engine.steps.count_step import count_step
-from engine.steps.stages import meet
+from plumbline.engine.articulated.advance import is_finite_forest, write_state
+from plumbline.engine.articulated.bases import take_jumps
+from plumbline.engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
+from plumbline.engine.articulated.contact_sweeps import under_machines
+from plumbline.engine.articulated.loops import touch_loops
+from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
+from plumbline.engine.articulated.tables import tables_of
+from plumbline.engine.articulated.touched import find_touched
+from plumbline.engine.compile.jit import entry, kernel, template
+from plumbline.engine.constrain.open_joints import open_joint
+from plumbline.engine.constrain.reactions import clear_reactions
+from plumbline.engine.integrate.semi_implicit_euler import drift_free
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
+from plumbline.engine.memory.tables import Bodies, Contacts, Rows, bodies_of, contacts_of, joints_of, rows_of, shapes_of
+from plumbline.engine.respond.softness import softness_of
+from plumbline.engine.respond.substep import end_step
+from plumbline.engine.steps.count_step import count_step
+from plumbline.engine.steps.stages import meet
 
 
 @kernel

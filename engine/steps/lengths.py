@@ -4,8 +4,8 @@ A force that holds gives an impulse in proportion to the step. Source: Catto, It
 2005.
 """
 
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
 
 MOST_GROWTH = 8.0
 """Largest factor [1] on impulses from a short part of a step to a longer one: beyond, their rounding would grow as well."""

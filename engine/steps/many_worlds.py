@@ -12,9 +12,9 @@ import llvmlite.ir
 import numba
 from numba import prange
 
-from engine.compile.jit import entry, jit_is_off, kernel, linker, parallel_entry
-from engine.maths.rows import Floats, Ints
-from engine.memory.status import CONVEX_PENDING, DONE, SEARCH_PENDING
+from plumbline.engine.compile.jit import entry, jit_is_off, kernel, linker, parallel_entry
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory.status import CONVEX_PENDING, DONE, SEARCH_PENDING
 
 types: Any = numba.types
 FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C")

@@ -1,19 +1,19 @@
 """Steps of worlds with contact under sequential impulses: find contacts, kick, sweep velocities, drift, part."""
 
-from engine.compile.jit import entry
-from engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of, shapes_of
-from engine.respond.arms import refresh
-from engine.respond.sequential_impulses import push_apart, sweep_velocities
-from engine.respond.share_loads import share_loads
-from engine.respond.softness import REBOUND, RELAX, slow_approach
-from engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
-from engine.steps.count_step import count_step
-from engine.steps.stages import meet
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.memory.tables import bodies_of, contacts_of, shapes_of
+from plumbline.engine.respond.arms import refresh
+from plumbline.engine.respond.sequential_impulses import push_apart, sweep_velocities
+from plumbline.engine.respond.share_loads import share_loads
+from plumbline.engine.respond.softness import REBOUND, RELAX, slow_approach
+from plumbline.engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
+from plumbline.engine.steps.count_step import count_step
+from plumbline.engine.steps.stages import meet
 
 SLOP = 0.1
 """Share of the margin [1] that bodies may overlap, so that contacts last from step to step."""

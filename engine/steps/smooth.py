@@ -1,19 +1,19 @@
 """Steps of worlds without contact: free bodies, and bodies held by joints under either integrator."""
 
-from engine.compile.jit import entry
-from engine.constrain.jointed_runge_kutta import jointed_runge_kutta, stages_of
-from engine.constrain.open_joints import open_joint
-from engine.constrain.reactions import clear_reactions
-from engine.constrain.shake import shake
-from engine.constrain.stiffness import mark_stiff
-from engine.integrate.runge_kutta import runge_kutta_free
-from engine.integrate.semi_implicit_euler import drift_free
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, joints_of, rows_of
-from engine.steps.count_step import count_step
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.constrain.jointed_runge_kutta import jointed_runge_kutta, stages_of
+from plumbline.engine.constrain.open_joints import open_joint
+from plumbline.engine.constrain.reactions import clear_reactions
+from plumbline.engine.constrain.shake import shake
+from plumbline.engine.constrain.stiffness import mark_stiff
+from plumbline.engine.integrate.runge_kutta import runge_kutta_free
+from plumbline.engine.integrate.semi_implicit_euler import drift_free
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.memory.tables import bodies_of, joints_of, rows_of
+from plumbline.engine.steps.count_step import count_step
 
 
 @entry

@@ -6,20 +6,20 @@ static spheres, boxes and planes, without joints, rolling or torsional friction.
 
 from collections.abc import Callable
 
-from engine.compile.jit import entry, template
-from engine.contact.colours import leave_as_found
-from engine.contact.sphere_contacts import find_touches
-from engine.integrate.all_bodies import advance_untouched
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of
-from engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
-from engine.respond.sphere_motion import drift_spheres, end_spheres, kick_spheres
-from engine.respond.sphere_sweeps import as_found
-from engine.respond.spheres import any_struck, choose_friction, drop_blows, note_strikes, touches_of
-from engine.steps.count_step import count_step
+from plumbline.engine.compile.jit import entry, template
+from plumbline.engine.contact.colours import leave_as_found
+from plumbline.engine.contact.sphere_contacts import find_touches
+from plumbline.engine.integrate.all_bodies import advance_untouched
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.memory.tables import bodies_of
+from plumbline.engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
+from plumbline.engine.respond.sphere_motion import drift_spheres, end_spheres, kick_spheres
+from plumbline.engine.respond.sphere_sweeps import as_found
+from plumbline.engine.respond.spheres import any_struck, choose_friction, drop_blows, note_strikes, touches_of
+from plumbline.engine.steps.count_step import count_step
 
 MANY = 16
 """New or struck contacts get more sweeps where they are one in so many: elsewhere the others' impulses carry the load."""

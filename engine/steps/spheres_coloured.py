@@ -1,10 +1,10 @@
 """Steps of worlds of spheres whose contacts are swept by colours: as `spheres`, in another order, on one thread or several."""
 
-from engine.compile.jit import parallel_entry
-from engine.contact.colours import mark_touches
-from engine.maths.rows import Floats, Ints
-from engine.respond.sphere_sweeps import by_colour
-from engine.steps.spheres import advance_spheres
+from plumbline.engine.compile.jit import parallel_entry
+from plumbline.engine.contact.colours import mark_touches
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.respond.sphere_sweeps import by_colour
+from plumbline.engine.steps.spheres import advance_spheres
 
 
 @parallel_entry

@@ -1,13 +1,13 @@
 """What steps with contact have in common: contacts kept or found, and how long a sub-step is swept."""
 
-from engine.compile.jit import kernel
-from engine.contact.find_contacts import find_contacts, keep_contacts
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-from engine.memory.tables import Bodies, Contacts
-from engine.respond.softness import FRESH, FRESH_JOINTED
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DONE
+from plumbline.engine.memory.tables import Bodies, Contacts
+from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED
 
 
 @kernel

@@ -2,10 +2,10 @@
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Vec, load3
-from engine.maths.vec import add, cross, dot, sub
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Vec, load3
+from plumbline.engine.maths.vec import add, cross, dot, sub
+from plumbline.engine.memory import arena as at
 
 FAST = 2.0
 """A pair that looks farther ahead than so many margins is fast: a swept step finds its time of impact."""

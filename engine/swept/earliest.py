@@ -7,20 +7,20 @@ Source: Ericson, Real-Time Collision Detection, sections 5.5.8 (interval of time
 
 import math
 
-from engine.broad.bounds import boxes_overlap
-from engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
-from engine.compile.jit import entry, kernel
-from engine.contact.look_ahead import look_ahead
-from engine.maths.rows import Floats, Ints, load3
-from engine.maths.vec import axpy, norm
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.narrow.collide import ordered
-from engine.narrow.gjk import simplex_of
-from engine.narrow.support import Solids, core_radius, core_support, solids_of
-from engine.swept.begin import FAST, touch_gap
-from engine.swept.impact_time import impact_time
-from engine.swept.path import ACCELERATION, body_at, shape_at, write_path
+from plumbline.engine.broad.bounds import boxes_overlap
+from plumbline.engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.contact.look_ahead import look_ahead
+from plumbline.engine.maths.rows import Floats, Ints, load3
+from plumbline.engine.maths.vec import axpy, norm
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.narrow.collide import ordered
+from plumbline.engine.narrow.gjk import simplex_of
+from plumbline.engine.narrow.support import Solids, core_radius, core_support, solids_of
+from plumbline.engine.swept.begin import FAST, touch_gap
+from plumbline.engine.swept.impact_time import impact_time
+from plumbline.engine.swept.path import ACCELERATION, body_at, shape_at, write_path
 
 
 @kernel

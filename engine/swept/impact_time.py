@@ -15,16 +15,16 @@ Collision, GDC 2013 (a root of the separating function; sinking targets of touch
 
 import math
 
-from engine.compile.jit import kernel
-from engine.contact.look_ahead import thinnest
-from engine.maths.rows import Floats, Vec, load3
-from engine.maths.vec import add, cross, dot, neg, norm, sub
-from engine.memory import arena as at
-from engine.narrow.gjk import Simplex
-from engine.narrow.support import Solids, core_radius
-from engine.narrow.triangle import leans_over
-from engine.swept.path import body_at, shape_at, velocity_of
-from engine.swept.separation import separation
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.look_ahead import thinnest
+from plumbline.engine.maths.rows import Floats, Vec, load3
+from plumbline.engine.maths.vec import add, cross, dot, neg, norm, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.gjk import Simplex
+from plumbline.engine.narrow.support import Solids, core_radius
+from plumbline.engine.narrow.triangle import leans_over
+from plumbline.engine.swept.path import body_at, shape_at, velocity_of
+from plumbline.engine.swept.separation import separation
 
 SINKS = 0.25
 """Share of half the thickness of the thinner shape [1] that a pair in touch may sink in within a step."""

@@ -10,11 +10,24 @@ Source: Redon, Kheddar, Coquillart, Fast Continuous Collision Detection between 
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.elementary import atan2
-from engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4, store9
-from engine.maths.vec import add, along, axpy, dot, mat_vec, norm, quat_conj, quat_mat, quat_mul, quat_turn, scale, sub
-from engine.memory import arena as at
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.elementary import atan2
+from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4, store9
+from plumbline.engine.maths.vec import (
+    add,
+    along,
+    axpy,
+    dot,
+    mat_vec,
+    norm,
+    quat_conj,
+    quat_mat,
+    quat_mul,
+    quat_turn,
+    scale,
+    sub,
+)
+from plumbline.engine.memory import arena as at
 
 ACCELERATION = 13
 """First column of the acceleration in a row of a path."""

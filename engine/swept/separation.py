@@ -5,13 +5,13 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 
 import math
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Vec, load3
-from engine.maths.vec import add, axpy, dot, neg, sub
-from engine.memory import arena as at
-from engine.narrow.convex import part_cores
-from engine.narrow.gjk import Simplex
-from engine.narrow.support import Solids, core_radius, core_support
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Vec, load3
+from plumbline.engine.maths.vec import add, axpy, dot, neg, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.convex import part_cores
+from plumbline.engine.narrow.gjk import Simplex
+from plumbline.engine.narrow.support import Solids, core_radius, core_support
 
 
 @kernel

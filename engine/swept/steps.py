@@ -18,15 +18,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.describe.errors import ManyImpacts
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
-from engine.options import Options
-from engine.steps.lengths import fit_impulses
-from engine.swept.earliest import earliest_impact
-from engine.swept.path import PATH_COLUMNS
-from engine.swept.strike import place_bodies, strike
+from plumbline.engine.describe.errors import ManyImpacts
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
+from plumbline.engine.options import Options
+from plumbline.engine.steps.lengths import fit_impulses
+from plumbline.engine.swept.earliest import earliest_impact
+from plumbline.engine.swept.path import PATH_COLUMNS
+from plumbline.engine.swept.strike import place_bodies, strike
 
 Step = Callable[[Floats, Ints, int], tuple[int, int]]
 Search = Callable[[Floats, Ints], int]
@@ -198,7 +198,7 @@ class SweptSteps:
 
 def _answer(floats: Floats, ints: Ints) -> None:
     """Let the convex narrow phase answer the pairs that wait for it."""
-    from engine.contact.collide_convex import collide_convex
+    from plumbline.engine.contact.collide_convex import collide_convex
 
     collide_convex(floats, ints)
 

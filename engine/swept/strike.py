@@ -7,20 +7,20 @@ their last step do not act, and are kept for the next.
 Source: Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 1988 (one impact law for all contacts).
 """
 
-from engine.compile.jit import entry
-from engine.contact.find_contacts import find_contacts
-from engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
-from engine.maths.rows import Floats, Ints, load3, load6, store3, store4
-from engine.maths.vec import add, cross, dot, sub, sym_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DONE
-from engine.memory.tables import bodies_of, contacts_of
-from engine.respond.sequential_impulses import sweep_velocities
-from engine.respond.softness import REBOUND, RELAX, slow_approach
-from engine.respond.substep import bounce, end_step, end_substep
-from engine.swept.begin import touch_gap
-from engine.swept.path import body_at
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.contact.find_contacts import find_contacts
+from plumbline.engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
+from plumbline.engine.maths.rows import Floats, Ints, load3, load6, store3, store4
+from plumbline.engine.maths.vec import add, cross, dot, sub, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DONE
+from plumbline.engine.memory.tables import bodies_of, contacts_of
+from plumbline.engine.respond.sequential_impulses import sweep_velocities
+from plumbline.engine.respond.softness import REBOUND, RELAX, slow_approach
+from plumbline.engine.respond.substep import bounce, end_step, end_substep
+from plumbline.engine.swept.begin import touch_gap
+from plumbline.engine.swept.path import body_at
 
 AT_ONCE = 1e-12
 """A time [s] within which no gap can close."""

@@ -1,7 +1,7 @@
 """The one boundary between the harness and an engine."""
 
-from harness.adapter.advantage import Advantage
-from harness.adapter.contract import (
+from plumbline.harness.adapter.advantage import Advantage
+from plumbline.harness.adapter.contract import (
     Adapter,
     Diverged,
     Emulation,
@@ -9,10 +9,10 @@ from harness.adapter.contract import (
     Unavailable,
     Unsupported,
 )
-from harness.adapter.notice import Notice
-from harness.adapter.settings import Settings, SettingsError
-from harness.adapter.simulation import Simulation
-from harness.adapter.trade_off import TradeOff
+from plumbline.harness.adapter.notice import Notice
+from plumbline.harness.adapter.settings import Settings, SettingsError
+from plumbline.harness.adapter.simulation import Simulation
+from plumbline.harness.adapter.trade_off import TradeOff
 
 __all__ = [
     "Adapter",

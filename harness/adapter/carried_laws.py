@@ -1,7 +1,7 @@
 """What a joint carries beside its constraint: the laws along its coordinate, by the names of their fields."""
 
-from harness.adapter.contract import Unsupported
-from harness.scene import Joint, Scene
+from plumbline.harness.adapter.contract import Unsupported
+from plumbline.harness.scene import Joint, Scene
 
 LAWS = ("limits", "spring", "drive", "armature", "friction_loss", "speed_limit", "coupling")
 

@@ -49,19 +49,19 @@ from enum import Flag, auto
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness.adapter.advantage import Advantage
-from harness.adapter.kernels import Kernels
-from harness.adapter.many_worlds import Batch, Turns
-from harness.adapter.settings import Settings
-from harness.adapter.simulation import Simulation
-from harness.adapter.trade_off import TradeOff, check_named
-from harness.scene import Effect, Scene
-from harness.trajectory import Floats
+from plumbline.harness.adapter.advantage import Advantage
+from plumbline.harness.adapter.kernels import Kernels
+from plumbline.harness.adapter.many_worlds import Batch, Turns
+from plumbline.harness.adapter.settings import Settings
+from plumbline.harness.adapter.simulation import Simulation
+from plumbline.harness.adapter.trade_off import TradeOff, check_named
+from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.trajectory import Floats
 
 if TYPE_CHECKING:
-    from harness.scene.parity.facts import RobotFacts
-    from harness.scene.parity.loaded import Loaded, Request
-    from harness.scene.parity.parting import Motion
+    from plumbline.harness.scene.parity.facts import RobotFacts
+    from plumbline.harness.scene.parity.loaded import Loaded, Request
+    from plumbline.harness.scene.parity.parting import Motion
 
 
 class Feature(Flag):

@@ -23,9 +23,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene import WORLD, Distance, Effect, Joint, Scene
-from harness.trajectory import Floats, Integers, State
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.scene import WORLD, Distance, Effect, Joint, Scene
+from plumbline.harness.trajectory import Floats, Integers, State
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 
 def is_distance_spring(joint: Joint) -> bool:

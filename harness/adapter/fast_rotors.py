@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.adapter.notice import Notice
-from harness.adapter.rotations import matrix
-from harness.adapter.spanning_forest import Branch, spanning_forest
-from harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
-from harness.trajectory import Floats
+from plumbline.harness.adapter.notice import Notice
+from plumbline.harness.adapter.rotations import matrix
+from plumbline.harness.adapter.spanning_forest import Branch, spanning_forest
+from plumbline.harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import Floats
 
 WOBBLE = 20.0
 """The rate [rad/s] from which on a wobble counts: at 1/240 s it more than doubles each second, e^(W^2 h/2) = 2.3."""

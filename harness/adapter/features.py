@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from harness.adapter import Feature
-from harness.adapter.disjoint_sets import DisjointSets
-from harness.adapter.distance_springs import is_distance_spring
-from harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
+from plumbline.harness.adapter import Feature
+from plumbline.harness.adapter.disjoint_sets import DisjointSets
+from plumbline.harness.adapter.distance_springs import is_distance_spring
+from plumbline.harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
 
 _DAMPING = {Effect.LINEAR_DAMPING: Feature.LINEAR_DAMPING, Effect.ANGULAR_DAMPING: Feature.ANGULAR_DAMPING}
 _CONTACT = {

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.scene import Joint, Scene
-from harness.trajectory import Floats, State
-from harness.trajectory.kinematics import product, rotate, rotate_back
+from plumbline.harness.scene import Joint, Scene
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import product, rotate, rotate_back
 
 
 def turned_back(state: State, time: float) -> State:

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter.simulation import Simulation
-from harness.scene import Scene
-from harness.trajectory import Floats, State
-from harness.trajectory.joint_states import JointStates, joint_states
+from plumbline.harness.adapter.simulation import Simulation
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.joint_states import JointStates, joint_states
 
 
 def joints_of(simulation: Simulation, scene: Scene, near: Floats | None = None) -> JointStates:

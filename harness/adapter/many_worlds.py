@@ -5,10 +5,10 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.adapter.notice import Notice
-from harness.adapter.settings import Settings
-from harness.adapter.simulation import Simulation
-from harness.trajectory import State
+from plumbline.harness.adapter.notice import Notice
+from plumbline.harness.adapter.settings import Settings
+from plumbline.harness.adapter.simulation import Simulation
+from plumbline.harness.trajectory import State
 
 
 class Batch(Protocol):

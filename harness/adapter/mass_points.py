@@ -12,12 +12,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.adapter.contract import Unsupported
-from harness.adapter.disjoint_sets import DisjointSets
-from harness.adapter.simulation import Simulation
-from harness.adapter.what_goes_in import check_wrench
-from harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene, principal_inertia
-from harness.trajectory import Floats
+from plumbline.harness.adapter.contract import Unsupported
+from plumbline.harness.adapter.disjoint_sets import DisjointSets
+from plumbline.harness.adapter.simulation import Simulation
+from plumbline.harness.adapter.what_goes_in import check_wrench
+from plumbline.harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene, principal_inertia
+from plumbline.harness.trajectory import Floats
 
 POINTS_AS_BODIES = (
     "the engine has no word for a body without inertia; a point that nothing turns is told as a ball, one that is fixed to a "

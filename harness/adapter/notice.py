@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from harness.scene import Effect
+from plumbline.harness.scene import Effect
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene import Body, Quaternion, Vector3, rotation_matrix
-from harness.trajectory import Floats
+from plumbline.harness.scene import Body, Quaternion, Vector3, rotation_matrix
+from plumbline.harness.trajectory import Floats
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from harness.intake.mendable import Mendable
-from harness.trajectory.pace import PACES
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.trajectory.pace import PACES
 
 
 class SettingsError(Mendable, ValueError):

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Protocol
 
-from harness.adapter.notice import Notice
-from harness.adapter.settings import Settings
-from harness.scene import Camera
-from harness.trajectory import Contacts, Floats, Hits, Image, State
+from plumbline.harness.adapter.notice import Notice
+from plumbline.harness.adapter.settings import Settings
+from plumbline.harness.scene import Camera
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
 
 
 class Simulation(Protocol):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Generic, TypeVar
 
-from harness.adapter.disjoint_sets import DisjointSets
+from plumbline.harness.adapter.disjoint_sets import DisjointSets
 
 Node = TypeVar("Node", bound=Hashable)
 Edge = TypeVar("Edge")

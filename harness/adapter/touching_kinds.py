@@ -1,6 +1,6 @@
 """The kinds of body that can touch, with the law of contact of each pair of kinds."""
 
-from harness.scene import Scene, Surface
+from plumbline.harness.scene import Scene, Surface
 
 Kind = tuple[str, bool]
 """A material, and whether the bodies of it move: what stands still may be given another number than what moves."""

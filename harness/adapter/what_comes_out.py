@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Diverged, Notice, Settings, Simulation
-from harness.adapter.notice import as_notices
-from harness.scene import Camera, Scene
-from harness.trajectory import UNSHARED, Contacts, Floats, Hits, Image, State
-from harness.trajectory.joint_states import JointStates
+from plumbline.harness.adapter import Diverged, Notice, Settings, Simulation
+from plumbline.harness.adapter.notice import as_notices
+from plumbline.harness.scene import Camera, Scene
+from plumbline.harness.trajectory import UNSHARED, Contacts, Floats, Hits, Image, State
+from plumbline.harness.trajectory.joint_states import JointStates
 
 LARGEST = 1e100
 """What no position, velocity or force may exceed, in SI units; the square of a number beyond 1e154 is infinite."""

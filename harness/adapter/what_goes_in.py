@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import Prismatic, Revolute, Scene, Vector3
-from harness.trajectory import Floats, State
+from plumbline.harness.scene import Prismatic, Revolute, Scene, Vector3
+from plumbline.harness.trajectory import Floats, State
 
 DIRECTION = 1e-6
 """By how much the square of a direction's length may differ from 1: unit vectors that were rounded to single precision have

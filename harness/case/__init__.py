@@ -1,6 +1,6 @@
 """A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
 
-from harness.case.case import Axis, Case, Check, Clocks, Converged, Rays, Unit
+from plumbline.harness.case.case import Axis, Case, Check, Clocks, Converged, Rays, Unit
 
 __all__ = [
     "Axis",

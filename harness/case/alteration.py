@@ -8,9 +8,9 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypeAlias
 
-from harness.case.starts import perturbed
-from harness.case.symmetries import Retelling, nudged, reordered, restored
-from harness.scene import Effect, Scene
+from plumbline.harness.case.starts import perturbed
+from plumbline.harness.case.symmetries import Retelling, nudged, reordered, restored
+from plumbline.harness.scene import Effect, Scene
 
 Variables: TypeAlias = tuple[tuple[str, str], ...]
 """Environment variables, each with its value."""

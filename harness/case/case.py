@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from harness.case.forces import Control
-from harness.case.symmetries import Retelling
-from harness.metric import Metric
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.case.forces import Control
+from plumbline.harness.case.symmetries import Retelling
+from plumbline.harness.metric import Metric
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 Unit = Literal["step", "ray", "world-step", "read-step", "call", "sensing"]
 """What a price is paid for: one step of a scene, one ray of a cast, one step of one of many worlds, one step with the state of

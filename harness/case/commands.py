@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
-from harness.case.forces import Control, Velocities
-from harness.scene import Effect, Prismatic, Revolute, Scene
+from plumbline.harness.case.forces import Control, Velocities
+from plumbline.harness.scene import Effect, Prismatic, Revolute, Scene
 
 Targets = Callable[[float], Mapping[str, float]]
 

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Simulation
-from harness.scene import Vector3
-from harness.trajectory import Floats, State
-from harness.trajectory.kinematics import product
-from harness.trajectory.pace import Pace
+from plumbline.harness.adapter import Simulation
+from plumbline.harness.scene import Vector3
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import product
+from plumbline.harness.trajectory.pace import Pace
 
 Velocities = Callable[[float, float], Mapping[str, tuple[Vector3, Vector3]]]
 """(time, step) [s] to v_WB [m/s] and w_WB [rad/s] over that step, by the names of kinematic bodies."""

@@ -7,16 +7,25 @@ They stay defined where no two runs can be compared any more.
 
 from pathlib import Path
 
-from harness.case import Case, Check
-from harness.case.own_titles import title_of
-from harness.case.undropped import kinds_left_out, undropped_scene
-from harness.intake.documents import named
-from harness.intake.refusal import RobotError
-from harness.metrics import contact_residuals, divergence, energy, joint_gap, limits, momentum, own_readings, penetration
-from harness.scene import Effect, Scene
-from harness.scene.importers.companion import beside, load_companion
-from harness.scene.importers.reading import read
-from harness.sensors.recorder import steps_between_readings, steps_of_latency
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.own_titles import title_of
+from plumbline.harness.case.undropped import kinds_left_out, undropped_scene
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.metrics import (
+    contact_residuals,
+    divergence,
+    energy,
+    joint_gap,
+    limits,
+    momentum,
+    own_readings,
+    penetration,
+)
+from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.scene.importers.companion import beside, load_companion
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.sensors.recorder import steps_between_readings, steps_of_latency
 
 HEADLINE = "distance_from_limit"
 """Not measured in a trial: how far it is from what all end at is known when all have run (`harness.findings.agreement`)."""

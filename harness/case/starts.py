@@ -23,10 +23,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.case.symmetries import Retelling, turned
-from harness.scene import Scene, axis_angle, rotate, width
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.touching import touches
+from plumbline.harness.case.symmetries import Retelling, turned
+from plumbline.harness.scene import Scene, axis_angle, rotate, width
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.touching import touches
 
 TOLERANCE = 1e-4
 """Of a body's width: a tenth of a millimetre at a metre, what a machine shop holds (ISO 2768-1 fine, 0.1..0.15 mm at 1 m)."""

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import WORLD, Body, Joint, Prescribed, Quaternion, Scene, Vector3
-from harness.scene import multiply as times
-from harness.scene import rotate as turned_vector
-from harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
-from harness.trajectory import Trajectory
-from harness.trajectory.kinematics import conjugate, product, rotate
+from plumbline.harness.scene import WORLD, Body, Joint, Prescribed, Quaternion, Scene, Vector3
+from plumbline.harness.scene import multiply as times
+from plumbline.harness.scene import rotate as turned_vector
+from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.kinematics import conjugate, product, rotate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,9 +6,9 @@ The import keeps that scene beside the one that is run, as `NAME.undropped.toml`
 from itertools import combinations
 from pathlib import Path
 
-from harness.scene import Prismatic, Revolute, Scene
-from harness.scene.importers.companion import Companion
-from harness.scene.importers.reading import read
+from plumbline.harness.scene import Prismatic, Revolute, Scene
+from plumbline.harness.scene.importers.companion import Companion
+from plumbline.harness.scene.importers.reading import read
 
 KINDS = {"armature": "armature", "friction_loss": "friction_loss", "coupling": "mimic"}
 """What `--drop` calls what a joint may lack, by the name of the joint's field."""

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import say
-from harness.intake.safe_text import quoted
+from plumbline.harness.cli.guard import say
+from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from harness.adapter import Adapter
+    from plumbline.harness.adapter import Adapter
 
 
 def _package(name: str) -> str:
@@ -23,9 +23,9 @@ def chosen_engines(texts: "Sequence[str]") -> "dict[str, Adapter]":
 
     Raises: PluginError, VersionError; BadParameter, where the engine is no package of its own, or a wheel is another's.
     """
-    from harness.run.make_environment import ensure
-    from harness.study import plugins
-    from harness.study.engine_versions import version_wanted
+    from plumbline.harness.run.make_environment import ensure
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.engine_versions import version_wanted
 
     adapters: dict[str, Adapter] = {}
     for text in texts:

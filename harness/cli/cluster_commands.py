@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import GATE, gate, say, stop
-from harness.cli.publish import publish
+from plumbline.harness.cli.guard import GATE, gate, say, stop
+from plumbline.harness.cli.publish import publish
 
 if TYPE_CHECKING:
-    from harness.run.cluster.workplace import Workplace
+    from plumbline.harness.run.cluster.workplace import Workplace
 
 
 @contextmanager
@@ -21,7 +21,7 @@ def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
         yield None
         return
 
-    from harness.run.cluster.workplace import Workplace
+    from plumbline.harness.run.cluster.workplace import Workplace
 
     with Workplace(scheduler) as cluster:
         for sentence in cluster.described():
@@ -34,7 +34,7 @@ def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
 @click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder of all of them.")
 def merge(folders: tuple[Path, ...], out: Path) -> None:
     """Make the folders of one study's parts, run by --shard anywhere, into one."""
-    from harness.run.merge_folders import conflicts, merge_folders
+    from plumbline.harness.run.merge_folders import conflicts, merge_folders
 
     if sentences := conflicts(folders):
         for sentence in sentences:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import GATE, say
-from harness.cli.listing import print_json
-from harness.cli.options import opened
+from plumbline.harness.cli.guard import GATE, say
+from plumbline.harness.cli.listing import print_json
+from plumbline.harness.cli.options import opened
 
 if TYPE_CHECKING:
-    from harness.findings.changes import Changes
-    from harness.store.store import Store
+    from plumbline.harness.findings.changes import Changes
+    from plumbline.harness.store.store import Store
 
 _MOST = 60
 """Sentences that a terminal is given; the other formats have all."""
@@ -26,9 +26,9 @@ _MOST = 60
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where this engine is worse; may be repeated.")
 def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tuple[str, ...]) -> None:
     """What changed from DIR_A to DIR_B: accuracy exactly, time over what else was clocked in the same run."""
-    from harness.findings.changes import compare
-    from harness.findings.changes.comment import comment
-    from harness.findings.changes.files import flat_rows
+    from plumbline.harness.findings.changes import compare
+    from plumbline.harness.findings.changes.comment import comment
+    from plumbline.harness.findings.changes.files import flat_rows
 
     store_a, store_b = opened(folder_a), opened(folder_b)
     for engine in gated:
@@ -45,7 +45,7 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
         say(str(_write(changes, store_b, out, gated)), err=form != "text")
     barred = changes.regressions(gated)
     for row in barred:
-        from harness.findings.changes.words import sentence
+        from plumbline.harness.findings.changes.words import sentence
 
         say(f"gate: {sentence(row)}", err=True)
     if barred:
@@ -53,7 +53,7 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
 
 
 def _print(changes: "Changes") -> None:
-    from harness.findings.changes.words import command, first_line, folded, headline, one_a_side
+    from plumbline.harness.findings.changes.words import command, first_line, folded, headline, one_a_side
 
     say(first_line(changes))
     say(f"{headline(changes)}; {changes.clocked} were clocked on both")
@@ -70,9 +70,9 @@ def _print(changes: "Changes") -> None:
 
 def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...]) -> Path:
     """The files of a comparison. Returns: its page."""
-    from harness.findings.changes.files import changes_files
-    from harness.store.disk import make_folder, write_atomically
-    from reports import changes_page
+    from plumbline.harness.findings.changes.files import changes_files
+    from plumbline.harness.store.disk import make_folder, write_atomically
+    from plumbline.reports import changes_page
 
     make_folder(out)
     for name, content in changes_files(changes, store, gated).items():

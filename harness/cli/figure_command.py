@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import say
-from harness.cli.options import opened, run_folder
+from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.options import opened, run_folder
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 
 @click.command()
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="The folder for the files.")
 def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:
     """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme."""
-    from harness.store import disk
-    from reports.paper.figures import figures_of
+    from plumbline.harness.store import disk
+    from plumbline.reports.paper.figures import figures_of
 
     store = opened(folder)
     _known(store, case)

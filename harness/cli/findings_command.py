@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import GATE, say
-from harness.cli.listing import print_json, print_table
+from plumbline.harness.cli.guard import GATE, say
+from plumbline.harness.cli.listing import print_json, print_table
 
 if TYPE_CHECKING:
-    from harness.findings.vendor.finding import Finding
-    from harness.findings.vendor.still_there import Standing
+    from plumbline.harness.findings.vendor.finding import Finding
+    from plumbline.harness.findings.vendor.still_there import Standing
 
 
 @click.command()
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 )
 def findings(asked: str | None, run: bool, issue: bool, as_json: bool, python: Path | None) -> None:
     """What is wrong or a trap in ENGINE, as scripts in the vendor's own API."""
-    from harness.findings.vendor.finding import FindingError
-    from harness.findings.vendor.shelf import chosen, shelf
+    from plumbline.harness.findings.vendor.finding import FindingError
+    from plumbline.harness.findings.vendor.shelf import chosen, shelf
 
     try:
         every = shelf()
@@ -61,8 +61,8 @@ def _row(finding: "Finding") -> dict[str, object]:
 
 
 def _print_issue(those: "list[Finding]", asked: str | None, python: Path | None) -> None:
-    from harness.findings.vendor.issue_text import issue_text
-    from harness.findings.vendor.still_there import ask
+    from plumbline.harness.findings.vendor.issue_text import issue_text
+    from plumbline.harness.findings.vendor.still_there import ask
 
     if len(those) != 1:
         names = ", ".join(finding.name for finding in those)
@@ -71,7 +71,7 @@ def _print_issue(those: "list[Finding]", asked: str | None, python: Path | None)
 
 
 def _print_standings(those: "list[Finding]", as_json: bool, python: Path | None) -> None:
-    from harness.findings.vendor.still_there import ask_all
+    from plumbline.harness.findings.vendor.still_there import ask_all
 
     standings: list[Standing] = []
     for standing in ask_all(those, str(python or sys.executable)):

@@ -7,9 +7,9 @@ from typing import Any, NoReturn
 
 import click
 
-from harness.intake.mendable import Mendable
-from harness.intake.safe_text import one_line, readable
-from harness.run.interrupt import listen
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.safe_text import one_line, readable
+from plumbline.harness.run.interrupt import listen
 
 GATE, USAGE, MACHINE, INTERRUPTED = 1, 2, 3, 130
 """Exit codes: a check that failed, a wrong use, a machine that does not let us, a request to stop."""

@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import say
-from harness.cli.listing import print_json, print_table
-from harness.cli.options import json_rows
-from harness.cli.seconds import DAY, Age
+from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.listing import print_json, print_table
+from plumbline.harness.cli.options import json_rows
+from plumbline.harness.cli.seconds import DAY, Age
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from harness.history.folder import History
+    from plumbline.harness.history.folder import History
 
 
 @click.command()
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @json_rows
 def history(address: str, prune: bool, older: float | None, keep_nights: int | None, dry_run: bool, as_json: bool) -> None:
     """List the nights of the history DIR: machines, versions, what was recalled and computed, sizes."""
-    from harness.history.listing import COLUMNS, rows
+    from plumbline.harness.history.listing import COLUMNS, rows
 
     if not prune and (older is not None or keep_nights is not None or dry_run):
         raise click.UsageError("--older, --keep-nights and --dry-run are for --prune")
@@ -51,8 +51,8 @@ def at_hand(address: str) -> Any:
     from contextlib import contextmanager
     from pathlib import Path
 
-    from harness.history.address import copy_of, is_elsewhere
-    from harness.history.folder import opened
+    from plumbline.harness.history.address import copy_of, is_elsewhere
+    from plumbline.harness.history.folder import opened
 
     @contextmanager
     def reached() -> "Iterator[History]":
@@ -69,9 +69,9 @@ def at_hand(address: str) -> Any:
 def _prune(address: str, older: float | None, keep_nights: int | None, dry_run: bool) -> None:
     from contextlib import ExitStack
 
-    from harness.history.address import copy_of, is_elsewhere
-    from harness.history.lock import locked
-    from harness.history.retention import prune, pruning
+    from plumbline.harness.history.address import copy_of, is_elsewhere
+    from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.retention import prune, pruning
 
     with ExitStack() as held:
         elsewhere = copy_of(address) if is_elsewhere(address) else None

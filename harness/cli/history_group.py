@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import say
-from harness.cli.history_command import at_hand
-from harness.cli.history_command import history as nights
-from harness.cli.listing import print_json
-from harness.cli.options import json_rows
+from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.history_command import at_hand
+from plumbline.harness.cli.history_command import history as nights
+from plumbline.harness.cli.listing import print_json
+from plumbline.harness.cli.options import json_rows
 
 if TYPE_CHECKING:
-    from harness.history.regressions import Trends
+    from plumbline.harness.history.regressions import Trends
 
 
 class _NightsByDefault(click.Group):
@@ -37,8 +37,8 @@ history.add_command(nights, "nights")
 @json_rows
 def trends(address: str, as_json: bool) -> None:
     """What got worse over the nights of DIR, first bad night first, and a page of every series."""
-    from harness.history.regressions import read_trends
-    from reports import trends_page
+    from plumbline.harness.history.regressions import read_trends
+    from plumbline.reports import trends_page
 
     with at_hand(address) as kept:
         read = read_trends(kept)
@@ -84,9 +84,9 @@ def ack(name: str, note: str, address: str) -> None:
     """Write down that the change ID was seen: it is not told again."""
     from dataclasses import replace
 
-    from harness.history.acknowledged import acknowledge
-    from harness.history.identity import Named
-    from harness.history.regressions import read_trends
+    from plumbline.harness.history.acknowledged import acknowledge
+    from plumbline.harness.history.identity import Named
+    from plumbline.harness.history.regressions import read_trends
 
     with at_hand(address) as kept:
         known = {
@@ -106,7 +106,7 @@ def ack(name: str, note: str, address: str) -> None:
 
 def _send(address: str) -> None:
     """Take the acknowledgement to where the history lies, where that is elsewhere."""
-    from harness.history.address import copy_of, is_elsewhere
+    from plumbline.harness.history.address import copy_of, is_elsewhere
 
     if is_elsewhere(address):
         copy_of(address).send()

@@ -4,10 +4,10 @@ import sys
 
 import click
 
-from harness.cli.guard import GATE, say, stop
-from harness.cli.listing import print_json, print_table
-from harness.cli.options import json_rows
-from harness.cli.seconds import DAY, Age
+from plumbline.harness.cli.guard import GATE, say, stop
+from plumbline.harness.cli.listing import print_json, print_table
+from plumbline.harness.cli.options import json_rows
+from plumbline.harness.cli.seconds import DAY, Age
 
 _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed": 4}
 """Of outcomes in a listing: what has to be looked at first; the last two only where all is asked for."""
@@ -20,14 +20,14 @@ _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed":
 @json_rows
 def engines(prune: bool, older: float, dry_run: bool, as_json: bool) -> None:
     """List what is installed: version, features, and why something is unavailable; or prune environments of versions."""
-    from harness.study import plugins
+    from plumbline.harness.study import plugins
 
     if dry_run and not prune:
         raise click.UsageError("--dry-run is for --prune")
     if prune:
         _prune(older, dry_run)
         return
-    from harness.study.catalogue import describe_engine
+    from plumbline.harness.study.catalogue import describe_engine
 
     rows = [describe_engine(adapter) for adapter in plugins.adapters().values()]
     if as_json:
@@ -40,7 +40,7 @@ def engines(prune: bool, older: float, dry_run: bool, as_json: bool) -> None:
 
 
 def _prune(older: float, dry_run: bool) -> None:
-    from harness.run.old_environments import old_environments, remove
+    from plumbline.harness.run.old_environments import old_environments, remove
 
     old = [each for each in old_environments(older) if dry_run or remove(each)]
     for each in old:
@@ -51,7 +51,7 @@ def _prune(older: float, dry_run: bool) -> None:
 
 def left_out(*kinds: str) -> list[str]:
     """Third parties' plug-ins of these kinds that cannot be loaded, in words."""
-    from harness.study import plugins
+    from plumbline.harness.study import plugins
 
     return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in plugins.left_out(kind).items()]
 
@@ -60,8 +60,8 @@ def left_out(*kinds: str) -> list[str]:
 @json_rows
 def cases(as_json: bool) -> None:
     """List the catalogue: question, truth, effects, source."""
-    from harness.study import plugins
-    from harness.study.catalogue import describe_case
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.catalogue import describe_case
 
     catalogue = plugins.cases().values()
     for sentence in left_out("cases"):
@@ -85,11 +85,11 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) ->
     """Put one adapter, built in or third-party, through the conformance kit; also ENGINE==VERSION or ENGINE=FILE.whl."""
     from dataclasses import asdict
 
-    from harness.cli.chosen_engines import chosen_engines
-    from harness.conformance import gate, run_conformance
-    from harness.conformance.apart import outcomes_in
-    from harness.study import plugins
-    from harness.study.environments import environment_of
+    from plumbline.harness.cli.chosen_engines import chosen_engines
+    from plumbline.harness.conformance import gate, run_conformance
+    from plumbline.harness.conformance.apart import outcomes_in
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.environments import environment_of
 
     ((name, adapter),) = chosen_engines((engine,)).items()
     environment = environment_of(name) if name != engine else None

@@ -10,8 +10,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from harness.cli.paper_tables import Span
-from harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
+from plumbline.harness.cli.paper_tables import Span
+from plumbline.harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
 
 
 def print_json(rows: Sequence[dict[str, Any]]) -> None:

@@ -2,20 +2,20 @@
 
 import click
 
-from harness.cli.cluster_commands import merge
-from harness.cli.diff_command import diff
-from harness.cli.figure_command import figure
-from harness.cli.findings_command import findings
-from harness.cli.guard import Guarded
-from harness.cli.history_group import history
-from harness.cli.installed import cases, check, engines
-from harness.cli.nightly_command import nightly
-from harness.cli.parity_command import parity
-from harness.cli.run_folder import report, reproduce, serve, show, verify, view
-from harness.cli.run_study import run
-from harness.cli.scene_commands import scene
-from harness.cli.select_command import select
-from harness.cli.warm_command import warm
+from plumbline.harness.cli.cluster_commands import merge
+from plumbline.harness.cli.diff_command import diff
+from plumbline.harness.cli.figure_command import figure
+from plumbline.harness.cli.findings_command import findings
+from plumbline.harness.cli.guard import Guarded
+from plumbline.harness.cli.history_group import history
+from plumbline.harness.cli.installed import cases, check, engines
+from plumbline.harness.cli.nightly_command import nightly
+from plumbline.harness.cli.parity_command import parity
+from plumbline.harness.cli.run_folder import report, reproduce, serve, show, verify, view
+from plumbline.harness.cli.run_study import run
+from plumbline.harness.cli.scene_commands import scene
+from plumbline.harness.cli.select_command import select
+from plumbline.harness.cli.warm_command import warm
 
 
 @click.group(cls=Guarded, context_settings={"help_option_names": ["-h", "--help"]})

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import tomli_w
 
-from harness.findings.effects_audit import audit, idle, scenes_of
-from harness.findings.tables import effects
-from harness.scene import Effect
-from harness.scene.file import dump_toml
-from harness.scene.importers.companion import beside, load_companion
-from harness.store import disk
-from harness.store.imported_scenes import MINIMAL
-from harness.study.plugins import SCENE_PREFIX
+from plumbline.harness.findings.effects_audit import audit, idle, scenes_of
+from plumbline.harness.findings.tables import effects
+from plumbline.harness.scene import Effect
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.importers.companion import beside, load_companion
+from plumbline.harness.store import disk
+from plumbline.harness.store.imported_scenes import MINIMAL
+from plumbline.harness.study.plugins import SCENE_PREFIX
 
 if TYPE_CHECKING:
-    from harness.case import Case
-    from harness.store.store import Store
+    from plumbline.harness.case import Case
+    from plumbline.harness.store.store import Store
 
 _OF_A_RUN = ("duration", "dt", "seed")
 

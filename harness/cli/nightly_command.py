@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
-from harness.cli.seconds import Seconds
-from harness.intake.safe_text import quoted
+from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from plumbline.harness.cli.seconds import Seconds
+from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
-    from harness.history.address import Elsewhere
-    from harness.history.folder import History
-    from harness.history.night import Asked, Done
-    from harness.history.since_last_seen import News
+    from plumbline.harness.history.address import Elsewhere
+    from plumbline.harness.history.folder import History
+    from plumbline.harness.history.night import Asked, Done
+    from plumbline.harness.history.since_last_seen import News
 
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
@@ -43,9 +43,9 @@ _SPARE = 3600.0
 @click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
 def nightly(address: str, budget: float | None, notify: str | None, reported: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
-    from harness.history.address import copy_of, is_elsewhere
-    from harness.history.folder import created
-    from harness.history.lock import locked
+    from plumbline.harness.history.address import copy_of, is_elsewhere
+    from plumbline.harness.history.folder import created
+    from plumbline.harness.history.lock import locked
 
     asked = _asked(budget=math.inf if budget is None else budget, **given)
     elsewhere = copy_of(address) if is_elsewhere(address) else None
@@ -64,11 +64,11 @@ def nightly(address: str, budget: float | None, notify: str | None, reported: bo
 def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, **rest: Any
 ) -> "Asked":
-    from harness.cli.run_study import study_and_cases
-    from harness.history.night import Asked
-    from harness.study import plugins
-    from harness.study.catalogue import describe_engine
-    from harness.study.experiment import StudyError
+    from plumbline.harness.cli.run_study import study_and_cases
+    from plumbline.harness.history.night import Asked
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.catalogue import describe_engine
+    from plumbline.harness.study.experiment import StudyError
 
     try:
         plan, cases = study_and_cases(study, globs)
@@ -86,13 +86,13 @@ def _asked(
 
 def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
     """Carry it out and close it. Returns: is a gated engine worse, or a page of the report not made?"""
-    from harness.findings.changes.words import headline
-    from harness.findings.summary import write_summary
-    from harness.findings.vendor.shelf import shelf
-    from harness.history.known_findings import asked_again, turned
-    from harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-    from harness.history.words import in_short, left_out_in_short, unanswered_in_short, worse_in_short
-    from harness.study.experiment import StudyError
+    from plumbline.harness.findings.changes.words import headline
+    from plumbline.harness.findings.summary import write_summary
+    from plumbline.harness.findings.vendor.shelf import shelf
+    from plumbline.harness.history.known_findings import asked_again, turned
+    from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+    from plumbline.harness.history.words import in_short, left_out_in_short, unanswered_in_short, worse_in_short
+    from plumbline.harness.study.experiment import StudyError
 
     night, not_made = night_to_do(history, asked), list[str]()
     night.folder.mkdir(parents=True, exist_ok=True)
@@ -149,7 +149,7 @@ def _logged(path: Path) -> Iterator[None]:
 
 def _publish(done: "Done", news: "News | None") -> list[str]:
     """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
-    from reports import build, write_recordings
+    from plumbline.reports import build, write_recordings
 
     trials = done.store.trials
     fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
@@ -163,9 +163,9 @@ def _publish(done: "Done", news: "News | None") -> list[str]:
 
 def _write_comparison(done: "Done", news: "News | None") -> None:
     """What changed, for build servers and other trackers, and as a page: before the report, whose first page leads to it."""
-    from harness.findings.changes.files import changes_files
-    from harness.store.disk import make_folder, write_atomically
-    from reports import changes_page
+    from plumbline.harness.findings.changes.files import changes_files
+    from plumbline.harness.store.disk import make_folder, write_atomically
+    from plumbline.reports import changes_page
 
     folder = done.night.folder / "changes"
     make_folder(folder)
@@ -179,9 +179,9 @@ def _write_summary(
     history: "History", done: "Done", news: "News | None", account: dict[str, Any], findings: Sequence[str]
 ) -> Path:
     """What changed, for people. Returns: summary.md."""
-    from harness.history.acknowledged import acknowledged
-    from harness.history.words import open_since, summary
-    from harness.store.disk import write_atomically
+    from plumbline.harness.history.acknowledged import acknowledged
+    from plumbline.harness.history.words import open_since, summary
+    from plumbline.harness.store.disk import write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]
     standing = open_since(plans, acknowledged(history), () if news is None else news.ended)

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.intake.allowance import allowing
+from plumbline.harness.intake.allowance import allowing
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 json_rows = click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 run_folder = click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
@@ -32,7 +32,7 @@ limited = click.option(
 
 def opened(folder: Path) -> "Store":
     """The store of a folder; what a reader has to know of it goes to standard error."""
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
     store = Store(folder)
     for note in store.notes:

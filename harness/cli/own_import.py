@@ -4,15 +4,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness.cli.guard import USAGE, say, stop
-from harness.cli.robot_options import imported_from, is_robot
-from harness.intake.documents import named
+from plumbline.harness.cli.guard import USAGE, say, stop
+from plumbline.harness.cli.robot_options import imported_from, is_robot
+from plumbline.harness.intake.documents import named
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from harness.adapter import Adapter
-    from harness.scene import Scene
+    from plumbline.harness.adapter import Adapter
+    from plumbline.harness.scene import Scene
 
 
 def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
@@ -25,7 +25,7 @@ def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
     if not is_robot(path) and not asked:
         return name
 
-    from harness.store.imported_scenes import keep
+    from plumbline.harness.store.imported_scenes import keep
 
     imported = imported_from(path, options, looks=True)
     of_run = {key: options[key] for key in ("dt", "duration") if options.get(key) is not None}
@@ -43,8 +43,8 @@ def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
 
 def refuse_two_frictions(file: str, scene: "Scene", adapters: "Mapping[str, Adapter]") -> None:
     """Stop where static friction lies above kinetic friction and an engine has one coefficient alone."""
-    from harness.adapter import Feature
-    from harness.scene import Effect
+    from plumbline.harness.adapter import Feature
+    from plumbline.harness.scene import Effect
 
     both = [law for law in scene.surfaces if law.static_friction > law.kinetic_friction]
     lacking = [name for name, adapter in adapters.items() if Feature.STATIC_FRICTION not in adapter.features]

@@ -2,15 +2,15 @@
 
 from typing import TYPE_CHECKING
 
-from harness.findings import tables
+from plumbline.harness.findings import tables
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 
 def shown_status(case: str, status: str) -> str:
     """The status of a trial as it is shown: in a scene of one's own the only check is that numbers are finite."""
-    from harness.study.plugins import SCENE_PREFIX
+    from plumbline.harness.study.plugins import SCENE_PREFIX
 
     return "finite" if status == "passed" and case.startswith(SCENE_PREFIX) else status
 
@@ -28,7 +28,7 @@ def closing_count(store: "Store") -> str:
 
 def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
-    from harness.findings.agreement.costs import cost_words
+    from plumbline.harness.findings.agreement.costs import cost_words
 
     verdicts, effects = (tables.sentences(table, table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
     return [*verdicts, *cost_words(store), *effects]

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.steps_taken import substeps_of
 
 if TYPE_CHECKING:
-    from harness.findings.limits_found import Search
-    from harness.store.store import Store
+    from plumbline.harness.findings.limits_found import Search
+    from plumbline.harness.store.store import Store
 
 Row = Sequence[object]
 
@@ -32,7 +32,7 @@ def paper_table(store: "Store", name: str, rows: Sequence[Mapping[str, Any]]) ->
         case "steps":
             return _STEPS, [_step(row, titles) for row in rows]
         case "limits":
-            from harness.findings.limits_found import searches
+            from plumbline.harness.findings.limits_found import searches
 
             return _LIMITS, [_limit(search, titles) for search in searches(store) if not search.remedied]
         case _:
@@ -48,7 +48,7 @@ class _Titles:
 
     @classmethod
     def of(cls, store: "Store") -> "_Titles":
-        from reports.words.catalogue import cases, engines
+        from plumbline.reports.words.catalogue import cases, engines
 
         of_cases = {name: str(case["title"]) for name, case in cases(store).items()}
         return cls(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})
@@ -154,8 +154,8 @@ _LIMITS = ("Case", "Engine", "Track", "Axis", "Unit", "Held to", "Broke at", "CP
 
 
 def _limit(search: "Search", titles: _Titles) -> Row:
-    from harness.findings.parameter_words import called
-    from harness.metric.titles import metric_title  # late: NumPy comes with it, and every command reads this file
+    from plumbline.harness.findings.parameter_words import called
+    from plumbline.harness.metric.titles import metric_title  # late: NumPy comes with it, and every command reads this file
 
     about = (titles.scene(search.case, search.where), titles.engines[search.engine], search.track)
     axis = (called(search.case, search.axis), "" if search.unit == "1" else search.unit)

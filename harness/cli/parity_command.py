@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import GATE, say
-from harness.cli.listing import print_json, print_table
-from harness.cli.options import json_rows, limited
-from harness.intake.import_wishes import DROPPABLE, Wishes, package_roots
+from plumbline.harness.cli.guard import GATE, say
+from plumbline.harness.cli.listing import print_json, print_table
+from plumbline.harness.cli.options import json_rows, limited
+from plumbline.harness.intake.import_wishes import DROPPABLE, Wishes, package_roots
 
 if TYPE_CHECKING:
-    from harness.run.importer_audit import Reading
-    from harness.scene.parity.difference import Difference
-    from harness.scene.parity.facts import RobotFacts
-    from harness.scene.parity.parting import Parting
-    from harness.store.parity_record import ParityRecord, Side
+    from plumbline.harness.run.importer_audit import Reading
+    from plumbline.harness.scene.parity.difference import Difference
+    from plumbline.harness.scene.parity.facts import RobotFacts
+    from plumbline.harness.scene.parity.parting import Parting
+    from plumbline.harness.store.parity_record import ParityRecord, Side
 
 _robot_file = click.Path(path_type=Path, dir_okay=False)
 
@@ -46,7 +46,7 @@ def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> Non
     names their engine: then 1 where it changes something that its documentation does not tell.
     """
     wishes = Wishes(drop=frozenset(options["drop"]), packages=package_roots(tuple(options["packages"])), root=options["root"])
-    from harness.scene.parity.comparison import TOLERANCE
+    from plumbline.harness.scene.parity.comparison import TOLERANCE
 
     options["tolerance"] = options["tolerance"] or TOLERANCE
     if other is None:
@@ -66,11 +66,11 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     """Compare two files. Do they differ?"""
     from dataclasses import asdict
 
-    from harness.scene.parity.comparison import compare, renamed
-    from harness.scene.parity.difference import plain
-    from harness.scene.parity.joint_names import joint_names
-    from harness.scene.parity.stated import pair_of
-    from harness.store.parity_record import Side
+    from plumbline.harness.scene.parity.comparison import compare, renamed
+    from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.scene.parity.joint_names import joint_names
+    from plumbline.harness.scene.parity.stated import pair_of
+    from plumbline.harness.store.parity_record import Side
 
     tolerance = options["tolerance"]
     a, b = pair_of(file, other, wishes)
@@ -97,12 +97,12 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any]) -> "Partin
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
-    from harness.intake.refusal import RobotError
-    from harness.scene.parity.comparison import EARTH, aligned
-    from harness.scene.parity.motion import Configuration
-    from harness.scene.parity.parting import motion_of, parting
-    from harness.scene.parity.states import drawn
-    from harness.study import plugins
+    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.scene.parity.comparison import EARTH, aligned
+    from plumbline.harness.scene.parity.motion import Configuration
+    from plumbline.harness.scene.parity.parting import motion_of, parting
+    from plumbline.harness.scene.parity.states import drawn
+    from plumbline.harness.study import plugins
 
     partner = aligned(a, b)
     if partner is None or not a.joints:
@@ -126,16 +126,16 @@ def _told(parted: "Parting") -> str:
 
 
 def _move_name(move: str) -> str:
-    from harness.scene.parity.parting import MOVES
+    from plumbline.harness.scene.parity.parting import MOVES
 
     return move if move in MOVES else Path(move).name
 
 
 def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -> bool:
     """Compare a file with what each engine's own loader makes of it. Does a gated engine change it undocumented?"""
-    from harness.run.importer_audit import audit
-    from harness.scene.parity.difference import plain
-    from harness.study import plugins
+    from plumbline.harness.run.importer_audit import audit
+    from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.study import plugins
 
     for name in options["gated"]:
         if name not in plugins.names("adapters") or not plugins.adapter(name).loaders:
@@ -173,9 +173,9 @@ def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
 
 
 def _side(reading: "Reading") -> "Side":
-    from harness.scene.parity.difference import plain
-    from harness.store.parity_record import Side
-    from harness.study import plugins
+    from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.store.parity_record import Side
+    from plumbline.harness.study import plugins
 
     name = f"{plugins.adapter(reading.engine).title} {reading.way}".strip()
     return Side(
@@ -195,8 +195,8 @@ def _keep(
     """Where --out asks for it, the record of the comparison and its page."""
     if options["out"] is None:
         return
-    import reports
-    from harness.store import parity_record
+    from plumbline import reports
+    from plumbline.harness.store import parity_record
 
     record: ParityRecord = parity_record.ParityRecord(
         file=file.name, joints=len(a.joints), root=root, tolerance=options["tolerance"], seed=options["seed"], sides=sides,

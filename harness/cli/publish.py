@@ -3,14 +3,14 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
-    from reports.html.report import WrittenReport
+    from plumbline.harness.store.store import Store
+    from plumbline.reports.html.report import WrittenReport
 
 
 def publish(store: "Store", recordings: bool) -> "WrittenReport":
     """Write what people look at: summary, recordings, report."""
-    from harness.findings.summary import write_summary
-    from reports import build, write_recordings
+    from plumbline.harness.findings.summary import write_summary
+    from plumbline.reports import build, write_recordings
 
     write_summary(store)
     if recordings:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from harness.cli.guard import say
-from harness.cli.seconds import Seconds
-from harness.intake.documents import document
-from harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, package_roots
+from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.seconds import Seconds
+from plumbline.harness.intake.documents import document
+from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, package_roots
 
 if TYPE_CHECKING:
-    from harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.imported import Imported
 
 _OPTIONS = (
     click.option(
@@ -79,7 +79,7 @@ def is_robot(path: Path) -> bool:
     if path.suffix in {"", ".json", ".toml"}:
         return False
 
-    from harness.scene.importers.known import robot_endings
+    from plumbline.harness.scene.importers.known import robot_endings
 
     return path.suffix.lower() in robot_endings()
 
@@ -97,6 +97,6 @@ def imported_from(path: Path, options: dict[str, Any], *, looks: bool = False) -
     """The import of a file under these options. Args: looks: read how it looks too. Raises: RobotError, SceneError."""
     wishes = replace(wishes_of(options), looks=looks, tell=partial(say, err=True))
 
-    from harness.scene.importers.reading import read
+    from plumbline.harness.scene.importers.reading import read
 
     return read(path, wishes)

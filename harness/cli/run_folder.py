@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import GATE, MACHINE, gate, say, stop
-from harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
-from harness.cli.options import limited, opened, run_folder
-from harness.cli.own_scene import shown_status
-from harness.cli.paper_tables import paper_table
-from harness.findings import tables
-from harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.cli.guard import GATE, MACHINE, gate, say, stop
+from plumbline.harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
+from plumbline.harness.cli.options import limited, opened, run_folder
+from plumbline.harness.cli.own_scene import shown_status
+from plumbline.harness.cli.paper_tables import paper_table
+from plumbline.harness.findings import tables
+from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
@@ -57,7 +57,7 @@ def show(folder: Path, table: str, form: str) -> None:
         if form == "markdown":
             print_markdown(*printed)
         else:
-            from reports.words.citation import citation
+            from plumbline.reports.words.citation import citation
 
             print_latex(*printed, citation(store))
     elif worked_out is not None:
@@ -94,7 +94,7 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
 
     Exit code 1 if a page could not be made: it is named, here and on the first page, and the others are written.
     """
-    from reports import build, print_report
+    from plumbline.reports import build, print_report
 
     history = (folder / "history.json").is_file()
     if history and pdf:
@@ -110,9 +110,9 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
 
 
 def _trends(folder: Path) -> Path:
-    from harness.history.folder import opened as opened_history
-    from harness.history.regressions import read_trends
-    from reports import trends_page
+    from plumbline.harness.history.folder import opened as opened_history
+    from plumbline.harness.history.regressions import read_trends
+    from plumbline.reports import trends_page
 
     return trends_page(read_trends(opened_history(folder)), folder / "report")
 
@@ -122,7 +122,7 @@ def _trends(folder: Path) -> Path:
 @click.argument("case")
 def view(folder: Path, case: str) -> None:
     """Open the recording of CASE in the rerun viewer."""
-    from reports import open_viewer, recording_of
+    from plumbline.reports import open_viewer, recording_of
 
     path = recording_of(folder, case)
     say(f"opening {path}", err=True)
@@ -134,7 +134,7 @@ def view(folder: Path, case: str) -> None:
 @click.option("--port", type=click.IntRange(0, 65535), default=8800, show_default=True, help="0 takes any free port.")
 def serve(folder: Path, port: int) -> None:
     """Serve the report and the web viewer of DIR on loopback until interrupted."""
-    from reports import serve as serve_reports
+    from plumbline.reports import serve as serve_reports
 
     serve_reports(opened(folder).folder, port, announce=say)
 
@@ -143,9 +143,9 @@ def serve(folder: Path, port: int) -> None:
 @run_folder
 def verify(folder: Path) -> None:
     """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
-    from harness.history.folder import opened as opened_history
-    from harness.history.soundness import problems_of
-    from harness.run.verify import notices, problems
+    from plumbline.harness.history.folder import opened as opened_history
+    from plumbline.harness.history.soundness import problems_of
+    from plumbline.harness.run.verify import notices, problems
 
     history = opened_history(folder) if (folder / "history.json").is_file() else None
     sentences = [str(problem) for problem in (problems(folder) if history is None else problems_of(history))]
@@ -167,11 +167,11 @@ def reproduce(folder: Path, trial: str) -> None:
     """Run TRIAL of DIR again and say whether the answer is bit-identical."""
     from tempfile import TemporaryDirectory
 
-    from harness.findings.likeness import AS_GOOD, likeness
-    from harness.run.isolated import run_isolated
-    from harness.store.machine_fingerprint import fingerprint
-    from harness.study import plugins
-    from harness.study.reproduce import trial_of
+    from plumbline.harness.findings.likeness import AS_GOOD, likeness
+    from plumbline.harness.run.isolated import run_isolated
+    from plumbline.harness.store.machine_fingerprint import fingerprint
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.reproduce import trial_of
 
     store = opened(folder)
     again = trial_of(store, trial)

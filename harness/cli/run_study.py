@@ -8,25 +8,25 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from harness.cli.chosen_engines import chosen_engines
-from harness.cli.cluster_commands import at_work
-from harness.cli.gate import failures
-from harness.cli.guard import GATE, INTERRUPTED, USAGE, gate, say, stop
-from harness.cli.installed import left_out
-from harness.cli.options import limited
-from harness.cli.own_import import refuse_two_frictions, scene_to_run
-from harness.cli.own_scene import closing_count, closing_words
-from harness.cli.publish import publish
-from harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
-from harness.cli.support import support_lines
-from harness.intake.safe_text import quoted
+from plumbline.harness.cli.chosen_engines import chosen_engines
+from plumbline.harness.cli.cluster_commands import at_work
+from plumbline.harness.cli.gate import failures
+from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, gate, say, stop
+from plumbline.harness.cli.installed import left_out
+from plumbline.harness.cli.options import limited
+from plumbline.harness.cli.own_import import refuse_two_frictions, scene_to_run
+from plumbline.harness.cli.own_scene import closing_count, closing_words
+from plumbline.harness.cli.publish import publish
+from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
+from plumbline.harness.cli.support import support_lines
+from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from harness.case import Case
-    from harness.store.store import Store
-    from harness.study.study import Study
+    from plumbline.harness.case import Case
+    from plumbline.harness.store.store import Store
+    from plumbline.harness.study.study import Study
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -39,15 +39,15 @@ def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str
 
 def _once(name: str, given: "Sequence[str]") -> None:
     """Refuse an option's value that is given twice."""
-    from harness.study.study import twice
+    from plumbline.harness.study.study import twice
 
     if double := twice(given):
         raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
 
 
 def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
-    from harness.study import plugins
-    from harness.study.own_scene import study_of
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.own_scene import study_of
 
     if own:
         case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
@@ -61,8 +61,8 @@ def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str
     """A study by its name or file, and those of the cases it asks about that a pattern names. Raises: StudyError."""
     from fnmatch import fnmatchcase
 
-    from harness.study import plugins
-    from harness.study.study import call_roll, load_study
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.study import call_roll, load_study
 
     study = load_study(name)
     _once("--case", globs)
@@ -91,7 +91,7 @@ def _of_file(study: str, error: Exception) -> str:
 
 def _propose(store: "Store", case: "Case") -> None:
     """Write the scene with what it needs alone, where the audit proposes one, and say how it is run."""
-    from harness.cli.minimal_scene import write_minimal
+    from plumbline.harness.cli.minimal_scene import write_minimal
 
     written = write_minimal(store, case)
     if written is not None:
@@ -153,8 +153,8 @@ def run(
         raise click.BadParameter(f"for scene and robot files alone; {quoted(study)} is none", param_hint=NAMES)
     _once("--engine", engine_names)
 
-    from harness.run.campaign import carry_out
-    from harness.study.experiment import StudyError
+    from plumbline.harness.run.campaign import carry_out
+    from plumbline.harness.study.experiment import StudyError
 
     try:
         plan, chosen = _study_and_cases(study, own, globs, budget)

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import say
-from harness.cli.listing import print_json, print_table
-from harness.cli.options import json_rows, limited
-from harness.cli.robot_options import imported_from, robot_options
+from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.listing import print_json, print_table
+from plumbline.harness.cli.options import json_rows, limited
+from plumbline.harness.cli.robot_options import imported_from, robot_options
 
 if TYPE_CHECKING:
-    from harness.scene import Scene
-    from harness.scene.importers.imported import Imported
+    from plumbline.harness.scene import Scene
+    from plumbline.harness.scene.importers.imported import Imported
 
 _file = click.argument("file", type=click.Path(path_type=Path))
 
@@ -29,7 +29,7 @@ def scene() -> None:
 @json_rows
 def check(file: Path, as_json: bool, **options: Any) -> None:
     """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
-    from harness.study import plugins
+    from plumbline.harness.study import plugins
 
     imported = imported_from(file, options)
     rows = [
@@ -47,7 +47,7 @@ def check(file: Path, as_json: bool, **options: Any) -> None:
 
 def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
     """Can an engine build a scene? With the reason where it cannot."""
-    from harness.adapter import Unavailable, Unsupported
+    from plumbline.harness.adapter import Unavailable, Unsupported
 
     try:
         adapter.build(scene, adapter.tracks["tuned"]).close()
@@ -65,7 +65,7 @@ def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
 @json_rows
 def show(file: Path, as_json: bool, **options: Any) -> None:
     """List the bodies, joints and totals of FILE, and what became of each element."""
-    from harness.scene.importers.fidelity import BRIEF, brief, plain
+    from plumbline.harness.scene.importers.fidelity import BRIEF, brief, plain
 
     imported = imported_from(file, options)
     rows = [plain(row) for row in imported.fidelity]
@@ -162,7 +162,7 @@ def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write it there instead; ending .toml or .json.")
 def convert(file: Path, out: Path | None, **options: Any) -> None:
     """Write FILE as our own TOML."""
-    from harness.scene.file import dump_json, dump_toml
+    from plumbline.harness.scene.file import dump_json, dump_toml
 
     if out is not None and out.suffix not in (".toml", ".json"):
         raise click.BadParameter(f"'{out.suffix}', expected .toml or .json", param_hint="--out")
@@ -179,7 +179,7 @@ def schema() -> None:
     """Print the JSON schema of scene files."""
     import json
 
-    from harness.scene.file import schema as of_scenes
+    from plumbline.harness.scene.file import schema as of_scenes
 
     click.echo(json.dumps(of_scenes(), indent=1))
 
@@ -188,7 +188,7 @@ def schema() -> None:
 @_file
 def new(file: Path) -> None:
     """Write a commented template to FILE, which is not there yet."""
-    from harness.scene.importers.template import TEMPLATE
+    from plumbline.harness.scene.importers.template import TEMPLATE
 
     if file.suffix != ".toml":
         raise click.BadParameter(f"'{file.suffix}', expected the ending .toml", param_hint="FILE")

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.safe_text import quoted
 
 DAY = 86400.0
 """Seconds."""

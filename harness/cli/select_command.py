@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from harness.cli.guard import say
-from harness.cli.listing import print_json, print_table
-from harness.cli.options import opened, run_folder
+from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.listing import print_json, print_table
+from plumbline.harness.cli.options import opened, run_folder
 
 if TYPE_CHECKING:
-    from harness.findings.selection import Answer
-    from harness.store.store import Store
+    from plumbline.harness.findings.selection import Answer
+    from plumbline.harness.store.store import Store
 
 
 def _listed(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
@@ -19,7 +19,7 @@ def _listed(_context: click.Context, _parameter: click.Parameter, given: tuple[s
 
 
 def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> dict[str, float]:
-    from harness.findings.selection import CRITERIA
+    from plumbline.harness.findings.selection import CRITERIA
 
     weights: dict[str, float] = {}
     for word in _listed(_context, _parameter, given):
@@ -63,8 +63,8 @@ def select(
     as_json: bool,
 ) -> None:
     """Which engine? By the run in DIR, for what is needed, and how surely."""
-    from harness.findings.selection import Wish, choose, read_preset
-    from harness.findings.selection.preset import merged
+    from plumbline.harness.findings.selection import Wish, choose, read_preset
+    from plumbline.harness.findings.selection.preset import merged
 
     store = opened(folder)
     base = read_preset(preset).wish() if preset else Wish()
@@ -90,7 +90,7 @@ def select(
 
 
 def _print_evidence(answer: "Answer", as_json: bool) -> None:
-    from harness.findings.selection import listing
+    from plumbline.harness.findings.selection import listing
 
     rows = listing.rows(answer)
     if as_json:
@@ -100,7 +100,7 @@ def _print_evidence(answer: "Answer", as_json: bool) -> None:
 
 
 def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
-    from harness.findings.selection import Wish
+    from plumbline.harness.findings.selection import Wish
 
     cases = {str(case) for case in store.trials["case"]}
     about = store.catalogue.get("cases", {})
@@ -140,13 +140,13 @@ def _rows(answer: "Answer") -> list[dict[str, Any]]:
 
 
 def _criteria() -> tuple[str, ...]:
-    from harness.findings.selection import CRITERIA
+    from plumbline.harness.findings.selection import CRITERIA
 
     return tuple(CRITERIA)
 
 
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
-    from harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
+    from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
 
     titles = store.titles
 

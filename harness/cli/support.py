@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.adapter import Adapter
-    from harness.case import Case
+    from plumbline.harness.adapter import Adapter
+    from plumbline.harness.case import Case
 
 
 def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]", droppable: bool = False) -> list[str]:
@@ -15,9 +15,9 @@ def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]"
 
     Args: droppable: is the one scene of a robot's file, of which `--drop` can leave out what an engine lacks?
     """
-    from harness.adapter.features import features_of
-    from harness.case.undropped import KINDS
-    from harness.study.plugins import version_of
+    from plumbline.harness.adapter.features import features_of
+    from plumbline.harness.case.undropped import KINDS
+    from plumbline.harness.study.plugins import version_of
 
     used = {name: features_of(case.scene(**case.parameters)) for name, case in cases.items()}
     lines = []

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from harness.cli.guard import MACHINE, say, stop
+from plumbline.harness.cli.guard import MACHINE, say, stop
 
 if TYPE_CHECKING:
-    from harness.adapter import Adapter
+    from plumbline.harness.adapter import Adapter
 
 _MOST = 8
 """Processes, unless more are asked for: each works out anew what functions share."""
@@ -26,7 +26,7 @@ _MOST = 8
 @click.option("--first", is_flag=True, help="Only what most scenes need; the quick study needs no more.")
 def warm(workers: int, first: bool) -> None:
     """Compile the functions that engines would compile in the first trials that need them; compiled ones are stored."""
-    from harness.study import plugins
+    from plumbline.harness.study import plugins
 
     failures = [
         f"{name}: {failure}" for name, adapter in plugins.adapters().items() for failure in _warm(adapter, workers, first)
@@ -39,8 +39,8 @@ def warm(workers: int, first: bool) -> None:
 
 def _warm(adapter: "Adapter", workers: int, first: bool) -> list[str]:
     """Compile what one engine lacks. Returns: what could not be compiled, with the reasons."""
-    from harness.adapter import Unavailable
-    from harness.run.warm_up import warm_up
+    from plumbline.harness.adapter import Unavailable
+    from plumbline.harness.run.warm_up import warm_up
 
     begun = time.monotonic()
     try:

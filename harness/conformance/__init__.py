@@ -4,7 +4,7 @@
 
     import pytest
 
-    from harness.conformance import CHECKS, run_check
+    from plumbline.harness.conformance import CHECKS, run_check
     from my_engine.plumbline import ADAPTER
 
 
@@ -22,10 +22,10 @@ A feature that the adapter does not claim makes the checks that need it not appl
 `Unsupported`. What a vendor's defaults do to the physics is declared in `Adapter.known_failures` and must then really fail.
 """
 
-from harness.conformance.catalogue import CHECKS
-from harness.conformance.check import ConformanceCheck, Finding
-from harness.conformance.checks.sensing.inertial import noise_axes_are_independent
-from harness.conformance.outcomes import Outcome, gate, run_check, run_conformance
+from plumbline.harness.conformance.catalogue import CHECKS
+from plumbline.harness.conformance.check import ConformanceCheck, Finding
+from plumbline.harness.conformance.checks.sensing.inertial import noise_axes_are_independent
+from plumbline.harness.conformance.outcomes import Outcome, gate, run_check, run_conformance
 
 __all__ = [
     "CHECKS",

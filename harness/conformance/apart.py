@@ -13,11 +13,11 @@ from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.conformance.catalogue import CHECKS
-from harness.conformance.outcomes import Outcome, run_check
-from harness.run.child import named_signal
-from harness.study import plugins
-from harness.study.environments import Environment, project_folders
+from plumbline.harness.conformance.catalogue import CHECKS
+from plumbline.harness.conformance.outcomes import Outcome, run_check
+from plumbline.harness.run.child import named_signal
+from plumbline.harness.study import plugins
+from plumbline.harness.study.environments import Environment, project_folders
 
 LONGEST = 3600.0
 """Seconds that the kit may take: some minutes on engines that are fast."""
@@ -30,7 +30,7 @@ def outcomes_in(environment: Environment, name: str, tracks: Sequence[str]) -> t
     """
     with TemporaryDirectory(prefix="plumbline-check-") as scratch:
         out = Path(scratch) / "outcomes.jsonl"
-        command = [environment.executable, "-P", "-m", "harness.conformance.apart", name, str(out), *tracks]
+        command = [environment.executable, "-P", "-m", "plumbline.harness.conformance.apart", name, str(out), *tracks]
         surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join(project_folders())}
         try:
             done = subprocess.run(

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 
-from harness.conformance import check
+from plumbline.harness.conformance import check
 
 SUBJECTS = (
     "contract.protocol", "contract.features",
@@ -16,7 +16,7 @@ SUBJECTS = (
 """The files of checks in the order of a reader: what is declared, how a body moves, touches, is joined and is seen."""
 
 for subject in SUBJECTS:
-    import_module(f"harness.conformance.checks.{subject}")
+    import_module(f"plumbline.harness.conformance.checks.{subject}")
 
 CHECKS = tuple(check.CHECKS)
 """Every check; names are stable identifiers."""

@@ -7,7 +7,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.adapter import Adapter, Feature, Settings
 
 
 class NotApplicable(Exception):

@@ -5,8 +5,19 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Quaternion, Shape, Sphere, multiply, rotation_matrix
-from harness.trajectory import Floats, kinematics
+from plumbline.harness.scene import (
+    Box,
+    Capsule,
+    Cylinder,
+    Ellipsoid,
+    Plane,
+    Quaternion,
+    Shape,
+    Sphere,
+    multiply,
+    rotation_matrix,
+)
+from plumbline.harness.trajectory import Floats, kinematics
 
 
 def rotation(q: Any) -> Floats:

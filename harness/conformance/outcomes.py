@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from harness.adapter import Adapter, SettingsError, Unsupported
-from harness.conformance.catalogue import CHECKS
-from harness.conformance.check import ConformanceCheck, Finding, NotApplicable
-from harness.conformance.checks.contract.features import refusal
+from plumbline.harness.adapter import Adapter, SettingsError, Unsupported
+from plumbline.harness.conformance.catalogue import CHECKS
+from plumbline.harness.conformance.check import ConformanceCheck, Finding, NotApplicable
+from plumbline.harness.conformance.checks.contract.features import refusal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,9 +5,9 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from harness.adapter import Adapter, Settings, Simulation
-from harness.scene import Scene
-from harness.trajectory import State, Trajectory
+from plumbline.harness.adapter import Adapter, Settings, Simulation
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import State, Trajectory
 
 COARSE = 1 / 240
 """Time step of checks on free motion [s]."""

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from harness.adapter import Adapter, Feature
-from harness.conformance.check import NotApplicable
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature
+from plumbline.harness.conformance.check import NotApplicable
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,

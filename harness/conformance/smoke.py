@@ -9,9 +9,9 @@ import json
 import sys
 from pathlib import Path
 
-from harness.conformance.catalogue import CHECKS
-from harness.conformance.outcomes import run_check
-from harness.study import plugins
+from plumbline.harness.conformance.catalogue import CHECKS
+from plumbline.harness.conformance.outcomes import run_check
+from plumbline.harness.study import plugins
 
 SMOKE = (
     "resolved_settings_are_complete",

@@ -13,10 +13,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from harness.findings.emulations import made
-from harness.findings.tables.effects import verdicts_if_described
-from harness.findings.vendor.finding import Finding
-from harness.store.store import Store
+from plumbline.harness.findings.emulations import made
+from plumbline.harness.findings.tables.effects import verdicts_if_described
+from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.store.store import Store
 
 By = Literal["effect", "finding", "emulated", "unexplained"]
 _ORDER: Mapping[By, int] = {"effect": 0, "finding": 1, "emulated": 2, "unexplained": 3}

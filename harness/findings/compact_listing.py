@@ -11,9 +11,9 @@ from typing import Any
 
 import pandas as pd
 
-from harness.case.alteration import Alteration
-from harness.findings.steps_taken import step_in_words, substeps_of
-from harness.findings.variant_of import differing, in_words
+from plumbline.harness.case.alteration import Alteration
+from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.findings.variant_of import differing, in_words
 
 ALIKE = "as it is"
 """How a scene is run that is neither another one nor run once more."""

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.statistics.order import FEWEST, fit_order
-from harness.statistics.ratio import Ratio
+from plumbline.harness.statistics.order import FEWEST, fit_order
+from plumbline.harness.statistics.ratio import Ratio
 
 TELLING = 1.0
 """The widest 95 % interval of an exponent that is stated.

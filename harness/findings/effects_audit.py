@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.case.alteration import EVERYTHING
-from harness.case.own_titles import called
+from plumbline.harness.case.alteration import EVERYTHING
+from plumbline.harness.case.own_titles import called
 
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.findings.cost_point import Point
-from harness.statistics.order import fit_order
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.statistics.order import fit_order
 
 FORESIGHT = 1e-6
 """Share of the finest step that was run beyond which no trend is followed: rounding grows with the steps, and comes first."""

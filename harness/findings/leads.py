@@ -8,9 +8,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from harness.findings.cost_point import Point
-from harness.findings.limits_found import Hold, Search
-from harness.findings.prices import Price
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.limits_found import Hold, Search
+from plumbline.harness.findings.prices import Price
 
 BUDGETS = (1e-4, 1e-3)
 """CPU seconds for one time step of a case that engines are compared at: a tenth of a millisecond, and a millisecond."""

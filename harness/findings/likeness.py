@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from harness.adapter.promised_bits import only_here
-from harness.findings.changes.answers import SHARE
-from harness.store.record import Record
-from harness.store.store import Store
+from plumbline.harness.adapter.promised_bits import only_here
+from plumbline.harness.findings.changes.answers import SHARE
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
 
 Likeness = Literal["bit-identical", "as good", "different"]
 AS_GOOD: Likeness = "as good"

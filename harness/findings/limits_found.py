@@ -8,15 +8,15 @@ from typing import Any
 
 import pandas as pd
 
-from harness.case import Axis
-from harness.findings.variant_of import STEP, differing, in_words
-from harness.search.first_break import BROKE, Bracket, Ruler, bracket
-from harness.store.notices import StoredNotice
-from harness.store.store import Store
-from harness.study.axes import axis_among
-from harness.study.experiment import Experiment
-from harness.study.stored_study import experiments_of
-from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
+from plumbline.harness.case import Axis
+from plumbline.harness.findings.variant_of import STEP, differing, in_words
+from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.axes import axis_among
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

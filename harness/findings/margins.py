@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from harness.store.store import Store
+from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, slots=True)

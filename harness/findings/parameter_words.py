@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from harness.findings.variant_of import STEP
+from plumbline.harness.findings.variant_of import STEP
 
 
 class Counted(NamedTuple):

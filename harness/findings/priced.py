@@ -2,8 +2,8 @@
 
 from functools import lru_cache
 
-from harness.findings.prices import Prices
-from harness.store.store import Store
+from plumbline.harness.findings.prices import Prices
+from plumbline.harness.store.store import Store
 
 
 @lru_cache(maxsize=2)

@@ -21,18 +21,18 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from harness.findings.agreement import errors_of
-from harness.findings.cost_point import Point
-from harness.findings.foreseen import foreseen
-from harness.findings.samples import Block, samples_by_block
-from harness.findings.search_effort import Ended, efforts
-from harness.findings.steps_taken import substeps_of
-from harness.findings.variant_of import in_words, other_values
-from harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
-from harness.statistics.pareto import on_front, price, prices_of_draws
-from harness.store.rows import records
-from harness.store.store import Store
-from harness.trajectory import Floats
+from plumbline.harness.findings.agreement import errors_of
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.foreseen import foreseen
+from plumbline.harness.findings.samples import Block, samples_by_block
+from plumbline.harness.findings.search_effort import Ended, efforts
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
+from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats
 
 TARGETS = tuple(10.0**-k for k in range(1, 9))
 """Errors, as shares of a case's scale."""

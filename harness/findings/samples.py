@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from harness.statistics.ratio import Ratio, ratio
-from harness.store.rows import records
-from harness.store.store import Store
+from plumbline.harness.statistics.ratio import Ratio, ratio
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
 
 Block = tuple[int, int]
 """The number of a process, and that of a block in it."""

@@ -5,10 +5,10 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from harness.search.front import RUNS
-from harness.store.rows import records
-from harness.store.store import Store
-from harness.study.stored_study import experiments_of
+from plumbline.harness.search.front import RUNS
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.stored_study import experiments_of
 
 Ended = Literal["no search", "nothing left to try", "all points spent"]
 ALIKE = 1.5

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from harness.findings.variant_of import whole_part
+from plumbline.harness.findings.variant_of import whole_part
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 
 @lru_cache(maxsize=4096)

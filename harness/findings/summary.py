@@ -6,13 +6,13 @@ from xml.etree import ElementTree
 
 import pandas as pd
 
-from harness.findings.agreement import AGREED_TRUTH
-from harness.findings.compact_listing import rows, told_apart
-from harness.findings.emulations import whose
-from harness.findings.tables import agreement
-from harness.intake.safe_text import markdown_cell, visible
-from harness.store.disk import write_atomically
-from harness.store.store import Store
+from plumbline.harness.findings.agreement import AGREED_TRUTH
+from plumbline.harness.findings.compact_listing import rows, told_apart
+from plumbline.harness.findings.emulations import whose
+from plumbline.harness.findings.tables import agreement
+from plumbline.harness.intake.safe_text import markdown_cell, visible
+from plumbline.harness.store.disk import write_atomically
+from plumbline.harness.store.store import Store
 
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")

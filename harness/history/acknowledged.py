@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 
-from harness.history.folder import SCHEMA, History
-from harness.history.identity import Named
-from harness.store import disk
-from harness.store.journal import DamagedFile
+from plumbline.harness.history.folder import SCHEMA, History
+from plumbline.harness.history.identity import Named
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import DamagedFile
 
 _WHAT = ("kind", "case", "engine", "sense", "since")
 """What a line says of the change beside its id; lines from before there were more say the id alone."""

@@ -15,12 +15,12 @@ from typing import Any
 
 import psutil
 
-from harness.history.folder import NIGHT, History
-from harness.history.lock import holder
-from harness.history.pool import Pool
-from harness.store import disk
-from harness.store.journal import StoreError, read_journal
-from harness.store.record import digest
+from plumbline.harness.history.folder import NIGHT, History
+from plumbline.harness.history.lock import holder
+from plumbline.harness.history.pool import Pool
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import StoreError, read_journal
+from plumbline.harness.store.record import digest
 
 _OWN = ("lock",)
 _GROWING = ("history.json", "acknowledged.jsonl")

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any, TypeAlias
 
-from harness.history.folder import Night
-from harness.store.record import digest
-from harness.study.trial import Trial
+from plumbline.harness.history.folder import Night
+from plumbline.harness.store.record import digest
+from plumbline.harness.study.trial import Trial
 
 Key: TypeAlias = tuple[str, str]
 """Experiment and case."""

@@ -3,15 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from harness.findings.changes import Change
-from harness.findings.changes.answers import answer_changes
-from harness.findings.changes.limits import moved_limits, searched_by
-from harness.findings.changes.matching import Pair
-from harness.findings.changes.repetitions import lost_and_won
-from harness.findings.limits_found import Search
-from harness.findings.tables.determinism import Agreement
-from harness.history.folder import Night
-from harness.history.night_readings import Answer, Answers, questions
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.answers import answer_changes
+from plumbline.harness.findings.changes.limits import moved_limits, searched_by
+from plumbline.harness.findings.changes.matching import Pair
+from plumbline.harness.findings.changes.repetitions import lost_and_won
+from plumbline.harness.findings.limits_found import Search
+from plumbline.harness.findings.tables.determinism import Agreement
+from plumbline.harness.history.folder import Night
+from plumbline.harness.history.night_readings import Answer, Answers, questions
 
 _SILENT = ("unavailable", "interrupted")
 """Statuses that say nothing of an engine: the answer before still stands."""

@@ -7,9 +7,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from harness.store import disk
-from harness.store.journal import DamagedFile, NoRun, StoreError
-from harness.store.store import Store, read_plain, write_json
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import DamagedFile, NoRun, StoreError
+from plumbline.harness.store.store import Store, read_plain, write_json
 
 SCHEMA = 1
 """Of every file that a history adds to its run folders; one of a later schema is refused, an earlier one is read."""

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness.findings.changes import Change
-from harness.store.record import digest
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.store.record import digest
 
 NEAR = 3
 """Nights by which the night of a step in a price may still move as more nights come."""

@@ -14,12 +14,12 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 
-from harness.history.folder import History, Night
-from harness.history.night_readings import Answers, Numbers, answers_of, numbers_of
-from harness.store import disk
-from harness.store.journal import StoreError
-from harness.store.seal import sealed_json
-from harness.store.store import TABLES, Store, read_plain
+from plumbline.harness.history.folder import History, Night
+from plumbline.harness.history.night_readings import Answers, Numbers, answers_of, numbers_of
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.seal import sealed_json
+from plumbline.harness.store.store import TABLES, Store, read_plain
 
 FOLDER = "readings"
 """Of a history; what it holds may be deleted at any time."""

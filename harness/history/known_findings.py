@@ -4,8 +4,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness.findings.vendor.finding import Finding
-from harness.findings.vendor.still_there import SECONDS, Standing, ask
+from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, ask
 
 _ANSWERS = ("still there", "gone")
 

@@ -11,16 +11,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from harness.adapter import Settings
-from harness.case import Case
-from harness.history.blocks import Key, Seen
-from harness.history.pool import Pool
-from harness.search.first_break import bracket, ruler
-from harness.search.front import SMALLEST, TELLING
-from harness.statistics.pareto import on_front
-from harness.store.record import Record
-from harness.store.store import Store
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case import Case
+from plumbline.harness.history.blocks import Key, Seen
+from plumbline.harness.history.pool import Pool
+from plumbline.harness.search.first_break import bracket, ruler
+from plumbline.harness.search.front import SMALLEST, TELLING
+from plumbline.harness.statistics.pareto import on_front
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.trial import Trial
 
 BESIDE = 2
 """Settings of an engine that are clocked beside a front, drawn anew each night."""

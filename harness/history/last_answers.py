@@ -5,9 +5,9 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.history.blocks import Key, Seen
-from harness.history.folder import Night
-from harness.study.trial import Trial
+from plumbline.harness.history.blocks import Key, Seen
+from plumbline.harness.history.folder import Night
+from plumbline.harness.study.trial import Trial
 
 
 @dataclass(slots=True)

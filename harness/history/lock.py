@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
 
-from harness.history.folder import SCHEMA, History
-from harness.store import disk
-from harness.store.journal import StoreError
+from plumbline.harness.history.folder import SCHEMA, History
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import StoreError
 
 
 def holder() -> dict[str, Any]:

@@ -7,28 +7,28 @@ from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from typing import Any
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.findings.changes import Change
-from harness.history.acknowledged import acknowledged
-from harness.history.blocks import LATELY, Key, Seen, Sight, last_seen, last_unanswered
-from harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
-from harness.history.known_searches import KnownSearches
-from harness.history.last_answers import LastAnswers
-from harness.history.over_nights import OverNights, over_nights
-from harness.history.pool import Pool
-from harness.history.since_last_seen import News, first_seen, news_of
-from harness.history.spending import Budget, Closings, bytes_of, memory_peaks
-from harness.history.steering import Keep, Steering
-from harness.history.words import told
-from harness.run.campaign import carry_out
-from harness.run.interrupt import until
-from harness.store import disk
-from harness.store.journal import read_journal
-from harness.store.machine_fingerprint import fingerprint, machine_digest
-from harness.store.record import Record, digest
-from harness.store.store import Store, write_json
-from harness.study.study import Study
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.history.acknowledged import acknowledged
+from plumbline.harness.history.blocks import LATELY, Key, Seen, Sight, last_seen, last_unanswered
+from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
+from plumbline.harness.history.known_searches import KnownSearches
+from plumbline.harness.history.last_answers import LastAnswers
+from plumbline.harness.history.over_nights import OverNights, over_nights
+from plumbline.harness.history.pool import Pool
+from plumbline.harness.history.since_last_seen import News, first_seen, news_of
+from plumbline.harness.history.spending import Budget, Closings, bytes_of, memory_peaks
+from plumbline.harness.history.steering import Keep, Steering
+from plumbline.harness.history.words import told
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.interrupt import until
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import read_journal
+from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
+from plumbline.harness.store.record import Record, digest
+from plumbline.harness.store.store import Store, write_json
+from plumbline.harness.study.study import Study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

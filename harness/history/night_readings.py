@@ -8,15 +8,15 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from harness.findings.changes.limits import searched_by
-from harness.findings.changes.matching import by_question, where_of
-from harness.findings.changes.repetitions import agreements_by_cell
-from harness.findings.limits_found import Search, searches
-from harness.findings.tables.determinism import Agreement
-from harness.history.folder import Night
-from harness.store.journal import StoreError
-from harness.store.machine_fingerprint import machine_digest
-from harness.store.store import Store
+from plumbline.harness.findings.changes.limits import searched_by
+from plumbline.harness.findings.changes.matching import by_question, where_of
+from plumbline.harness.findings.changes.repetitions import agreements_by_cell
+from plumbline.harness.findings.limits_found import Search, searches
+from plumbline.harness.findings.tables.determinism import Agreement
+from plumbline.harness.history.folder import Night
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.machine_fingerprint import machine_digest
+from plumbline.harness.store.store import Store
 
 Measured: TypeAlias = Literal["price", "error", "limit"]
 """What a series is of: seconds of a unit of work; the headline of a case, in its unit; the last value of an axis that held."""

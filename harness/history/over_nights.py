@@ -4,15 +4,15 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from harness.findings.changes import Change
-from harness.history.acknowledged import Acknowledgement
-from harness.history.folder import History, Night
-from harness.history.identity import Named
-from harness.history.kept_readings import KeptReadings
-from harness.history.price_steps import CHANCE_OF_ALL, price_steps
-from harness.history.regressions import Dated, date, named_by, same_slope
-from harness.history.series import Readings
-from harness.store.store import Store
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.history.acknowledged import Acknowledgement
+from plumbline.harness.history.folder import History, Night
+from plumbline.harness.history.identity import Named
+from plumbline.harness.history.kept_readings import KeptReadings
+from plumbline.harness.history.price_steps import CHANCE_OF_ALL, price_steps
+from plumbline.harness.history.regressions import Dated, date, named_by, same_slope
+from plumbline.harness.history.series import Readings
+from plumbline.harness.store.store import Store
 
 MOST = 90
 """Nights that are read: prices of a season ago are of another machine or version by now."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.changes.values import Beside
-from harness.history.price_steps import PriceStep
-from harness.history.regressions import Trends
-from harness.history.series import Series
-from harness.statistics.change_points import Level, levelled, levels
-from harness.trajectory import Floats
+from plumbline.harness.findings.changes.values import Beside
+from plumbline.harness.history.price_steps import PriceStep
+from plumbline.harness.history.regressions import Trends
+from plumbline.harness.history.series import Series
+from plumbline.harness.statistics.change_points import Level, levelled, levels
+from plumbline.harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

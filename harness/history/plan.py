@@ -7,7 +7,7 @@ from statistics import mean
 from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
-from harness.history.blocks import Block, Key, Seen
+from plumbline.harness.history.blocks import Block, Key, Seen
 
 Left: TypeAlias = Callable[[], float]
 """Seconds that are left, infinite without a budget."""

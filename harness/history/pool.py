@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.history.folder import SCHEMA
-from harness.store import disk
-from harness.store.journal import DamagedFile
-from harness.store.record import SCHEMA_VERSION, Record
-from harness.store.seal import sealed_json
-from harness.store.store import read_plain
+from plumbline.harness.history.folder import SCHEMA
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.record import SCHEMA_VERSION, Record
+from plumbline.harness.store.seal import sealed_json
+from plumbline.harness.store.store import read_plain
 
 MACHINE_BOUND = ("timeout", "oom", "crashed")
 """Outcomes that a faster or a larger machine may not have: they are recalled on the machine that had them only."""

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.changes import Change
-from harness.findings.changes.values import Beside
-from harness.history.series import Series
-from harness.history.yardsticks import over_segments
-from harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
-from harness.trajectory import Floats
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.values import Beside
+from plumbline.harness.history.series import Series
+from plumbline.harness.history.yardsticks import over_segments
+from plumbline.harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
+from plumbline.harness.trajectory import Floats
 
 CHANCE_OF_ALL = 1e-3
 """Of a history: how often chance alone may look like a change in any of its series; each has its share."""

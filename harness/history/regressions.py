@@ -8,20 +8,20 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from harness.findings.changes import Change
-from harness.findings.changes.weights import heaviest_first
-from harness.findings.changes.words import command_in, sentence, titled
-from harness.history.acknowledged import Acknowledgement, acknowledged, silenced
-from harness.history.exact_changes import ExactChanges
-from harness.history.folder import History
-from harness.history.identity import NEAR, Named, change_id
-from harness.history.kept_readings import KeptReadings
-from harness.history.night_readings import NightOf
-from harness.history.price_steps import PriceStep, price_steps
-from harness.history.series import Readings, Series
-from harness.history.yardsticks import over_segments
-from harness.statistics.change_points import levelled
-from harness.statistics.drift import one_drift
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.words import command_in, sentence, titled
+from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged, silenced
+from plumbline.harness.history.exact_changes import ExactChanges
+from plumbline.harness.history.folder import History
+from plumbline.harness.history.identity import NEAR, Named, change_id
+from plumbline.harness.history.kept_readings import KeptReadings
+from plumbline.harness.history.night_readings import NightOf
+from plumbline.harness.history.price_steps import PriceStep, price_steps
+from plumbline.harness.history.series import Readings, Series
+from plumbline.harness.history.yardsticks import over_segments
+from plumbline.harness.statistics.change_points import levelled
+from plumbline.harness.statistics.drift import one_drift
 
 State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from harness.history.blocks import last_seen
-from harness.history.folder import History, Night
-from harness.history.kept_readings import KeptReadings
-from harness.history.pool import Pool
-from harness.history.spending import bytes_of
-from harness.store import disk
-from harness.store.journal import read_journal
+from plumbline.harness.history.blocks import last_seen
+from plumbline.harness.history.folder import History, Night
+from plumbline.harness.history.kept_readings import KeptReadings
+from plumbline.harness.history.pool import Pool
+from plumbline.harness.history.spending import bytes_of
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import read_journal
 
 
 @dataclass(frozen=True, slots=True)

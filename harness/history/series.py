@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.changes.values import Beside
-from harness.history.night_readings import Measured, NightOf, Numbers, Reading, Subject
-from harness.history.yardsticks import yardsticks
-from harness.trajectory import Floats
+from plumbline.harness.findings.changes.values import Beside
+from plumbline.harness.history.night_readings import Measured, NightOf, Numbers, Reading, Subject
+from plumbline.harness.history.yardsticks import yardsticks
+from plumbline.harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

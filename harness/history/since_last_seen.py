@@ -3,14 +3,14 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from harness.findings.changes import Change, Changes, compare
-from harness.findings.changes.matching import where_of
-from harness.findings.changes.weights import heaviest_first
-from harness.history.acknowledged import Acknowledgement, silenced
-from harness.history.blocks import Key, Seen
-from harness.history.identity import Named, change_id
-from harness.history.over_nights import OverNights
-from harness.store.store import Store
+from plumbline.harness.findings.changes import Change, Changes, compare
+from plumbline.harness.findings.changes.matching import where_of
+from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.history.acknowledged import Acknowledgement, silenced
+from plumbline.harness.history.blocks import Key, Seen
+from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.over_nights import OverNights
+from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, slots=True)

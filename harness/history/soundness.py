@@ -4,16 +4,16 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from harness.history.acknowledged import acknowledged
-from harness.history.folder import NIGHT, History
-from harness.history.kept_readings import FOLDER
-from harness.history.pool import Pool
-from harness.run.verify import Problem, problems
-from harness.store import disk
-from harness.store.arrays import read_arrays
-from harness.store.journal import DamagedFile, StoreError
-from harness.store.seal import Damaged, check_seal
-from harness.store.trajectory_file import kept_hash
+from plumbline.harness.history.acknowledged import acknowledged
+from plumbline.harness.history.folder import NIGHT, History
+from plumbline.harness.history.kept_readings import FOLDER
+from plumbline.harness.history.pool import Pool
+from plumbline.harness.run.verify import Problem, problems
+from plumbline.harness.store import disk
+from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.journal import DamagedFile, StoreError
+from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.trajectory_file import kept_hash
 
 _AGAIN = "delete it; the next night computes it again"
 _KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER, "report")

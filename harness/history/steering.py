@@ -10,16 +10,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
-from harness.history.known_searches import KnownSearches
-from harness.history.plan import Left, LeftOut, Plan, ranked
-from harness.history.pool import MACHINE_BOUND, Answer, Pool
-from harness.run.guide import Guide
-from harness.run.interrupt import UnderWay
-from harness.store import disk
-from harness.store.journal import DamagedFile
-from harness.store.record import Record, digest
-from harness.study.trial import Trial
+from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
+from plumbline.harness.history.known_searches import KnownSearches
+from plumbline.harness.history.plan import Left, LeftOut, Plan, ranked
+from plumbline.harness.history.pool import MACHINE_BOUND, Answer, Pool
+from plumbline.harness.run.guide import Guide
+from plumbline.harness.run.interrupt import UnderWay
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.record import Record, digest
+from plumbline.harness.study.trial import Trial
 
 AGAIN = 1 / 20
 """Share of the known answers that are computed again: digests do not see the C library, the processor, the compiler."""

@@ -5,13 +5,13 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
-from harness.findings.changes import Change, Changes
-from harness.findings.changes.comment import comment
-from harness.findings.changes.words import command, sentence
-from harness.history.acknowledged import Acknowledgement, silenced
-from harness.history.identity import Named, change_id
-from harness.history.since_last_seen import News
-from harness.intake.safe_text import markdown_cell
+from plumbline.harness.findings.changes import Change, Changes
+from plumbline.harness.findings.changes.comment import comment
+from plumbline.harness.findings.changes.words import command, sentence
+from plumbline.harness.history.acknowledged import Acknowledgement, silenced
+from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.since_last_seen import News
+from plumbline.harness.intake.safe_text import markdown_cell
 
 _FIRST = 8
 """Names that a line has room for."""

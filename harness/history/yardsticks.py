@@ -11,9 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.changes.values import Beside
-from harness.statistics.change_points import common_mode
-from harness.trajectory import Floats
+from plumbline.harness.findings.changes.values import Beside
+from plumbline.harness.statistics.change_points import common_mode
+from plumbline.harness.trajectory import Floats
 
 FEWEST = 2
 """Other engines: with the canary three votes, of which one may be wrong."""

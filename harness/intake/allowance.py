@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 
-from harness.intake.mendable import Mendable
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.safe_text import quoted
 
 VARIABLE = "PLUMBLINE_LIMITS"
 """The environment variable that sets limits, like 'bodies=200000,bytes=1e8'; processes that are started inherit it."""

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from harness.intake.allowance import Allowance, AllowanceError, allowance, beyond
-from harness.intake.mendable import Mendable
-from harness.intake.safe_text import quoted, readable
+from plumbline.harness.intake.allowance import Allowance, AllowanceError, allowance, beyond
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.safe_text import quoted, readable
 
 _KINDS = {
     stat.S_IFDIR: "a folder",

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted
 
 Drop = Literal[
     "actuator",

@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Iterable
 
-from harness.intake.safe_text import one_line
+from plumbline.harness.intake.safe_text import one_line
 
 
 def did_you_mean(name: str, known: Iterable[str], form: str = "{}") -> str:

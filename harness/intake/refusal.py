@@ -1,7 +1,7 @@
 """The error of a robot file: what stands where, and what was expected."""
 
-from harness.intake.mendable import Mendable
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.safe_text import quoted
 
 
 class RobotError(Mendable, ValueError):

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from harness.intake.near_miss import did_you_mean
-from harness.intake.safe_text import quoted, readable
-from harness.intake.valid_keys import valid_keys
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.intake.valid_keys import valid_keys
 
 MOST = 20
 """Troubles of one file that are told; the others are counted."""

@@ -1,5 +1,5 @@
 """A metric: one number read off a trajectory, with its unit and its source."""
 
-from harness.metric.metric import Metric, NotMeasurable, Run, metric
+from plumbline.harness.metric.metric import Metric, NotMeasurable, Run, metric
 
 __all__ = ["Metric", "NotMeasurable", "Run", "metric"]

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable
-from harness.scene import Camera, DepthCamera, Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.scene import Camera, DepthCamera, Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 
 def cameras(scene: Scene) -> tuple[Camera | DepthCamera, ...]:

@@ -6,8 +6,8 @@ of each fourth of them is another number. So the impulses of every step are summ
 
 import numpy as np
 
-from harness.metric.metric import NotMeasurable
-from harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.harness.metric.metric import NotMeasurable
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 PLACE = "contacts/"
 STAMPS = PLACE + "time"

@@ -5,9 +5,9 @@ Source: IEEE Std 952-1997 (scale factor, misalignment); SciPy's rotations, so th
 
 import numpy as np
 
-from harness.metric import NotMeasurable
-from harness.scene import AxisNoise, Imu
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.trajectory import Floats, Trajectory
 
 SHARE = 1e-2
 """What the rounding of readings, q^2/12, may be of the variance of the white noise before it counts as a law of its own [1]."""

@@ -6,9 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from harness.scene import Scene
-from harness.trajectory import Floats, Integers, Trajectory
-from harness.trajectory.kinematics import movable
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Integers, Trajectory
+from plumbline.harness.trajectory.kinematics import movable
 
 
 class NotMeasurable(ValueError):

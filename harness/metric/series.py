@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable, Run
-from harness.statistics.proportion import wilson_interval
-from harness.trajectory import Floats
+from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.statistics.proportion import wilson_interval
+from plumbline.harness.trajectory import Floats
 
 Series = Callable[[Run], Floats]
 """A run to errors over time, (t,) or (t, n)."""

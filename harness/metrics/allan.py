@@ -12,11 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable, Run
-from harness.metric.inertial_residual import inertial_residual
-from harness.metric.series import maximum
-from harness.scene import AxisNoise, Imu, Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.scene import AxisNoise, Imu, Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 Channel = Literal["gyroscope", "accelerometer"]
 Regime = Literal["white", "floor", "random_walk"]

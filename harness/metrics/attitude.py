@@ -1,9 +1,9 @@
 """Attitude error: angle of the rotation between answer and truth, the geodesic distance on SO(3)."""
 
-from harness.metric import Run
-from harness.metric.series import three
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.metric import Run
+from plumbline.harness.metric.series import three
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import angle_between
 
 
 def _angle(run: Run) -> Floats:

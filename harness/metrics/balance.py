@@ -8,9 +8,9 @@ alike in answer and truth.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene, Sphere
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene, Sphere
+from plumbline.harness.trajectory import Floats, Trajectory
 
 GROWN, LINEAR = 0.1, 20.0
 TENFOLD = float(np.log(10.0))

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Body, Plane
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate_back
-from harness.trajectory.touching import reach_of
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Body, Plane
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate_back
+from plumbline.harness.trajectory.touching import reach_of
 
 
 def _outermost(body: Body, up_B: Floats) -> Floats:

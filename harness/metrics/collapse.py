@@ -18,11 +18,11 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Body, Drive, Revolute, Scene, width
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.depths import pair_depths
-from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Body, Drive, Revolute, Scene, width
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.depths import pair_depths
+from plumbline.harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
 
 SIGNS = ("energy", "penetration", "height", "drive")
 ENERGY_FACTOR = 1e3

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import beside_truth, cameras
-from harness.scene import Camera
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import beside_truth, cameras
+from plumbline.harness.scene import Camera
+from plumbline.harness.trajectory import Floats
 
 SOURCE = (
     "laws of Snell and Fresnel, and reflection, along each pixel's ray; linear colour, 1 is a white surface under a sky of 1"

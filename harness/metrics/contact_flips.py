@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.trajectory import Contacts
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.trajectory import Contacts
 
 
 def _bearing(contacts: Contacts) -> Counter[tuple[int, int]]:

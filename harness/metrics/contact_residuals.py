@@ -24,9 +24,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Effect, Scene
-from harness.trajectory import Contacts, Floats, Integers, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.trajectory import Contacts, Floats, Integers, Trajectory
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Box, Scene, Sphere, rotation_matrix
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Box, Scene, Sphere, rotation_matrix
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 
 def _container(scene: Scene) -> tuple[int, Floats]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric import NotMeasurable, Run, metric
 
 
 @metric("m/s")

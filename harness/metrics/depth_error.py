@@ -6,11 +6,11 @@ median is worst, so that a wide wall does not hide a ball.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import beside_truth, cameras
-from harness.metric.series import root_mean_square
-from harness.scene import DepthCamera
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import beside_truth, cameras
+from plumbline.harness.metric.series import root_mean_square
+from plumbline.harness.scene import DepthCamera
+from plumbline.harness.trajectory import Floats
 
 SOURCE = "closed-form intersection of a pixel's ray with the shapes; z-depth = range times cosine to the optical axis"
 

@@ -8,10 +8,10 @@ about the observed rate, holds the law's.
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import beside_truth, frames, noisy_cameras
-from harness.metric.series import maximum
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import beside_truth, frames, noisy_cameras
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.trajectory import Trajectory
 
 Mask = NDArray[np.bool_]
 

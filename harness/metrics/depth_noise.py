@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import frames, noisy_cameras
-from harness.scene import DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import frames, noisy_cameras
+from plumbline.harness.scene import DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from plumbline.harness.trajectory import Floats
 
 BANDS = 8
 LEAST = 100

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import frames, noisy_cameras
-from harness.metric.series import maximum
-from harness.scene import StereoNoise, StructuredLightNoise
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import frames, noisy_cameras
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.scene import StereoNoise, StructuredLightNoise
 
 
 @metric("1")

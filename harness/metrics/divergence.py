@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric import NotMeasurable, Run, metric
 
 
 @metric("1", verdict="a number is not finite", finite=False)

@@ -5,8 +5,8 @@ A score below z says that Wilson's interval for confidence z, drawn about the ob
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Lidar
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Lidar
 
 SOURCE = "Wilson, Probable inference, the law of succession, and statistical inference (1927)"
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric import NotMeasurable, Run, metric
 
 
 @metric("m/s", verdict="a centre rises over where the truth has it at rest")

@@ -10,11 +10,11 @@ them. For an integrator that does not stagger the raw figure is the right one; b
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import last
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import last
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
 
 SOURCE = "conservation of energy; half-step correction: Hairer, Lubich, Wanner, Geometric Numerical Integration, section I.1.4"
 

@@ -8,10 +8,10 @@ import re
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 
 def _members(scene: Scene) -> list[list[int]]:

@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable, Run
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between
 
 NAMES = ("repeated", "restored", "reordered", "moved", "turned", "in_motion", "shrunk", "grown")
 

@@ -6,10 +6,10 @@ angle is no measure here: near the separatrix it is at the mercy of rounding.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable, rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import movable, rotate_back
 
 SOURCE = "definition: instants at which the component of w along the middle principal axis passes zero"
 VERDICT = "the spin's component along the middle axis changes its sign"

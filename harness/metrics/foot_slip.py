@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate, rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
 
 def _carried(actual: Trajectory, place: int, point_W: Floats) -> Floats:

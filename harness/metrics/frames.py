@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Body, Box, Scene, rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Body, Box, Scene, rotate
 
 SOURCE = "statics of an A-frame: stands iff mu >= (tan a - c/l)/2"
 

@@ -9,11 +9,11 @@ and Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2 (the
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import maximum
-from harness.scene import Imu
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.scene import Imu
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import angle_between
 
 
 def _integrated(rates_B: Floats, interval: float, q_WB: Floats) -> Floats:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.contact_impulses import forces_on
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.contact_impulses import forces_on
 
 
 @metric("N s", even=True)

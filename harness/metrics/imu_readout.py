@@ -8,10 +8,10 @@ Source: IEEE Std 1293-2018 (misalignment, scale factor, full scale, resolution);
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import maximum
-from harness.scene import AxisNoise, Imu
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.trajectory import Floats
 
 TIE = 1e-9
 """Distance from half way between two levels, in steps, within which roundings decide."""

@@ -6,9 +6,9 @@ within a nanosecond makes the error infinite.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable, Run
-from harness.metric.series import maximum
-from harness.scene import Imu
+from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.scene import Imu
 
 
 def _error(channel: str, unit: str) -> Metric:

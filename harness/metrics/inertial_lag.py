@@ -11,9 +11,9 @@ Splines, chapter IV.
 
 import numpy as np
 
-from harness.metric import Metric, NotMeasurable, Run
-from harness.scene import Imu
-from harness.trajectory import Floats
+from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.scene import Imu
+from plumbline.harness.trajectory import Floats
 
 REACH = 3.0
 """How far beyond the expected delay it is looked for, in intervals."""

@@ -7,9 +7,9 @@ engine's own contacts.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Sphere
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Sphere
+from plumbline.harness.trajectory.kinematics import rotate
 
 
 def _inscribed(body: Body) -> float | None:

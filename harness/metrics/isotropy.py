@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.trajectory import Floats
 
 SOURCE = "Coulomb's cone is round: |f| <= mu N in every direction of the plane"
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.trajectory import Floats, Integers
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.trajectory import Floats, Integers
 
 
 def _movable(run: Run, samples: int) -> Integers:

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run
-from harness.metric.series import three
-from harness.scene import Distance, Prismatic
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import across_axis, anchors
+from plumbline.harness.metric import NotMeasurable, Run
+from plumbline.harness.metric.series import three
+from plumbline.harness.scene import Distance, Prismatic
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import across_axis, anchors
 
 
 def _gap(run: Run) -> Floats:

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run
-from harness.metric.series import three
-from harness.scene import Distance, Prismatic, Revolute
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import joint_coordinate
+from plumbline.harness.metric import NotMeasurable, Run
+from plumbline.harness.metric.series import three
+from plumbline.harness.scene import Distance, Prismatic, Revolute
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import joint_coordinate
 
 
 def _overshoot(run: Run) -> Floats:

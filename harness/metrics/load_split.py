@@ -5,11 +5,11 @@ The load is the heaviest movable body, the highest of them where several are; al
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.contact_impulses import mean_forces
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.contact_impulses import mean_forces
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import movable
 
 
 def load_shares(scene: Scene, actual: Trajectory) -> Floats:

@@ -7,11 +7,11 @@ Contact with a static body does so as well; a case that has it does not ask for 
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import last
-from harness.scene import WORLD
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate, rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import last
+from plumbline.harness.scene import WORLD
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
 LINEAR = "conservation of momentum: sum of m v, less M g t"
 ANGULAR = "conservation of angular momentum: sum of r x m v + R I R^T w about the common centre of mass, over its start"

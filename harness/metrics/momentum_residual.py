@@ -11,9 +11,9 @@ Source: Newton's second law in its integral form; Moreau, Unilateral Contact and
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.contact_impulses import forces_on
-from harness.scene import Effect
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.contact_impulses import forces_on
+from plumbline.harness.scene import Effect
 
 
 @metric("1", even=True)

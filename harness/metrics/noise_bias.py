@@ -6,10 +6,10 @@ sigma^2/n for white noise, the sum of memory^|i-j| for a Markov process, K^2 dt 
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.inertial_residual import inertial_residual
-from harness.scene import AxisNoise, Imu
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.trajectory import Floats
 
 MARKOV_PEAK = 0.617364
 """Largest Allan deviation of a Gauss-Markov process over its standard deviation (IEEE Std 952, annex C)."""

@@ -9,10 +9,10 @@ of class intervals, 1942) and Wilson and Hilferty's cube root, which makes a chi
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.inertial_residual import inertial_residual
-from harness.scene import AxisNoise, Imu
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.trajectory import Floats
 
 CELLS = 64
 FEWEST = 20 * CELLS

@@ -9,10 +9,10 @@ import itertools
 
 import numpy as np
 
-from harness.metric import Run, metric
-from harness.metric.inertial_residual import inertial_residual
-from harness.scene import Imu
-from harness.trajectory import Floats
+from plumbline.harness.metric import Run, metric
+from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.scene import Imu
+from plumbline.harness.trajectory import Floats
 
 SOURCE = "Bartlett, Some aspects of the time-correlation problem (1935)"
 

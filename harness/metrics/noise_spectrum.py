@@ -12,10 +12,10 @@ for Physical Applications (1993), section 6.3 (window correlations); IEEE Std 95
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.inertial_residual import inertial_residual
-from harness.scene import AxisNoise, Imu
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.trajectory import Floats
 
 SEGMENT = 256
 """Differences a segment."""

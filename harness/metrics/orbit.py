@@ -7,9 +7,9 @@ step before their positions. For an integrator that does not stagger the raw fig
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import last
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import last
+from plumbline.harness.trajectory import Floats
 
 SOURCE = (
     "vis-viva: v^2/2 - k/r is constant (Goldstein, Classical Mechanics, 3rd ed., section 3.7); half-step correction: Hairer, "

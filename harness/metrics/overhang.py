@@ -11,8 +11,8 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107; Paterson, Z
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Body, Box, Scene
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Body, Box, Scene
 
 
 def harmonic_overhang(n: int) -> float:

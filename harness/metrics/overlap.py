@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Plane, Scene, Sphere
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Plane, Scene, Sphere
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate
 
 
 def _balls(scene: Scene) -> tuple[list[int], Floats]:

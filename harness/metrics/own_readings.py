@@ -6,9 +6,9 @@ readings, NaN where no state was recorded at a reading's instant.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 OTHER_SURFACE = 0.1
 """Of a range: what is farther off has met another surface, at an edge, and is no error of the range."""

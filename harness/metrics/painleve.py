@@ -6,9 +6,9 @@ law has one solution. Negative: it has none or two, which is the regime of the p
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Sphere
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Sphere
+from plumbline.harness.trajectory.kinematics import rotate
 
 
 @metric("1", better="higher")

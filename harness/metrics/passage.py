@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import proportion
-from harness.scene import Body, Scene, width
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate, rotate_back
-from harness.trajectory.touching import reach
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import proportion
+from plumbline.harness.scene import Body, Scene, width
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate, rotate_back
+from plumbline.harness.trajectory.touching import reach
 
 SOURCE = "share of bodies whose centre ends beyond the middle of what the truth stops them at"
 

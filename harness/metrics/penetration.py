@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.trajectory.depths import pair_depths
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.trajectory.depths import pair_depths
 
 
 @metric("m", verdict="two bodies share space, by where they are and what shapes they have")

@@ -6,8 +6,8 @@ cubic through four samples, alike in answer and truth, so that the interpolation
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.trajectory import Floats
 
 SOURCE = "definition: instants of upward passage through the middle of the path"
 

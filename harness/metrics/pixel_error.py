@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import Run, metric
-from harness.metric.camera_frames import beside_truth, cameras
-from harness.trajectory import Floats
+from plumbline.harness.metric import Run, metric
+from plumbline.harness.metric.camera_frames import beside_truth, cameras
+from plumbline.harness.trajectory import Floats
 
 
 def _centroid(mask: NDArray[np.bool_]) -> Floats:

@@ -5,10 +5,10 @@ The axis is that of the largest or smallest principal moment, whichever stands a
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable, rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import movable, rotate
 
 SOURCE = "definition: azimuth and polar angle of the axis of symmetry against the vertical"
 

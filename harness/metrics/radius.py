@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run
-from harness.metric.series import three
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run
+from plumbline.harness.metric.series import three
+from plumbline.harness.trajectory import Floats
 
 
 def _error(run: Run) -> Floats:

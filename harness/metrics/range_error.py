@@ -7,10 +7,10 @@ surface, taken to be one when the range differs by more than a tenth of it.
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import root_mean_square
-from harness.scene import Lidar, Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import root_mean_square
+from plumbline.harness.scene import Lidar, Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 SOURCE = "closed-form intersection of rays and primitives"
 OTHER_SURFACE = 0.1

@@ -6,9 +6,9 @@ independent from beam to beam and scan to scan. Each score is of the order of 1 
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Lidar
-from harness.trajectory import Floats
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Lidar
+from plumbline.harness.trajectory import Floats
 
 
 def _deviations(run: Run) -> list[Floats]:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import frames, noisy_cameras
-from harness.scene import TimeOfFlightNoise
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import frames, noisy_cameras
+from plumbline.harness.scene import TimeOfFlightNoise
 
 SLACK = 1e-12
 """Relative rounding of the way from a range to a z-depth and back."""

@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Plane, Scene, Sphere
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Plane, Scene, Sphere
+from plumbline.harness.trajectory import Floats, Trajectory
 
 SOURCE = "Stronge, Impact Mechanics, 2nd ed. (kinematic coefficient); apexes h' = e^2 h"
 FREE = 0.1

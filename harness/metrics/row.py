@@ -7,9 +7,9 @@ keep momentum and energy.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene, Sphere
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene, Sphere
+from plumbline.harness.trajectory import Floats, Trajectory
 
 SOURCE = "Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761 (a row with gaps is a chain of pairs)"
 CONTACT = 1e-9

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.camera_frames import beside_truth, cameras
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.camera_frames import beside_truth, cameras
 
 
 @metric("1", better="higher")

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 SOURCE = "Coulomb friction: d = v0^2/(2 mu g), t = v0/(mu g)"
 LEVEL = 0.1

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import rotation_matrix
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import rotation_matrix
+from plumbline.harness.trajectory import Floats, Trajectory
 
 
 def _tops(run: Run) -> tuple[list[int], float]:

@@ -7,9 +7,9 @@ first one by which a whole interval and the latency have passed.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import maximum
-from harness.scene import Imu, Lidar
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import maximum
+from plumbline.harness.scene import Imu, Lidar
 
 
 @metric("s")

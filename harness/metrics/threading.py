@@ -6,10 +6,10 @@ the other, it can leave over the post's end alone.
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Box, PlacedShape
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Box, PlacedShape
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 
 def _outside(placed: PlacedShape, points_B: Floats) -> Floats:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Body, Scene, rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Body, Scene, rotate
 
 SOURCE = "Coulomb friction on an incline: slides iff tan(angle) > mu, then a = g (sin - mu cos)"
 

@@ -11,9 +11,9 @@ from typing import Literal
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Box, rotate
-from harness.trajectory.kinematics import rotate as rotate_along
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Box, rotate
+from plumbline.harness.trajectory.kinematics import rotate as rotate_along
 
 SOURCE = "Meriam, Kraige, Statics, section 6/3: tips iff tan(angle) > b/h before it slides at tan(angle) = mu"
 TIPPED = 0.5

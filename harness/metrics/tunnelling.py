@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.metric.series import proportion
-from harness.scene import Body, Box, Scene, Sphere, rotate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.series import proportion
+from plumbline.harness.scene import Body, Box, Scene, Sphere, rotate
 
 SOURCE = "share of spheres whose centre ends beyond the middle of the wall"
 

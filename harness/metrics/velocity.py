@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from harness.metric import Run
-from harness.metric.series import three
-from harness.trajectory import Floats
+from plumbline.harness.metric import Run
+from plumbline.harness.metric.series import three
+from plumbline.harness.trajectory import Floats
 
 
 def _difference(run: Run) -> Floats:

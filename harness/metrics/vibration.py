@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from harness.metric import NotMeasurable, Run, metric
-from harness.scene import Revolute
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import joint_rate
+from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.scene import Revolute
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import joint_rate
 
 SOURCE = "Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70"
 FEWEST = 16

@@ -5,7 +5,7 @@ Nothing in it is chaotic: a difference of a rounding grows with time, and at mos
 
 import math
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,

@@ -14,36 +14,36 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import tomli_w
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.case.alteration import ALONE
-from harness.case.own_titles import called
-from harness.run.fork_servers import expect
-from harness.run.guide import UNGUIDED, Guide
-from harness.run.interrupt import TimeIsUp, stop_if_asked
-from harness.run.isolated import run_isolated
-from harness.run.preloads import preloads
-from harness.run.progress import Progress
-from harness.run.remaining_time import RemainingTime, together
-from harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
-from harness.run.timing_blocks import clock_group
-from harness.search import dominance, first_break, front, needless_effects, refined_ladder
-from harness.store import disk
-from harness.store.journal import FolderTaken, Journal, StoreError
-from harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
-from harness.store.record import Timing
-from harness.store.seal import sealed_json, sealed_toml
-from harness.store.store import Store, read_plain, write_json, write_tables
-from harness.study.catalogue import describe_case, describe_engine
-from harness.study.experiment import StudyError
-from harness.study.plugins import version_of
-from harness.study.provenance import files_of, sources_of
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.case.alteration import ALONE
+from plumbline.harness.case.own_titles import called
+from plumbline.harness.run.fork_servers import expect
+from plumbline.harness.run.guide import UNGUIDED, Guide
+from plumbline.harness.run.interrupt import TimeIsUp, stop_if_asked
+from plumbline.harness.run.isolated import run_isolated
+from plumbline.harness.run.preloads import preloads
+from plumbline.harness.run.progress import Progress
+from plumbline.harness.run.remaining_time import RemainingTime, together
+from plumbline.harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
+from plumbline.harness.run.timing_blocks import clock_group
+from plumbline.harness.search import dominance, first_break, front, needless_effects, refined_ladder
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import FolderTaken, Journal, StoreError
+from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
+from plumbline.harness.store.record import Timing
+from plumbline.harness.store.seal import sealed_json, sealed_toml
+from plumbline.harness.store.store import Store, read_plain, write_json, write_tables
+from plumbline.harness.study.catalogue import describe_case, describe_engine
+from plumbline.harness.study.experiment import StudyError
+from plumbline.harness.study.plugins import version_of
+from plumbline.harness.study.provenance import files_of, sources_of
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 if TYPE_CHECKING:
-    from harness.run.cluster.workplace import Workplace
+    from plumbline.harness.run.cluster.workplace import Workplace
 
 Shard = tuple[int, int]
 """(i, n): the i-th of n parts, from 1."""

@@ -18,19 +18,19 @@ from typing import Any
 
 import psutil
 
-from harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
-from harness.case import Case
-from harness.run.memory_watch import be_killed_first
-from harness.store.journal import StoreError
-from harness.store.notices import StoredNotice
-from harness.store.record import Record, Status
-from harness.study import plugins
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome, run_trial
-from harness.trial.bench import Bench, rough_cost_beside
-from harness.trial.beside_tuned import SHORT, ratio_to_tuned
-from harness.trial.ensemble import endure
-from harness.trial.idle_knobs import idle_turns, is_surveyed
+from plumbline.harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
+from plumbline.harness.case import Case
+from plumbline.harness.run.memory_watch import be_killed_first
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import Record, Status
+from plumbline.harness.study import plugins
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome, run_trial
+from plumbline.harness.trial.bench import Bench, rough_cost_beside
+from plumbline.harness.trial.beside_tuned import SHORT, ratio_to_tuned
+from plumbline.harness.trial.ensemble import endure
+from plumbline.harness.trial.idle_knobs import idle_turns, is_surveyed
 
 _LEAVES = 3.0
 """Seconds that a process may take to end after its last word."""

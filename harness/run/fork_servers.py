@@ -27,12 +27,12 @@ from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from harness.case.alteration import Variables
-from harness.study.environments import Environment, project_folders
+from plumbline.harness.case.alteration import Variables
+from plumbline.harness.study.environments import Environment, project_folders
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_PRELOAD = ("harness.cli.main", "harness.run.timing_blocks", "harness.run.isolated", "numpy")
-_FIRST, _LAST = "harness.run.loading", "harness.run.settled"
+_PRELOAD = ("plumbline.harness.cli.main", "plumbline.harness.run.timing_blocks", "plumbline.harness.run.isolated", "numpy")
+_FIRST, _LAST = "plumbline.harness.run.loading", "plumbline.harness.run.settled"
 _TRIES = 2
 """Servers that a process is asked of, one after the other, where they die."""
 _UNTOLD = 255

@@ -2,9 +2,9 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from harness.run.interrupt import UnderWay
-from harness.store.record import Record
-from harness.study.trial import Trial
+from plumbline.harness.run.interrupt import UnderWay
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.trial import Trial
 
 
 class Guide:

@@ -4,16 +4,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from harness.adapter import Unsupported
-from harness.intake.import_wishes import Root, Wishes
-from harness.run.robot_loaders import loaded_apart
-from harness.scene.parity.comparison import compare
-from harness.scene.parity.difference import Difference
-from harness.scene.parity.facts import RobotFacts
-from harness.scene.parity.kinds import kind_of
-from harness.scene.parity.loaded import Request
-from harness.scene.parity.stated import audited
-from harness.study import plugins
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.intake.import_wishes import Root, Wishes
+from plumbline.harness.run.robot_loaders import loaded_apart
+from plumbline.harness.scene.parity.comparison import compare
+from plumbline.harness.scene.parity.difference import Difference
+from plumbline.harness.scene.parity.facts import RobotFacts
+from plumbline.harness.scene.parity.kinds import kind_of
+from plumbline.harness.scene.parity.loaded import Request
+from plumbline.harness.scene.parity.stated import audited
+from plumbline.harness.study import plugins
 
 _DERIVED = ("gravity torque", "mass matrix", "acceleration")
 

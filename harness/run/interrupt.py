@@ -14,7 +14,7 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.study.trial import Trial
+    from plumbline.harness.study.trial import Trial
 
 
 def _never() -> float:

@@ -9,21 +9,21 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-from harness.case.alteration import ALONE
-from harness.intake.safe_text import readable
-from harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
-from harness.run.deadline import Deadline
-from harness.run.fork_servers import Server, context, end_varied, start_apart, start_loaded
-from harness.run.interrupt import naming, stop_if_asked
-from harness.run.memory_watch import MemoryWatch, kills_for_memory
-from harness.run.message import BrokenMessage, Inbox, read_record, send
-from harness.store.notices import StoredNotice
-from harness.store.record import Record
-from harness.study import plugins
-from harness.study.environments import elsewhere
-from harness.study.library_variants import obstacle
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.case.alteration import ALONE
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
+from plumbline.harness.run.deadline import Deadline
+from plumbline.harness.run.fork_servers import Server, context, end_varied, start_apart, start_loaded
+from plumbline.harness.run.interrupt import naming, stop_if_asked
+from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory
+from plumbline.harness.run.message import BrokenMessage, Inbox, read_record, send
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import Record
+from plumbline.harness.study import plugins
+from plumbline.harness.study.environments import elsewhere
+from plumbline.harness.study.library_variants import obstacle
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 _TAIL = 4000
 _KEPT = 2**20

@@ -8,10 +8,10 @@ import json
 import sys
 from pathlib import Path
 
-from harness.adapter import Unavailable, Unsupported
-from harness.intake.import_wishes import Root
-from harness.scene.parity.loaded import Request, stored
-from harness.study import plugins
+from plumbline.harness.adapter import Unavailable, Unsupported
+from plumbline.harness.intake.import_wishes import Root
+from plumbline.harness.scene.parity.loaded import Request, stored
+from plumbline.harness.study import plugins
 
 
 def main(name: str, file: str, out: str, way: str, root: Root, *packages: str) -> None:

@@ -15,11 +15,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.intake.safe_text import one_line
-from harness.run.child import named_signal
-from harness.study import plugins, sources
-from harness.study.engine_versions import EngineVersion
-from harness.study.environments import Environment, environment_of, folder_of, installed_folders, keep, project_folders
+from plumbline.harness.intake.safe_text import one_line
+from plumbline.harness.run.child import named_signal
+from plumbline.harness.study import plugins, sources
+from plumbline.harness.study.engine_versions import EngineVersion
+from plumbline.harness.study.environments import (
+    Environment,
+    environment_of,
+    folder_of,
+    installed_folders,
+    keep,
+    project_folders,
+)
 
 _INSTALLS = 900.0
 _TRIES = 300.0
@@ -117,7 +124,7 @@ def _tried(version: EngineVersion, digest: str) -> Environment:
     interpreter, ours = str(_interpreter(folder_of(version.name))), project_folders()
     with TemporaryDirectory(prefix="plumbline-version-") as scratch:
         out = Path(scratch) / "found.json"
-        command = [interpreter, "-P", "-m", "harness.conformance.smoke", version.engine, str(out)]
+        command = [interpreter, "-P", "-m", "plumbline.harness.conformance.smoke", version.engine, str(out)]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(ours)}
         try:
             done = subprocess.run(

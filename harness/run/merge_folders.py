@@ -13,13 +13,13 @@ from typing import Any
 
 import tomli_w
 
-from harness.run.resume import another_study, merged
-from harness.store import disk
-from harness.store.journal import FolderTaken, Journal, Written, read_written
-from harness.store.machine_fingerprint import circumstances
-from harness.store.record import Record, Timing
-from harness.store.seal import sealed_json, sealed_toml
-from harness.store.store import Store, read_plain, write_json, write_tables
+from plumbline.harness.run.resume import another_study, merged
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import FolderTaken, Journal, Written, read_written
+from plumbline.harness.store.machine_fingerprint import circumstances
+from plumbline.harness.store.record import Record, Timing
+from plumbline.harness.store.seal import sealed_json, sealed_toml
+from plumbline.harness.store.store import Store, read_plain, write_json, write_tables
 
 _CARRIED = ("trajectories", "truths", "scenes", "logs")
 _TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("trial", "note"))

@@ -17,11 +17,11 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from harness.intake.safe_text import readable
-from harness.store.record import Record, Sample
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
-from harness.trial.bench import Sampling
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.store.record import Record, Sample
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
+from plumbline.harness.trial.bench import Sampling
 
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""

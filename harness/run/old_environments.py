@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.study.environments import folder_of, root
+from plumbline.harness.study.environments import folder_of, root
 
 
 @dataclass(frozen=True, slots=True)

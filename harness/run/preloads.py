@@ -2,15 +2,22 @@
 
 from collections.abc import Mapping
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.scene import Imu
-from harness.study import plugins, sources
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Imu
+from plumbline.harness.study import plugins, sources
 
-_QUESTIONS = ("cases", "harness.metric", "harness.metrics", "harness.props", "harness.sensors", "harness.truths")
+_QUESTIONS = (
+    "cases",
+    "plumbline.harness.metric",
+    "plumbline.harness.metrics",
+    "plumbline.harness.props",
+    "plumbline.harness.sensors",
+    "plumbline.harness.truths",
+)
 """Where SciPy is imported within functions, so that a listing need not wait for it, and where trials call them."""
-_OWN_SCENE = "harness.case.scene_file"
-_NOISE = "harness.sensors.imu_noise"
+_OWN_SCENE = "plumbline.harness.case.scene_file"
+_NOISE = "plumbline.harness.sensors.imu_noise"
 """What every scene of a user's own imports and inertial units alone call: its filter costs as much as all else together."""
 
 

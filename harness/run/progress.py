@@ -6,7 +6,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from harness.intake.safe_text import LONGEST, one_line
+from plumbline.harness.intake.safe_text import LONGEST, one_line
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar

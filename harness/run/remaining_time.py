@@ -9,10 +9,10 @@ The range is the middle half of what answers took, over what they had been fores
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from statistics import quantiles
 
-from harness.case import Case
-from harness.store.record import Record
-from harness.study.trial import Trial
-from harness.trial.bench import FEW, LONG
+from plumbline.harness.case import Case
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.bench import FEW, LONG
 
 ENOUGH = 4
 """Answers that were foreseen, before which nothing is said."""

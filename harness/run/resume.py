@@ -12,16 +12,16 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.store import disk
-from harness.store.journal import Journal, StoreError
-from harness.store.machine_fingerprint import circumstances, machine_digest
-from harness.store.record import Record
-from harness.store.seal import Damaged, check_seal
-from harness.store.store import ends_early, read_plain
-from harness.study.library_variants import obstacle
-from harness.study.provenance import what_changed
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import Journal, StoreError
+from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.store import ends_early, read_plain
+from plumbline.harness.study.library_variants import obstacle
+from plumbline.harness.study.provenance import what_changed
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 _DRAFT = re.compile(r"\..+\.\d+(\.old)?|\.timing-\w+\.log")
 _CELL = ("study", "experiment", "case", "engine", "track", "dt", "seed", "clocks", "workers", "members", "remedied", "parts")

@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.adapter import Unsupported
-from harness.intake.safe_text import one_line
-from harness.scene.parity.loaded import Loaded, Request, restored
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.intake.safe_text import one_line
+from plumbline.harness.scene.parity.loaded import Loaded, Request, restored
 
 DEADLINE = 120.0
 """Seconds that a loader may take, its engine's import included."""
@@ -20,7 +20,7 @@ def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
         out = Path(scratch) / "loaded.json"
         packages = [f"{package}={folder.resolve()}" for package, folder in request.packages.items()]
         asked = [name, str(path.resolve()), str(out), request.way, request.root, *packages]
-        command = [sys.executable, "-m", "harness.run.loader_child", *asked]
+        command = [sys.executable, "-m", "plumbline.harness.run.loader_child", *asked]
         try:
             done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False)
         except subprocess.TimeoutExpired:

@@ -18,19 +18,19 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.safe_text import readable
-from harness.run.child import confine, end, end_started, exit_code
-from harness.run.deadline import Deadline
-from harness.run.fork_servers import Server, context, start_apart
-from harness.run.interrupt import hour, naming, stop_if_asked
-from harness.run.memory_watch import MemoryWatch
-from harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, send
-from harness.store.record import Sample
-from harness.study import plugins
-from harness.study.environments import elsewhere
-from harness.study.trial import Trial
-from harness.trial.bench import LONG, Bench, NotClocked, Sampling, calibrate
-from harness.trial.emulated_share import emulated_share
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.run.child import confine, end, end_started, exit_code
+from plumbline.harness.run.deadline import Deadline
+from plumbline.harness.run.fork_servers import Server, context, start_apart
+from plumbline.harness.run.interrupt import hour, naming, stop_if_asked
+from plumbline.harness.run.memory_watch import MemoryWatch
+from plumbline.harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, send
+from plumbline.harness.store.record import Sample
+from plumbline.harness.study import plugins
+from plumbline.harness.study.environments import elsewhere
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.bench import LONG, Bench, NotClocked, Sampling, calibrate
+from plumbline.harness.trial.emulated_share import emulated_share
 
 _LOOKS = 0.5
 """Seconds between looks at the memory of a process under the clock; each takes an eighth of a millisecond of another core."""

@@ -17,13 +17,13 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.case import Unit
-from harness.run.interrupt import stop_if_asked
-from harness.run.timed_processes import Team, ready_teams
-from harness.statistics.bootstrap import interval_of_median
-from harness.store.record import Sample, Timing
-from harness.study import plugins
-from harness.study.trial import Trial
+from plumbline.harness.case import Unit
+from plumbline.harness.run.interrupt import stop_if_asked
+from plumbline.harness.run.timed_processes import Team, ready_teams
+from plumbline.harness.statistics.bootstrap import interval_of_median
+from plumbline.harness.store.record import Sample, Timing
+from plumbline.harness.study import plugins
+from plumbline.harness.study.trial import Trial
 
 _NOISY = 0.1
 """Half width of the interval, or spread of the canary, relative to its middle, from which a timing counts as unstable."""

@@ -10,18 +10,18 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.summary import summaries
-from harness.run.resume import merged
-from harness.store import disk
-from harness.store.arrays import read_arrays
-from harness.store.imported_scenes import FOLDER as SCENES
-from harness.store.imported_scenes import MINIMAL, unsound
-from harness.store.journal import DamagedFile, StoreError, Written, read_written
-from harness.store.machine_fingerprint import circumstances
-from harness.store.record import parts_of_runs
-from harness.store.seal import Damaged, check_seal
-from harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
-from harness.store.trajectory_file import kept_hash
+from plumbline.harness.findings.summary import summaries
+from plumbline.harness.run.resume import merged
+from plumbline.harness.store import disk
+from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.imported_scenes import FOLDER as SCENES
+from plumbline.harness.store.imported_scenes import MINIMAL, unsound
+from plumbline.harness.store.journal import DamagedFile, StoreError, Written, read_written
+from plumbline.harness.store.machine_fingerprint import circumstances
+from plumbline.harness.store.record import parts_of_runs
+from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
+from plumbline.harness.store.trajectory_file import kept_hash
 
 _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"

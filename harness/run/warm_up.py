@@ -12,13 +12,13 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from harness.adapter.kernels import KernelGroup, Kernels
-from harness.intake.safe_text import LONGEST
-from harness.run.child import confine, end, exit_code, named_signal
-from harness.run.fork_servers import WORTH_A_SERVER, context, start_loaded
-from harness.run.interrupt import stop_if_asked
-from harness.run.message import BrokenMessage, Inbox, send
-from harness.run.progress import Progress
+from plumbline.harness.adapter.kernels import KernelGroup, Kernels
+from plumbline.harness.intake.safe_text import LONGEST
+from plumbline.harness.run.child import confine, end, exit_code, named_signal
+from plumbline.harness.run.fork_servers import WORTH_A_SERVER, context, start_loaded
+from plumbline.harness.run.interrupt import stop_if_asked
+from plumbline.harness.run.message import BrokenMessage, Inbox, send
+from plumbline.harness.run.progress import Progress
 
 _LISTENS = 1.0
 """Seconds between looks at whether this is to stop."""

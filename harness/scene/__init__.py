@@ -1,12 +1,12 @@
 """A scene: bodies, joints, surfaces and sensors in SI units, as frozen values that validate themselves on construction."""
 
-from harness.scene.appearance import Appearance, Sun
-from harness.scene.body import Body, PlacedShape
-from harness.scene.camera import Camera, Distortion
-from harness.scene.depth_camera import DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
-from harness.scene.effect import Effect
-from harness.scene.imu import AxisNoise, Imu, ImuNoise
-from harness.scene.inertia import (
+from plumbline.harness.scene.appearance import Appearance, Sun
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.camera import Camera, Distortion
+from plumbline.harness.scene.depth_camera import DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from plumbline.harness.scene.effect import Effect
+from plumbline.harness.scene.imu import AxisNoise, Imu, ImuNoise
+from plumbline.harness.scene.inertia import (
     box_inertia,
     capsule_inertia,
     cylinder_inertia,
@@ -14,14 +14,26 @@ from harness.scene.inertia import (
     principal_inertia,
     sphere_inertia,
 )
-from harness.scene.joint import WORLD, Ball, Coupling, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
-from harness.scene.lidar import Lidar, LidarNoise
-from harness.scene.motion import Motion, Samples, Sinusoid, sampled
-from harness.scene.prescribed import Prescribed, Shift, Turn
-from harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
-from harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
-from harness.scene.sensor import Sensor
-from harness.scene.shape import (
+from plumbline.harness.scene.joint import (
+    WORLD,
+    Ball,
+    Coupling,
+    Distance,
+    Drive,
+    Fixed,
+    Joint,
+    Limits,
+    Prismatic,
+    Revolute,
+    Spring,
+)
+from plumbline.harness.scene.lidar import Lidar, LidarNoise
+from plumbline.harness.scene.motion import Motion, Samples, Sinusoid, sampled
+from plumbline.harness.scene.prescribed import Prescribed, Shift, Turn
+from plumbline.harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
+from plumbline.harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
+from plumbline.harness.scene.sensor import Sensor
+from plumbline.harness.scene.shape import (
     Box,
     Capsule,
     ConvexHull,
@@ -35,8 +47,8 @@ from harness.scene.shape import (
     polyhedron_of,
     width,
 )
-from harness.scene.surface import Surface
-from harness.scene.values import Matrix3, Quaternion, Vector3
+from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.values import Matrix3, Quaternion, Vector3
 
 __all__ = [
     "EARTH_GRAVITY",

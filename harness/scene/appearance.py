@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Axis, NonNegative, Probability
+from plumbline.harness.scene.values import FROZEN, Axis, NonNegative, Probability
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

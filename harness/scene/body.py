@@ -6,11 +6,11 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from harness.scene.appearance import Appearance
-from harness.scene.inertia import box_inertia, sphere_inertia
-from harness.scene.prescribed import Prescribed
-from harness.scene.shape import Box, Shape, Sphere
-from harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
+from plumbline.harness.scene.appearance import Appearance
+from plumbline.harness.scene.inertia import box_inertia, sphere_inertia
+from plumbline.harness.scene.prescribed import Prescribed
+from plumbline.harness.scene.shape import Box, Shape, Sphere
+from plumbline.harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

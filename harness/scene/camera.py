@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.mount import Mount
-from harness.scene.values import FROZEN, Finite, Positive
+from plumbline.harness.scene.mount import Mount
+from plumbline.harness.scene.values import FROZEN, Finite, Positive
 
 Pixels = Annotated[int, Field(ge=1, le=16384)]
 Renderer = Literal["rasterised", "ray_traced"]

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.camera import Pinhole
-from harness.scene.values import FROZEN, NonNegative, Positive, Probability
+from plumbline.harness.scene.camera import Pinhole
+from plumbline.harness.scene.values import FROZEN, NonNegative, Positive, Probability
 
 Incidence = Annotated[float, Field(gt=0, le=math.pi / 2, allow_inf_nan=False)]
 """An angle [rad] between a ray and a surface's normal: 0 head-on, pi/2 grazing."""

@@ -7,11 +7,11 @@ from typing import Any
 import tomli_w
 from pydantic import TypeAdapter
 
-from harness.intake.allowance import beyond
-from harness.intake.documents import InputError, document, named, parsed
-from harness.intake.safe_text import quoted
-from harness.intake.typed_fields import FieldError, filled
-from harness.scene.scene import Scene, SceneError
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import InputError, document, named, parsed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.typed_fields import FieldError, filled
+from plumbline.harness.scene.scene import Scene, SceneError
 
 _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
 

@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic.dataclasses import dataclass
 
-from harness.scene.mount import Mount
-from harness.scene.values import FROZEN, Finite, NonNegative, Positive, Vector3
+from plumbline.harness.scene.mount import Mount
+from plumbline.harness.scene.values import FROZEN, Finite, NonNegative, Positive, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -3,7 +3,7 @@
 Source: Goldstein, Classical Mechanics, 3rd ed., section 5.3 and exercises.
 """
 
-from harness.scene.values import Matrix3, Vector3
+from plumbline.harness.scene.values import Matrix3, Vector3
 
 
 def principal_inertia(xx: float, yy: float, zz: float) -> Matrix3:

@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.motion import Motion
-from harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
+from plumbline.harness.scene.motion import Motion
+from plumbline.harness.scene.values import FROZEN, Axis, Finite, Name, NonNegative, Positive, Vector3
 
 WORLD = "world"
 """The parent of a joint that holds its child to the world."""

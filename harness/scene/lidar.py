@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.mount import Mount
-from harness.scene.values import FROZEN, NonNegative, Positive, Probability
+from plumbline.harness.scene.mount import Mount
+from plumbline.harness.scene.values import FROZEN, NonNegative, Positive, Probability
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

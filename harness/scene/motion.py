@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Finite, NonNegative
+from plumbline.harness.scene.values import FROZEN, Finite, NonNegative
 
 MOST_SAMPLES = 100_000
 """Samples of one joint: 100 s at a kilohertz."""

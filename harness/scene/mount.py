@@ -2,7 +2,7 @@
 
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Name, Positive, Quaternion, Vector3
+from plumbline.harness.scene.values import FROZEN, Name, Positive, Quaternion, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -5,9 +5,9 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.motion import Motion
-from harness.scene.rotation import axis_angle, multiply, rotate
-from harness.scene.values import FROZEN, Axis, Quaternion, Vector3
+from plumbline.harness.scene.motion import Motion
+from plumbline.harness.scene.rotation import axis_angle, multiply, rotate
+from plumbline.harness.scene.values import FROZEN, Axis, Quaternion, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

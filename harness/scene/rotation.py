@@ -2,7 +2,7 @@
 
 import math
 
-from harness.scene.values import Matrix3, Quaternion, Vector3
+from plumbline.harness.scene.values import Matrix3, Quaternion, Vector3
 
 
 def axis_angle(axis: Vector3, angle: float) -> Quaternion:

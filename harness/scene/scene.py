@@ -8,14 +8,14 @@ import numpy as np
 from pydantic import WithJsonSchema, field_serializer, field_validator
 from pydantic.dataclasses import dataclass
 
-from harness.intake.mendable import Mendable
-from harness.scene.appearance import Sun
-from harness.scene.body import Body
-from harness.scene.effect import Effect
-from harness.scene.joint import WORLD, Joint, Prismatic, Revolute
-from harness.scene.sensor import Sensor
-from harness.scene.surface import Surface
-from harness.scene.values import FROZEN, Name, Vector3
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.scene.appearance import Sun
+from plumbline.harness.scene.body import Body
+from plumbline.harness.scene.effect import Effect
+from plumbline.harness.scene.joint import WORLD, Joint, Prismatic, Revolute
+from plumbline.harness.scene.sensor import Sensor
+from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.values import FROZEN, Name, Vector3
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)
 """The gravity of every case that does not say otherwise [m/s2]."""

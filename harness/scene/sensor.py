@@ -4,9 +4,9 @@ from typing import Annotated
 
 from pydantic import Field
 
-from harness.scene.camera import Camera
-from harness.scene.depth_camera import DepthCamera
-from harness.scene.imu import Imu
-from harness.scene.lidar import Lidar
+from plumbline.harness.scene.camera import Camera
+from plumbline.harness.scene.depth_camera import DepthCamera
+from plumbline.harness.scene.imu import Imu
+from plumbline.harness.scene.lidar import Lidar
 
 Sensor = Annotated[Imu | Lidar | Camera | DepthCamera, Field(discriminator="type")]

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.scene.values import FROZEN, Axis, Positive, Vector3
+from plumbline.harness.scene.values import FROZEN, Axis, Positive, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from harness.case import Case
-from harness.store.record import Record
+from plumbline.harness.case import Case
+from plumbline.harness.store.record import Record
 
 UNDER = 2 / 3
 """A change that errs no more and costs less than this share of the track is better."""

@@ -16,15 +16,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness.adapter import Adapter
-from harness.adapter.features import features_of
-from harness.case import Case
-from harness.search.better import Comparison, Question, compared, run_of_record
-from harness.store.record import Record
-from harness.study.experiment import Experiment
-from harness.study.foreseen_cost import NoScene, scene_at, too_much
-from harness.study.one_knob import Turn, label_of, turn_between, turned, turns
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.case import Case
+from plumbline.harness.search.better import Comparison, Question, compared, run_of_record
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.foreseen_cost import NoScene, scene_at, too_much
+from plumbline.harness.study.one_knob import Turn, label_of, turn_between, turned, turns
+from plumbline.harness.study.trial import Trial
 
 FACTORS = (0.5, 0.8, 1.25, 2.0)
 """By each of these one numeric parameter of a case is multiplied, drawn from the case's name and the factor."""

@@ -14,13 +14,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.adapter import Adapter
-from harness.case import Axis, Case
-from harness.search.remedies import remedied
-from harness.store.record import Record
-from harness.study.axes import axis_of
-from harness.study.experiment import Limit
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Axis, Case
+from plumbline.harness.search.remedies import remedied
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.axes import axis_of
+from plumbline.harness.study.experiment import Limit
+from plumbline.harness.study.trial import Trial
 
 REMEDY_VALUES = 3
 """Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""

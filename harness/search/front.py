@@ -24,13 +24,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Settings
-from harness.case import Case
-from harness.search.settings_key import key_of
-from harness.statistics.pareto import near_front
-from harness.store.record import Record
-from harness.study.one_knob import OPTION, label_of, position, turned
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.case import Case
+from plumbline.harness.search.settings_key import key_of
+from plumbline.harness.statistics.pareto import near_front
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.one_knob import OPTION, label_of, position, turned
+from plumbline.harness.study.trial import Trial
 
 SMALLEST = 1e-8
 """Share of a case's scale below which a smaller error counts as no better."""

@@ -31,15 +31,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.case.alteration import FINER, FINEST, REFINED, Alteration
-from harness.scene import Effect
-from harness.store.record import Record
-from harness.store.store import Store
-from harness.study.trial import Trial
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.case.alteration import FINER, FINEST, REFINED, Alteration
+from plumbline.harness.scene import Effect
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import angle_between
 
 FLOOR = 1e-9
 """Metres and radians: what rounding makes of metres within some ten thousand steps."""

@@ -12,11 +12,11 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from harness.statistics.convergence import Convergence, convergence, horizon
-from harness.statistics.richardson import limit
-from harness.store.store import Store
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.parting import Extent, apart, common, displaced, length, offsets
+from plumbline.harness.statistics.convergence import Convergence, convergence, horizon
+from plumbline.harness.statistics.richardson import limit
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.parting import Extent, apart, common, displaced, length, offsets
 
 TOLERANCE = 0.01
 """Of the size of what moves: a hundredth, which is a centimetre of a robot's metre, and what an eye sees in a picture."""

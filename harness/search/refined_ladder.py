@@ -16,16 +16,16 @@ that it answered: what the omission does is a number then. Such a run counts for
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.case.alteration import AS_IT_IS, UNDROPPED, Alteration
-from harness.case.undropped import kinds_left_out
-from harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
-from harness.store.record import Record
-from harness.store.store import Store
-from harness.study.experiment import Refinement
-from harness.study.trial import Trial, question_of
-from harness.trajectory.parting import Extent, extent
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.case.alteration import AS_IT_IS, UNDROPPED, Alteration
+from plumbline.harness.case.undropped import kinds_left_out
+from plumbline.harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.experiment import Refinement
+from plumbline.harness.study.trial import Trial, question_of
+from plumbline.harness.trajectory.parting import Extent, extent
 
 RESERVED = 1 / 3
 """Of a side's share of the budget, what perturbed starts may take where its ladder has left less."""

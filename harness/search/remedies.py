@@ -11,13 +11,13 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from typing import Any
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.case.alteration import Alteration
-from harness.scene import Effect
-from harness.study.axes import axis_of
-from harness.study.one_knob import position, turned
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.case.alteration import Alteration
+from plumbline.harness.scene import Effect
+from plumbline.harness.study.axes import axis_of
+from plumbline.harness.study.one_knob import position, turned
+from plumbline.harness.study.trial import Trial
 
 DAMPING = 1.0
 """Added to every body [1/s]: a motion halves in 0.7 s."""

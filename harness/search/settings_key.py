@@ -6,8 +6,8 @@ from dataclasses import fields
 from operator import attrgetter
 from typing import Any
 
-from harness.adapter import Settings
-from harness.study.one_knob import OPTION
+from plumbline.harness.adapter import Settings
+from plumbline.harness.study.one_knob import OPTION
 
 _FIELDS = tuple(one.name for one in fields(Settings) if one.name not in ("options", "source"))
 """Those of `Settings` that decide an answer, beside its options."""

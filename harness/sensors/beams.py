@@ -13,8 +13,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.scene import Lidar
-from harness.trajectory import Floats
+from plumbline.harness.scene import Lidar
+from plumbline.harness.trajectory import Floats
 
 SUB_RAYS = 7
 

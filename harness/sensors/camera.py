@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.scene import Camera
-from harness.sensors.pictures import Pictures
-from harness.sensors.reader import Setting
-from harness.trajectory import Floats, State
+from plumbline.harness.scene import Camera
+from plumbline.harness.sensors.pictures import Pictures
+from plumbline.harness.sensors.reader import Setting
+from plumbline.harness.trajectory import Floats, State
 
 
 class CameraReader:

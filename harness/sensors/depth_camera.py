@@ -10,15 +10,15 @@ from typing import assert_never
 
 import numpy as np
 
-from harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
-from harness.sensors import stereo, structured_light, time_of_flight
-from harness.sensors.pictures import Pictures
-from harness.sensors.pinhole import pixel_rays, view_of
-from harness.sensors.reader import Setting, pose_of, row_of
-from harness.sensors.seeds import generator
-from harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
-from harness.trajectory import Floats, State
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from plumbline.harness.sensors import stereo, structured_light, time_of_flight
+from plumbline.harness.sensors.pictures import Pictures
+from plumbline.harness.sensors.pinhole import pixel_rays, view_of
+from plumbline.harness.sensors.reader import Setting, pose_of, row_of
+from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import rotate
 
 
 def lost(noise: DepthNoise, sight: Sight) -> Mask:

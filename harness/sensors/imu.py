@@ -13,12 +13,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.scene import Effect, Imu
-from harness.sensors.imu_errors import read_out, sensed
-from harness.sensors.imu_noise import three_axes
-from harness.sensors.reader import Setting, row_of
-from harness.trajectory import Floats, State
-from harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
+from plumbline.harness.scene import Effect, Imu
+from plumbline.harness.sensors.imu_errors import read_out, sensed
+from plumbline.harness.sensors.imu_noise import three_axes
+from plumbline.harness.sensors.reader import Setting, row_of
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
 
 
 def ideal(

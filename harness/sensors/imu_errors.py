@@ -10,9 +10,9 @@ Quantization Noise (2008), section 1.1 (rounding to the nearest level).
 
 import numpy as np
 
-from harness.scene import AxisNoise
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.scene import AxisNoise
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 
 def sensed(law: AxisNoise, signal_S: Floats) -> Floats:

@@ -10,9 +10,9 @@ Source: IEEE Std 952-1997, annex C: angle random walk, bias instability, rate ra
 
 import numpy as np
 
-from harness.scene import AxisNoise
-from harness.sensors.seeds import generator
-from harness.trajectory import Floats
+from plumbline.harness.scene import AxisNoise
+from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.trajectory import Floats
 
 MARKOV_PEAK = 0.617364
 """Largest Allan deviation of a Gauss-Markov process over its standard deviation, at tau = 1.89 correlation times."""

@@ -9,8 +9,8 @@ Source: Brown, Decentering Distortion of Lenses, Photogrammetric Engineering 32 
 
 import numpy as np
 
-from harness.scene import Distortion
-from harness.trajectory import Floats
+from plumbline.harness.scene import Distortion
+from plumbline.harness.trajectory import Floats
 
 RESIDUAL = 1e-14
 """Greatest distance [1], beside rounding, between a point and the distorted image of what `undistort` gives for it."""

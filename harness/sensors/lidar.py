@@ -13,12 +13,12 @@ airborne laser scanner, ISPRS J. Photogramm. Remote Sens. 60 (2006) 100 (echoes 
 
 import numpy as np
 
-from harness.scene import Lidar, Scene, rotation_matrix
-from harness.sensors.beams import SUB_RAYS, beams, spread
-from harness.sensors.lidar_scans import Scans
-from harness.sensors.reader import Setting, pose_of, row_of
-from harness.trajectory import Floats, Hits, State
-from harness.trajectory.kinematics import product, rotate
+from plumbline.harness.scene import Lidar, Scene, rotation_matrix
+from plumbline.harness.sensors.beams import SUB_RAYS, beams, spread
+from plumbline.harness.sensors.lidar_scans import Scans
+from plumbline.harness.sensors.reader import Setting, pose_of, row_of
+from plumbline.harness.trajectory import Floats, Hits, State
+from plumbline.harness.trajectory.kinematics import product, rotate
 
 
 def in_world(lidar: Lidar, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:

@@ -13,9 +13,9 @@ Source: Thrun, Burgard, Fox, Probabilistic Robotics, section 6.3.1 (beam model: 
 
 import numpy as np
 
-from harness.scene import LidarNoise
-from harness.sensors.seeds import generator
-from harness.trajectory import Floats
+from plumbline.harness.scene import LidarNoise
+from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.trajectory import Floats
 
 
 class ScanNoise:

@@ -7,10 +7,10 @@ a spinning sensor is given in S as S was when the column was fired, as a driver 
 
 import numpy as np
 
-from harness.scene import Lidar
-from harness.sensors.beams import by_axis
-from harness.sensors.lidar_noise import noisy
-from harness.trajectory import Floats
+from plumbline.harness.scene import Lidar
+from plumbline.harness.sensors.beams import by_axis
+from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.trajectory import Floats
 
 
 def points(lidar: Lidar, ranges: Floats) -> Floats:

@@ -9,8 +9,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.adapter import Unsupported
-from harness.trajectory import Floats
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.trajectory import Floats
 
 LARGEST = 2**30
 """Bytes that the frames of one camera may take."""

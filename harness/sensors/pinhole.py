@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import Camera, DepthCamera
-from harness.sensors.lens import distort, undistort
-from harness.trajectory import Floats
+from plumbline.harness.scene import Camera, DepthCamera
+from plumbline.harness.sensors.lens import distort, undistort
+from plumbline.harness.trajectory import Floats
 
 VIEW = ("name", "body", "rate", "p_BS", "q_BS", "width", "height", "focal_x", "focal_y", "centre_x", "centre_y")
 

@@ -15,9 +15,9 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
-from harness.trajectory import Floats, Hits, State
-from harness.trajectory.kinematics import product, rotate, rotate_back
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, TriangleMesh
+from plumbline.harness.trajectory import Floats, Hits, State
+from plumbline.harness.trajectory.kinematics import product, rotate, rotate_back
 
 Met = tuple[Floats, Floats]
 """Distance (r,) m, infinite where nothing is met, and outward unit normal (r, 3), zero there."""

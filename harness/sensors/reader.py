@@ -5,9 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.adapter import Simulation
-from harness.scene import WORLD, Quaternion, Scene, Vector3, multiply, rotation_matrix
-from harness.trajectory import Floats, State
+from plumbline.harness.adapter import Simulation
+from plumbline.harness.scene import WORLD, Quaternion, Scene, Vector3, multiply, rotation_matrix
+from plumbline.harness.trajectory import Floats, State
 
 _WORLD_ROW = np.array([0.0, 0.0, 0.0, 1.0] + [0.0] * 9)
 

@@ -8,15 +8,15 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from harness.adapter import Simulation, Unsupported
-from harness.scene import Imu, Lidar, Scene, Sensor
-from harness.sensors.camera import CameraReader
-from harness.sensors.depth_camera import DepthReader
-from harness.sensors.imu import ImuReader
-from harness.sensors.lidar import LidarReader
-from harness.sensors.reader import Reader, Setting
-from harness.sensors.spinning import SpinningReader
-from harness.trajectory import Floats, State
+from plumbline.harness.adapter import Simulation, Unsupported
+from plumbline.harness.scene import Imu, Lidar, Scene, Sensor
+from plumbline.harness.sensors.camera import CameraReader
+from plumbline.harness.sensors.depth_camera import DepthReader
+from plumbline.harness.sensors.imu import ImuReader
+from plumbline.harness.sensors.lidar import LidarReader
+from plumbline.harness.sensors.reader import Reader, Setting
+from plumbline.harness.sensors.spinning import SpinningReader
+from plumbline.harness.trajectory import Floats, State
 
 READERS: Mapping[str, Callable[..., Reader]] = {
     "imu": ImuReader,

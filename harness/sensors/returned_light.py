@@ -11,9 +11,9 @@ Light in Sunlight, ICCV 2013 (contrast against ambient light).
 
 import numpy as np
 
-from harness.sensors.second_view import sunlit
-from harness.sensors.sight import Mask, Sight
-from harness.trajectory import Floats
+from plumbline.harness.sensors.second_view import sunlit
+from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.trajectory import Floats
 
 
 def scattered(sight: Sight) -> Floats:

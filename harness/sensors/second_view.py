@@ -7,9 +7,9 @@ no shadow on it.
 
 import numpy as np
 
-from harness.sensors.sight import Mask, Sight
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate
 
 SLACK = 1e-3
 SUN_REACH = 1e3

@@ -7,10 +7,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.adapter import Unsupported
-from harness.scene import DepthCamera, Scene
-from harness.trajectory import Floats, Hits, Integers
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import DepthCamera, Scene
+from plumbline.harness.trajectory import Floats, Hits, Integers
+from plumbline.harness.trajectory.kinematics import rotate
 
 Cast: TypeAlias = Callable[[Floats, Floats, float], Hits]
 """(origins (r, 3) m, unit directions (r, 3), max_range [m]) in W to first hits."""

@@ -12,13 +12,13 @@ Source: Hermite interpolation (Hairer, Norsett, Wanner I, section II.6); Shoemak
 
 import numpy as np
 
-from harness.scene import Lidar
-from harness.sensors.beams import beams, spread
-from harness.sensors.lidar import returns
-from harness.sensors.lidar_scans import Scans
-from harness.sensors.reader import Setting, row_of
-from harness.trajectory import Floats, Hits, State
-from harness.trajectory.kinematics import conjugate, product, rotate
+from plumbline.harness.scene import Lidar
+from plumbline.harness.sensors.beams import beams, spread
+from plumbline.harness.sensors.lidar import returns
+from plumbline.harness.sensors.lidar_scans import Scans
+from plumbline.harness.sensors.reader import Setting, row_of
+from plumbline.harness.trajectory import Floats, Hits, State
+from plumbline.harness.trajectory.kinematics import conjugate, product, rotate
 
 
 def pose_between(early: Floats, late: Floats, interval: float, share: Floats) -> tuple[Floats, Floats]:

@@ -7,12 +7,12 @@ Source: Scharstein and Szeliski, A Taxonomy and Evaluation of Dense Two-Frame St
 (occlusion, windows); the error of depth: see `triangulation`.
 """
 
-from harness.scene import StereoNoise
-from harness.sensors.returned_light import scattered
-from harness.sensors.second_view import in_view_of
-from harness.sensors.sight import Mask, Sight
-from harness.sensors.triangulation import through_disparity, too_steep
-from harness.trajectory import Floats
+from plumbline.harness.scene import StereoNoise
+from plumbline.harness.sensors.returned_light import scattered
+from plumbline.harness.sensors.second_view import in_view_of
+from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.sensors.triangulation import through_disparity, too_steep
+from plumbline.harness.trajectory import Floats
 
 
 def lost(noise: StereoNoise, sight: Sight) -> Mask:

@@ -7,12 +7,12 @@ Source: Khoshelham and Elberink, Accuracy and Resolution of Kinect Depth Data fo
 1437, section 3; light: see `returned_light`; the error of depth: see `triangulation`.
 """
 
-from harness.scene import StructuredLightNoise
-from harness.sensors.returned_light import too_faint
-from harness.sensors.second_view import in_view_of
-from harness.sensors.sight import Mask, Sight
-from harness.sensors.triangulation import through_disparity, too_steep
-from harness.trajectory import Floats
+from plumbline.harness.scene import StructuredLightNoise
+from plumbline.harness.sensors.returned_light import too_faint
+from plumbline.harness.sensors.second_view import in_view_of
+from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.sensors.triangulation import through_disparity, too_steep
+from plumbline.harness.trajectory import Floats
 
 
 def lost(noise: StructuredLightNoise, sight: Sight) -> Mask:

@@ -17,11 +17,11 @@ ICPR 2010 (one reflection between surfaces).
 
 import numpy as np
 
-from harness.scene import TimeOfFlightNoise
-from harness.sensors.returned_light import signal, sunlight, too_faint
-from harness.sensors.second_view import lifted
-from harness.sensors.sight import Mask, Sight
-from harness.trajectory import Floats
+from plumbline.harness.scene import TimeOfFlightNoise
+from plumbline.harness.sensors.returned_light import signal, sunlight, too_faint
+from plumbline.harness.sensors.second_view import lifted
+from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.trajectory import Floats
 
 
 def lost(noise: TimeOfFlightNoise, sight: Sight) -> Mask:

@@ -10,8 +10,8 @@ CVPR 2008, equation 2.
 
 import numpy as np
 
-from harness.sensors.sight import Mask, Sight
-from harness.trajectory import Floats
+from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.trajectory import Floats
 
 
 def through_disparity(sight: Sight, baseline: float, sigma: float, step: float, normal: Floats) -> Floats:

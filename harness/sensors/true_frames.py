@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.scene import Camera, DepthCamera, Scene
-from harness.sensors.depth_camera import lost
-from harness.sensors.pinhole import pixel_rays, view_of
-from harness.sensors.rays import first_hits
-from harness.sensors.reader import pose_of, row_of
-from harness.sensors.sight import Sight, sight_by_rays
-from harness.trajectory import Floats, Hits, State
+from plumbline.harness.scene import Camera, DepthCamera, Scene
+from plumbline.harness.sensors.depth_camera import lost
+from plumbline.harness.sensors.pinhole import pixel_rays, view_of
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.reader import pose_of, row_of
+from plumbline.harness.sensors.sight import Sight, sight_by_rays
+from plumbline.harness.trajectory import Floats, Hits, State
 
 NEAREST, FARTHEST = 1e-6, 1e6
 """Bounds [m] of what a colour camera sees, which has none of its own."""

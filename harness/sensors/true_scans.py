@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from harness.scene import Lidar, Scene
-from harness.sensors.lidar import ideal, in_world
-from harness.sensors.rays import first_hits
-from harness.sensors.reader import row_of
-from harness.trajectory import Floats, State
+from plumbline.harness.scene import Lidar, Scene
+from plumbline.harness.sensors.lidar import ideal, in_world
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.reader import row_of
+from plumbline.harness.trajectory import Floats, State
 
 
 def true_scans(scene: Scene, lidar: Lidar, end: float) -> dict[str, Floats]:

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.statistics.student import percentile
+from plumbline.harness.statistics.student import percentile
 
 DRAWS = 2000
 ENDS = (2.5, 97.5)

@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.statistics.student import tail
+from plumbline.harness.statistics.student import tail
 
 Floats: TypeAlias = NDArray[np.float64]
 

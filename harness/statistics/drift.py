@@ -5,7 +5,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.statistics.change_points import FEWEST, without_outliers
+from plumbline.harness.statistics.change_points import FEWEST, without_outliers
 
 Floats: TypeAlias = NDArray[np.float64]
 

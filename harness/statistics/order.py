@@ -6,7 +6,7 @@ from functools import cache, lru_cache
 
 import numpy as np
 
-from harness.statistics.student import percentile
+from plumbline.harness.statistics.student import percentile
 
 FEWEST = 3
 """Points on the slope: two give a line without an interval."""

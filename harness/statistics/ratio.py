@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.statistics.bootstrap import interval_of_median
+from plumbline.harness.statistics.bootstrap import interval_of_median
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

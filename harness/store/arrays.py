@@ -12,9 +12,9 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from harness.store import disk
-from harness.store.journal import StoreError
-from harness.store.seal import Damaged, check_seal, sealed_archive
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_archive
 
 
 def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:

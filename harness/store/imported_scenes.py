@@ -10,14 +10,14 @@ from typing import Any
 import tomli_w
 from pydantic import TypeAdapter
 
-from harness.case.own_titles import OWN
-from harness.case.undropped import beside as undropped_beside
-from harness.scene import PlacedShape
-from harness.scene.file import dump_toml
-from harness.scene.importers.fidelity import plain
-from harness.scene.importers.imported import Imported
-from harness.store import disk
-from harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
+from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import beside as undropped_beside
+from plumbline.harness.scene import PlacedShape
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.importers.fidelity import plain
+from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.store import disk
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
 
 FOLDER = "scenes"
 MINIMAL = "minimal"

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from harness.intake.mendable import LiesIn, Mendable
-from harness.store import disk
-from harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
+from plumbline.harness.intake.mendable import LiesIn, Mendable
+from plumbline.harness.store import disk
+from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
 
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from harness.store.notices import StoredNotice
+from plumbline.harness.store.notices import StoredNotice
 
 
 def notices_in_sentences(sentences: Iterable[str]) -> tuple[StoredNotice, ...]:
@@ -25,7 +25,7 @@ def change_in_name(variant: str) -> tuple[str, str] | None:
 
 
 def _notice(sentence: str) -> StoredNotice:
-    from harness.scene import Effect  # late: who reads no old record does not pay for scenes
+    from plumbline.harness.scene import Effect  # late: who reads no old record does not pay for scenes
 
     words = sentence.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
     effect = next((name for name in Effect(~0).names if name in words or name.replace("_", " ") in " ".join(words)), "")

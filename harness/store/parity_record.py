@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from harness.store.disk import make_folder, write_atomically
-from harness.store.seal import Damaged, check_seal, sealed_json
+from plumbline.harness.store.disk import make_folder, write_atomically
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
 
 FILE = "parity.json"
 SCHEMA = 1

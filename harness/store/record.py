@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from harness.store.notices import StoredNotice
-from harness.store.older_schemas import base_of_track, notices_in_sentences
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.older_schemas import base_of_track, notices_in_sentences
 
 SCHEMA_VERSION = 3
 """Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were

@@ -13,15 +13,15 @@ from typing import Any, Literal
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.store import disk
-from harness.store.arrays import read_arrays
-from harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Written, read_journal, read_written
-from harness.store.notices import StoredNotice
-from harness.store.older_schemas import base_of_track, notices_in_sentences
-from harness.store.record import Measurement, Record, Sample
-from harness.store.rows import records
-from harness.store.seal import Damaged, check_seal, sealed_json
-from harness.store.stored_tables import read_tables
+from plumbline.harness.store import disk
+from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Written, read_journal, read_written
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.older_schemas import base_of_track, notices_in_sentences
+from plumbline.harness.store.record import Measurement, Record, Sample
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
+from plumbline.harness.store.stored_tables import read_tables
 
 _JSON = json.JSONEncoder(sort_keys=True)
 _JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")

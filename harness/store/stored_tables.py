@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from harness.intake.documents import InputError, regular
-from harness.store.journal import StoreError
+from plumbline.harness.intake.documents import InputError, regular
+from plumbline.harness.store.journal import StoreError
 
 MOST_ROWS = 20_000_000
 MOST_BYTES = 2 * 2**30

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.scene import Scene
-from harness.scene.file import dump_json
-from harness.store.arrays import write_arrays
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.file import dump_json
+from plumbline.harness.store.arrays import write_arrays
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 _STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
 _CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")

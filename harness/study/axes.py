@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from harness.case import Axis, Case
-from harness.study.experiment import Experiment, Limit, StudyError
+from plumbline.harness.case import Axis, Case
+from plumbline.harness.study.experiment import Experiment, Limit, StudyError
 
 BEYOND = 4.0
 """A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""

@@ -3,10 +3,10 @@
 from dataclasses import asdict
 from typing import Any
 
-from harness.adapter import Adapter
-from harness.adapter.features import features_of
-from harness.case import Case
-from harness.study.plugins import version_of
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.case import Case
+from plumbline.harness.study.plugins import version_of
 
 
 def describe_case(case: Case) -> dict[str, Any]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from harness.intake.mendable import Mendable
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.safe_text import quoted
 
 _VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.!+_-]{0,49}")
 _WHEEL = re.compile(r"(?P<distribution>[^-]+)-(?P<version>[^-]+)(-\d[^-]*)?-[^-]+-[^-]+-[^-]+\.whl")

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import platformdirs
 
-from harness.store import disk
-from harness.study.engine_versions import version_asked
-from harness.study.sources import libraries
+from plumbline.harness.store import disk
+from plumbline.harness.study.engine_versions import version_asked
+from plumbline.harness.study.sources import libraries
 
 _FILE = "environment.json"
 

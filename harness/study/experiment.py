@@ -8,12 +8,12 @@ from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 from pydantic import AfterValidator, Field, TypeAdapter
 from pydantic.dataclasses import dataclass as validated
 
-from harness.adapter import Settings
-from harness.case import Clocks
-from harness.intake.mendable import Mendable
-from harness.intake.safe_text import quoted
-from harness.intake.typed_fields import FieldError, filled
-from harness.scene.values import FROZEN, Name
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case import Clocks
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.typed_fields import FieldError, filled
+from plumbline.harness.scene.values import FROZEN, Name
 
 Track = Literal["default", "tuned"]
 Change = Literal["iterations", "law"]

@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from harness.case import Case
-from harness.intake.allowance import beyond
-from harness.intake.safe_text import quoted, readable
-from harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
+from plumbline.harness.case import Case
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
 
 
 class NoScene(ValueError):

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.lib import introspect
 from threadpoolctl import threadpool_info
 
-from harness.case.alteration import Variables
-from harness.intake.safe_text import quoted
+from plumbline.harness.case.alteration import Variables
+from plumbline.harness.intake.safe_text import quoted
 
 _NAMED_SINCE = (2, 33)
 """The release of glibc from which on its features have the names that stand below."""

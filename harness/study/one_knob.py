@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from harness.adapter import Settings
+from plumbline.harness.adapter import Settings
 
 OPTION = "options."
 """How a knob begins that is one of `Settings.options`."""

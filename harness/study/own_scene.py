@@ -1,9 +1,9 @@
 """The study of a scene of the user's own: a ladder of time steps on both tracks of every engine, and what the scene calls
 for."""
 
-from harness.case import Case
-from harness.study.experiment import Experiment, Refinement
-from harness.study.study import Study
+from plumbline.harness.case import Case
+from plumbline.harness.study.experiment import Experiment, Refinement
+from plumbline.harness.study.study import Study
 
 HALVED = 16
 """What part of the first step the ladder is halved down to at least."""

@@ -13,15 +13,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
-from harness.case import Case
-from harness.case.own_titles import OWN
-from harness.intake.mendable import Mendable
-from harness.intake.near_miss import did_you_mean
-from harness.intake.strangers import points, trouble
-from harness.scene import Scene
-from harness.study import environments
-from harness.study.engine_versions import asked, engine_of, version_asked
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
+from plumbline.harness.case import Case
+from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.strangers import points, trouble
+from plumbline.harness.scene import Scene
+from plumbline.harness.study import environments
+from plumbline.harness.study.engine_versions import asked, engine_of, version_asked
 
 _LONGEST_VERSION = 100
 SCENE_PREFIX = OWN
@@ -140,7 +140,7 @@ def _wrong(adapter: Adapter) -> str:
 def case(name: str) -> Case:
     """The case of that name, or the one made of a scene file for a name 'scene:<path>'. Raises: PluginError, SceneError."""
     if name.startswith(SCENE_PREFIX):
-        from harness.case.scene_file import own_case  # late: only a scene of the user's own needs its metrics
+        from plumbline.harness.case.scene_file import own_case  # late: only a scene of the user's own needs its metrics
 
         return own_case(Path(name.removeprefix(SCENE_PREFIX)), SCENE_PREFIX)
     question: Case = _constant("cases", name, "CASE", Case)

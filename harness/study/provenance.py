@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
-from harness.scene.importers.companion import beside
-from harness.study import plugins, sources
+from plumbline.harness.scene.importers.companion import beside
+from plumbline.harness.study import plugins, sources
 
-_ANSWERING = ("harness.trial.accuracy", "harness.trial.ensemble", "harness.case.alteration")
+_ANSWERING = ("plumbline.harness.trial.accuracy", "plumbline.harness.trial.ensemble", "plumbline.harness.case.alteration")
 """From scene to record: what they import steps, samples, alters and measures."""
 _WORDS = {
     "adapter": "the adapter's source",
@@ -24,7 +24,7 @@ _WORDS = {
 @cache
 def _modules(kind: str, name: str) -> frozenset[str]:
     if kind == "cases" and name.startswith(plugins.SCENE_PREFIX):
-        return sources.closure(["harness.case.scene_file"])
+        return sources.closure(["plumbline.harness.case.scene_file"])
     module = plugins.module_of(kind, name)
     return sources.closure([] if module is None else [module])
 

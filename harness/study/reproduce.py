@@ -2,13 +2,13 @@
 
 import json
 
-from harness.adapter import Settings
-from harness.case.alteration import Alteration
-from harness.store.journal import NoRun
-from harness.store.store import Store
-from harness.study.experiment import Experiment
-from harness.study.stored_study import experiments_of
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case.alteration import Alteration
+from plumbline.harness.store.journal import NoRun
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.study.trial import Trial
 
 
 def trial_of(store: Store, name: str) -> Trial:

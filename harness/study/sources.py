@@ -18,7 +18,7 @@ from textwrap import dedent
 _OURS = ("adapters", "cases", "engine", "harness")
 _WHOLE = "engine"
 """A package that counts as one: its modules load each other on first use."""
-_KEEPING = ("harness.store", "harness.study")
+_KEEPING = ("plumbline.harness.store", "plumbline.harness.study")
 """What finds, plans and keeps, and decides no answer; what of it enters one is in a trial's name by value."""
 _LIBRARIES = ("numpy", "scipy", "numba")
 _STATEMENT = re.compile(r"^[ \t]*(?:from|import)\b[^\n(;]*(?:\([^)]*\))?", re.MULTILINE)

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.store.journal import StoreError
-from harness.store.older_schemas import change_in_name
-from harness.store.store import Store
-from harness.study.experiment import Experiment, StudyError, experiment_from
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.older_schemas import change_in_name
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.experiment import Experiment, StudyError, experiment_from
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,22 +11,22 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass as validated
 
-from harness.adapter import Adapter, Settings, SettingsError
-from harness.case import Case, Clocks
-from harness.case.alteration import ALONE, REFINED, Alteration, departures
-from harness.intake.allowance import beyond
-from harness.intake.documents import InputError, document, named
-from harness.intake.near_miss import did_you_mean
-from harness.intake.safe_text import quoted
-from harness.intake.typed_fields import FieldError, filled
-from harness.scene import Scene
-from harness.scene.values import FROZEN, Name
-from harness.study.axes import axis_of, steps_of
-from harness.study.engine_versions import engine_of, named_by
-from harness.study.experiment import Experiment, FolderName, Some, StudyError, Variant
-from harness.study.foreseen_cost import misfit, too_much
-from harness.study.library_variants import LIBRARY_VARIANTS
-from harness.study.trial import Trial, question_of, scene_of
+from plumbline.harness.adapter import Adapter, Settings, SettingsError
+from plumbline.harness.case import Case, Clocks
+from plumbline.harness.case.alteration import ALONE, REFINED, Alteration, departures
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import InputError, document, named
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.typed_fields import FieldError, filled
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.values import FROZEN, Name
+from plumbline.harness.study.axes import axis_of, steps_of
+from plumbline.harness.study.engine_versions import engine_of, named_by
+from plumbline.harness.study.experiment import Experiment, FolderName, Some, StudyError, Variant
+from plumbline.harness.study.foreseen_cost import misfit, too_much
+from plumbline.harness.study.library_variants import LIBRARY_VARIANTS
+from plumbline.harness.study.trial import Trial, question_of, scene_of
 
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)

@@ -5,16 +5,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from harness.adapter import Settings
-from harness.case import Case, Clocks
-from harness.case.alteration import AS_IT_IS, Alteration
-from harness.case.forces import wrench_after
-from harness.scene import Scene
-from harness.scene.file import dump_json
-from harness.store.record import digest
-from harness.study.experiment import Experiment, StudyError
-from harness.study.foreseen_cost import NoScene, scene_at
-from harness.trajectory import State
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case import Case, Clocks
+from plumbline.harness.case.alteration import AS_IT_IS, Alteration
+from plumbline.harness.case.forces import wrench_after
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.file import dump_json
+from plumbline.harness.store.record import digest
+from plumbline.harness.study.experiment import Experiment, StudyError
+from plumbline.harness.study.foreseen_cost import NoScene, scene_at
+from plumbline.harness.trajectory import State
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,9 +16,9 @@ from functools import cache
 
 import numpy as np
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import rotate
 
 FLAT = 1e-9
 """A direction shorter than this, of unit vectors' products and of corners' distances [m], is none."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene import PlacedShape, Scene
-from harness.trajectory import Floats, Integers, Trajectory
-from harness.trajectory.convex_depth import Solid, Unmeasured, depth, reach, solid
-from harness.trajectory.kinematics import product, rotate
+from plumbline.harness.scene import PlacedShape, Scene
+from plumbline.harness.trajectory import Floats, Integers, Trajectory
+from plumbline.harness.trajectory.convex_depth import Solid, Unmeasured, depth, reach, solid
+from plumbline.harness.trajectory.kinematics import product, rotate
 
 POSES = 1024
 """Of pairs that are measured in one call: enough to outweigh its start, few enough for the directions of each to fit memory."""

@@ -8,9 +8,9 @@ from typing import Self
 
 import numpy as np
 
-from harness.scene import Ball, Fixed, Scene
-from harness.trajectory.kinematics import joint_coordinate, joint_rate
-from harness.trajectory.trajectory import Floats, State, Trajectory
+from plumbline.harness.scene import Ball, Fixed, Scene
+from plumbline.harness.trajectory.kinematics import joint_coordinate, joint_rate
+from plumbline.harness.trajectory.trajectory import Floats, State, Trajectory
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ Quaternions are (..., 4), unit, (w, x, y, z), and map B to W. Source: Diebel, Re
 
 import numpy as np
 
-from harness.scene import WORLD, Distance, Joint, Prismatic, Revolute, Scene
-from harness.trajectory import Floats, Integers, Trajectory
+from plumbline.harness.scene import WORLD, Distance, Joint, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import Floats, Integers, Trajectory
 
 
 def conjugate(q: Floats) -> Floats:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.trajectory.recorded_frames import LOADED_COMPUTER
-from harness.trajectory.trajectory import Floats
+from plumbline.harness.trajectory.recorded_frames import LOADED_COMPUTER
+from plumbline.harness.trajectory.trajectory import Floats
 
 PACES = {"loaded": LOADED_COMPUTER}
 """Recorded sequences of lengths, in any unit, by name."""

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.scene import WORLD, Scene
-from harness.trajectory.kinematics import conjugate, movable, product
-from harness.trajectory.trajectory import Floats, Integers, Trajectory
+from plumbline.harness.scene import WORLD, Scene
+from plumbline.harness.trajectory.kinematics import conjugate, movable, product
+from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,7 +12,7 @@ from itertools import product as pairs_of
 
 import numpy as np
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -26,9 +26,9 @@ from harness.scene import (
     outer_radius,
     width,
 )
-from harness.scene.shape import Shape
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import product, rotate
+from plumbline.harness.scene.shape import Shape
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import product, rotate
 
 CLOSE = 1e-9
 """Of the thinner body's width: separations below are rounding of a scene that means to touch."""

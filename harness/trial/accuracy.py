@@ -8,28 +8,38 @@ from typing import Any, cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, Notice, Settings, SettingsError, Simulation, Unavailable, Unsupported
-from harness.adapter.many_worlds import WorldOf, spread
-from harness.adapter.notice import as_notices
-from harness.adapter.what_comes_out import Answering
-from harness.case import Case, Converged, Rays
-from harness.case.commands import acting
-from harness.case.forces import Controlled
-from harness.case.symmetries import Retelling
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Scene
-from harness.store.notices import StoredNotice
-from harness.store.record import Measurement, Record, Status
-from harness.store.trajectory_file import save_trajectory
-from harness.study.trial import Trial
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.pace import Pace
-from harness.trial.equivalent_runs import equivalent_run, equivalent_streams
-from harness.trial.paced import check_paced, paced
-from harness.trial.readings_due import readings_due
-from harness.trial.simulate import simulate
-from harness.trial.step_time import StepTime
-from harness.trial.truth_cache import bounded, truth_of
+from plumbline.harness.adapter import (
+    Adapter,
+    Diverged,
+    Feature,
+    Notice,
+    Settings,
+    SettingsError,
+    Simulation,
+    Unavailable,
+    Unsupported,
+)
+from plumbline.harness.adapter.many_worlds import WorldOf, spread
+from plumbline.harness.adapter.notice import as_notices
+from plumbline.harness.adapter.what_comes_out import Answering
+from plumbline.harness.case import Case, Converged, Rays
+from plumbline.harness.case.commands import acting
+from plumbline.harness.case.forces import Controlled
+from plumbline.harness.case.symmetries import Retelling
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.scene import Scene
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import Measurement, Record, Status
+from plumbline.harness.store.trajectory_file import save_trajectory
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.equivalent_runs import equivalent_run, equivalent_streams
+from plumbline.harness.trial.paced import check_paced, paced
+from plumbline.harness.trial.readings_due import readings_due
+from plumbline.harness.trial.simulate import simulate
+from plumbline.harness.trial.step_time import StepTime
+from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:

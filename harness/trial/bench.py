@@ -16,14 +16,14 @@ from functools import partial
 from statistics import median
 from typing import Any
 
-from harness.adapter import Adapter, Simulation
-from harness.adapter.many_worlds import Batch
-from harness.case import Case, Rays
-from harness.case.commands import acting
-from harness.case.forces import Controlled
-from harness.study.trial import Trial
-from harness.trajectory import State
-from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
+from plumbline.harness.adapter import Adapter, Simulation
+from plumbline.harness.adapter.many_worlds import Batch
+from plumbline.harness.case import Case, Rays
+from plumbline.harness.case.commands import acting
+from plumbline.harness.case.forces import Controlled
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import State
+from plumbline.harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
 
 TOGETHER = 4
 """Steps that a batch of worlds takes in one call: a policy that acts 60 times a second at 240 Hz."""

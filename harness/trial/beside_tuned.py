@@ -7,10 +7,10 @@ cheap. Where a run is long it says enough, and more would be dear.
 import time
 from statistics import median
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.study.trial import Trial
-from harness.trial.bench import Bench, rough_cost_beside
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.bench import Bench, rough_cost_beside
 
 SHORT = 0.05
 """Of steps [s]: a run that takes no longer is repeated."""

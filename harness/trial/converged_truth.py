@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.adapter import Adapter, Settings
-from harness.case import Converged
-from harness.metric import NotMeasurable
-from harness.scene import Scene
-from harness.statistics.richardson import extrapolate
-from harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.case import Converged
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.scene import Scene
+from plumbline.harness.statistics.richardson import extrapolate
+from plumbline.harness.trajectory import Floats, State, Trajectory
 
 CERTIFIED = 1e-10
 """Largest relative residual of a step that a truth may rest on."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import wraps
 from typing import Any
 
-from harness.trial.bench import Bench
+from plumbline.harness.trial.bench import Bench
 
 
 @dataclass(slots=True)

@@ -19,20 +19,20 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, SettingsError, Unavailable, Unsupported
-from harness.case import Case
-from harness.case.starts import Member, member
-from harness.metric import NotMeasurable
-from harness.metrics.collapse import SIGNS, collapse_time, first_break
-from harness.metrics.stack import standing_height
-from harness.scene import Scene
-from harness.store.record import Measurement, Record
-from harness.store.trajectory_file import save_trajectory
-from harness.study.trial import Trial
-from harness.trajectory import Trajectory
-from harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
-from harness.trial.bench import Bench, rough_cost
-from harness.trial.truth_cache import bounded, truth_of
+from plumbline.harness.adapter import Adapter, Diverged, SettingsError, Unavailable, Unsupported
+from plumbline.harness.case import Case
+from plumbline.harness.case.starts import Member, member
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.collapse import SIGNS, collapse_time, first_break
+from plumbline.harness.metrics.stack import standing_height
+from plumbline.harness.scene import Scene
+from plumbline.harness.store.record import Measurement, Record
+from plumbline.harness.store.trajectory_file import save_trajectory
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
+from plumbline.harness.trial.bench import Bench, rough_cost
+from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 HELD, STARTS = "held_share", "starts"
 """The share of the starts that held, and how many there were: one, of a scene that cannot start otherwise."""

@@ -5,15 +5,15 @@ from typing import cast
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Settings, Simulation, Unsupported
-from harness.adapter.what_comes_out import Answering
-from harness.case.commands import acting
-from harness.case.forces import Controlled
-from harness.case.symmetries import Retelling
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.pace import Pace
-from harness.trial.paced import paced
-from harness.trial.simulate import simulate, steps_between_samples
+from plumbline.harness.adapter import Adapter, Diverged, Settings, Simulation, Unsupported
+from plumbline.harness.adapter.what_comes_out import Answering
+from plumbline.harness.case.commands import acting
+from plumbline.harness.case.forces import Controlled
+from plumbline.harness.case.symmetries import Retelling
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.paced import paced
+from plumbline.harness.trial.simulate import simulate, steps_between_samples
 
 
 def equivalent_streams(

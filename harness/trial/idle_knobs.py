@@ -7,12 +7,12 @@ and now. `Simulation.resolved` says what really acts, so building the scene unde
 from contextlib import suppress
 from typing import Any
 
-from harness.adapter import Adapter, Settings
-from harness.case import Case
-from harness.scene import Scene
-from harness.store.record import Record
-from harness.study.one_knob import turned, turns
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Scene
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.one_knob import turned, turns
+from plumbline.harness.study.trial import Trial
 
 
 def is_surveyed(trial: Trial, record: Record) -> bool:

@@ -2,8 +2,8 @@
 
 from typing import Any, cast
 
-from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
-from harness.trajectory.pace import Pace
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
+from plumbline.harness.trajectory.pace import Pace
 
 
 def check_paced(adapter: Adapter, settings: Settings) -> None:

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import Imu, Lidar, Scene, Sensor
-from harness.sensors.lidar import ideal, in_world
-from harness.sensors.rays import first_hits
-from harness.sensors.reader import row_of
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.scene import Imu, Lidar, Scene, Sensor
+from plumbline.harness.sensors.lidar import ideal, in_world
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.reader import row_of
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 SAME = 1e-9
 """Seconds between a reading and a sample of one instant."""

@@ -5,13 +5,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.adapter import Simulation
-from harness.case import Rays
-from harness.scene import Lidar, Scene
-from harness.sensors.lidar import in_world
-from harness.sensors.reader import row_of
-from harness.sensors.recorder import SensorRecorder, steps_between_readings
-from harness.trajectory import State
+from plumbline.harness.adapter import Simulation
+from plumbline.harness.case import Rays
+from plumbline.harness.scene import Lidar, Scene
+from plumbline.harness.sensors.lidar import in_world
+from plumbline.harness.sensors.reader import row_of
+from plumbline.harness.sensors.recorder import SensorRecorder, steps_between_readings
+from plumbline.harness.trajectory import State
 
 
 def bare_rays(scene: Scene) -> Rays:

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from harness.adapter import Diverged, Simulation, Unsupported
-from harness.adapter.what_comes_out import BrokenContract
-from harness.metric.contact_impulses import forces_between, impulses_of
-from harness.scene import Scene
-from harness.sensors.recorder import SensorRecorder
-from harness.trajectory import Contacts, Floats, State, Trajectory
-from harness.trajectory.pace import Pace
+from plumbline.harness.adapter import Diverged, Simulation, Unsupported
+from plumbline.harness.adapter.what_comes_out import BrokenContract
+from plumbline.harness.metric.contact_impulses import forces_between, impulses_of
+from plumbline.harness.scene import Scene
+from plumbline.harness.sensors.recorder import SensorRecorder
+from plumbline.harness.trajectory import Contacts, Floats, State, Trajectory
+from plumbline.harness.trajectory.pace import Pace
 
 UNIT = 1e-6
 """How far the norm of a quaternion may be off 1: ten times what one that is normalised in single precision leaves."""

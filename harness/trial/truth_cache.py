@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from harness.case import Case, Converged
-from harness.scene import Scene
-from harness.scene.file import dump_json
-from harness.store import disk
-from harness.store.arrays import read_arrays, write_arrays
-from harness.store.journal import StoreError
-from harness.store.record import digest
-from harness.store.seal import Damaged, check_seal, sealed_json
-from harness.study.plugins import adapter
-from harness.trajectory import Floats, Trajectory
-from harness.trial.converged_truth import converged
+from plumbline.harness.case import Case, Converged
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.file import dump_json
+from plumbline.harness.store import disk
+from plumbline.harness.store.arrays import read_arrays, write_arrays
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.record import digest
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
+from plumbline.harness.study.plugins import adapter
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trial.converged_truth import converged
 
 LONG = 0.1
 """Seconds from which on a closed form or a bound is kept: reading it back takes a few milliseconds."""

@@ -5,8 +5,8 @@ Source: Landau, Lifshitz, Mechanics, 3rd ed., section 5, problem 1, for rods.
 
 import numpy as np
 
-from harness.scene import EARTH_GRAVITY, box_inertia
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.scene import EARTH_GRAVITY, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 LENGTH, MASS, THICKNESS = 0.5, 1.0, 0.025

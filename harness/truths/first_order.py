@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 FIRST_ORDER = (
     "twice the error, to first order in dt, of the worst of the four textbook first-order methods (forces of the start or of "

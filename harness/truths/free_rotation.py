@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.scene.values import Vector3
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import conjugate, product, rotate
+from plumbline.harness.scene.values import Vector3
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import conjugate, product, rotate
 
 FIRST_ORDER = (
     "twice the error, to first order in dt, of the worst of the four textbook first-order methods (gyroscopic torque explicit "

@@ -1,7 +1,7 @@
 """Rest: every body stays where the scene puts it."""
 
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 
 def at_rest(scene: Scene, time: Floats) -> Trajectory:

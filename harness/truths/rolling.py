@@ -9,7 +9,7 @@ Source: Landau, Lifshitz, Mechanics, 3rd ed., section 38; Meriam and Kraige, Eng
 
 import numpy as np
 
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 
 def grip_time(speed: float, rim: float, friction: float, factor: float, pull: float, load: float) -> float:

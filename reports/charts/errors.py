@@ -6,11 +6,11 @@ from typing import Any
 
 import pandas as pd
 
-from harness.metric.titles import metric_title
-from harness.store.store import Store
-from reports.charts.figure import Figure, thin
-from reports.charts.grammar import Row, channel, chart, fixed
-from reports.charts.marks import (
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure, thin
+from plumbline.reports.charts.grammar import Row, channel, chart, fixed
+from plumbline.reports.charts.marks import (
     HOVER,
     LANE,
     NUMBERS,
@@ -23,11 +23,11 @@ from reports.charts.marks import (
     logarithmic,
     ticks,
 )
-from reports.charts.points import points
-from reports.tables.trial_results import answers
-from reports.words.catalogue import cases
-from reports.words.status import outcome
-from reports.words.text import amount, slug, unit_text, visible
+from plumbline.reports.charts.points import points
+from plumbline.reports.tables.trial_results import answers
+from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.status import outcome
+from plumbline.reports.words.text import amount, slug, unit_text, visible
 
 STEP = "time step [ms]"
 

@@ -15,8 +15,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from reports.charts.compact import new_words, shown_rows, shown_spec
-from reports.charts.still_legend import NAMED, with_legend
+from plumbline.reports.charts.compact import new_words, shown_rows, shown_spec
+from plumbline.reports.charts.still_legend import NAMED, with_legend
 
 POINTS = 2000
 """Most points of one series that are drawn."""

@@ -3,15 +3,15 @@
 import re
 from collections.abc import Mapping, Sequence
 
-from harness.findings.sensor_readings.findings import Finding
-from harness.metric.titles import metric_title
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, fixed, hovering
-from reports.charts.marks import POINT, Marks, decades, finished, logarithmic
-from reports.words.catalogue import labels, titled
-from reports.words.status import outcome
-from reports.words.text import amount, slug, unit_text, visible
+from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
+from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
+from plumbline.reports.words.catalogue import labels, titled
+from plumbline.reports.words.status import outcome
+from plumbline.reports.words.text import amount, slug, unit_text, visible
 
 UNITS: Mapping[str, str] = {
     "m": "Ranges and depths",

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from harness.findings.tables.steps import Step
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, hovering
-from reports.charts.marks import POINT, SHARES, TRACKS, Marks, decades, finished, logarithmic
-from reports.words.catalogue import engines, labels, titled
-from reports.words.text import amount
+from plumbline.harness.findings.tables.steps import Step
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, hovering
+from plumbline.reports.charts.marks import POINT, SHARES, TRACKS, Marks, decades, finished, logarithmic
+from plumbline.reports.words.catalogue import engines, labels, titled
+from plumbline.reports.words.text import amount
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
-from harness.findings.limits_found import Search
-from harness.findings.parameter_words import axis_title
-from harness.findings.variant_of import STEP, in_words
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, chart, hovering
-from reports.charts.marks import POINT, Marks, at_values, decades, finished, logarithmic
-from reports.tables.limit_table import VERDICTS, mapped, signs
-from reports.words.catalogue import cases, labels
-from reports.words.text import amount, slug
+from plumbline.harness.findings.limits_found import Search
+from plumbline.harness.findings.parameter_words import axis_title
+from plumbline.harness.findings.variant_of import STEP, in_words
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, chart, hovering
+from plumbline.reports.charts.marks import POINT, Marks, at_values, decades, finished, logarithmic
+from plumbline.reports.tables.limit_table import VERDICTS, mapped, signs
+from plumbline.reports.words.catalogue import cases, labels
+from plumbline.reports.words.text import amount, slug
 
 
 def maps(store: Store, searches: Sequence[Search]) -> list[Figure]:

@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from harness.store.store import Store
-from reports.charts.grammar import Channel, Row, channel, chart, fixed, layered
-from reports.charts.palette import looks
-from reports.words.catalogue import labels
-from reports.words.text import amount
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.grammar import Channel, Row, channel, chart, fixed, layered
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.words.catalogue import labels
+from plumbline.reports.words.text import amount
 
 POINT: Row = {"filled": True, "size": 70, "strokeWidth": 1.6, "opacity": 1}
 TRACKS = ("default", "tuned")

@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.agreement import Agreement, ways
-from harness.store.store import Store
-from reports.charts.figure import Figure, thin
-from reports.charts.grammar import Row, channel, chart, hovering
-from reports.charts.marks import Marks, decades, finished, logarithmic
-from reports.tables.own_scenes import titles
-from reports.words.catalogue import labels
-from reports.words.text import amount, slug, visible
+from plumbline.harness.findings.agreement import Agreement, ways
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure, thin
+from plumbline.reports.charts.grammar import Row, channel, chart, hovering
+from plumbline.reports.charts.marks import Marks, decades, finished, logarithmic
+from plumbline.reports.tables.own_scenes import titles
+from plumbline.reports.words.catalogue import labels
+from plumbline.reports.words.text import amount, slug, visible
 
 LEAST = 1e-12
 """Shares of the size below this are not drawn: rounding, of which there may be no logarithm."""

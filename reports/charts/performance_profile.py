@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from harness.findings.tables.profile import FACTOR, TIME, Share
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, hovering
-from reports.charts.marks import POINT, SHARES, Marks, decades, finished, logarithmic
-from reports.words.catalogue import labels, titled
-from reports.words.text import amount
+from plumbline.harness.findings.tables.profile import FACTOR, TIME, Share
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, hovering
+from plumbline.reports.charts.marks import POINT, SHARES, Marks, decades, finished, logarithmic
+from plumbline.reports.words.catalogue import labels, titled
+from plumbline.reports.words.text import amount
 
 AXES = {FACTOR: "times the CPU time of the fastest", TIME: "CPU time per simulated second [s]"}
 

@@ -5,13 +5,13 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.steps_taken import substeps_of
-from harness.store.rows import records
-from harness.store.store import Store
-from reports.charts.grammar import Row
-from reports.words.catalogue import labels, setting_words
-from reports.words.status import outcome
-from reports.words.text import step, visible
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.grammar import Row
+from plumbline.reports.words.catalogue import labels, setting_words
+from plumbline.reports.words.status import outcome
+from plumbline.reports.words.text import step, visible
 
 
 def number(value: Any) -> float | None:

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from harness.findings.sensor_readings.findings import Finding
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, hovering
-from reports.charts.ideal_signals import named
-from reports.charts.marks import POINT, Marks, decades, finished, logarithmic
-from reports.words.catalogue import labels
-from reports.words.text import amount, slug, unit_text, visible
+from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, hovering
+from plumbline.reports.charts.ideal_signals import named
+from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
+from plumbline.reports.words.catalogue import labels
+from plumbline.reports.words.text import amount, slug, unit_text, visible
 
 LAW = "#8a93a0"
 """Of what the law says; no engine has this colour."""

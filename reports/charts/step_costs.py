@@ -3,15 +3,15 @@
 from collections.abc import Sequence
 from typing import Any
 
-from harness.findings.costs import TELLING, Cost, Sweep, growth
-from harness.findings.parameter_words import axis_title
-from harness.findings.tables.scaling import Scaling
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, fixed
-from reports.charts.marks import POINT, Marks, decades, finished, logarithmic, short
-from reports.words.catalogue import labels, setting_words, titled
-from reports.words.text import amount, visible
+from plumbline.harness.findings.costs import TELLING, Cost, Sweep, growth
+from plumbline.harness.findings.parameter_words import axis_title
+from plumbline.harness.findings.tables.scaling import Scaling
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, fixed
+from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic, short
+from plumbline.reports.words.catalogue import labels, setting_words, titled
+from plumbline.reports.words.text import amount, visible
 
 UNITS = {
     "step": "step",

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.history.night_readings import NightOf
-from harness.history.panels import Panel
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, hovering
-from reports.charts.marks import POINT, finished
-from reports.charts.palette import Look
-from reports.words.text import amount, plural, slug, visible
+from plumbline.harness.history.night_readings import NightOf
+from plumbline.harness.history.panels import Panel
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, hovering
+from plumbline.reports.charts.marks import POINT, finished
+from plumbline.reports.charts.palette import Look
+from plumbline.reports.words.text import amount, plural, slug, visible
 
 NEUTRAL = "#8a93a0"
 """Of fences and rules; no engine has this colour."""

@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 
-from harness.case.alteration import EVERYTHING
-from harness.findings.tables.effects import Verdict
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.grammar import Row, channel, chart, hovering
-from reports.charts.marks import POINT, Marks, decades, finished, logarithmic
-from reports.words.catalogue import cases, labels
-from reports.words.text import amount
+from plumbline.harness.case.alteration import EVERYTHING
+from plumbline.harness.findings.tables.effects import Verdict
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.grammar import Row, channel, chart, hovering
+from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
+from plumbline.reports.words.catalogue import cases, labels
+from plumbline.reports.words.text import amount
 
 
 def _priced(verdicts: Sequence[Verdict]) -> list[Verdict]:

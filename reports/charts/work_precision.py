@@ -6,17 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness.findings.cost_point import Point
-from harness.findings.prices import LEAST, PER_SECOND
-from harness.store.store import Store
-from reports.charts.figure import Figure, thin
-from reports.charts.grammar import Row, channel, chart, fixed, hovering
-from reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
-from reports.charts.palette import looks
-from reports.tables.priced_scenes import Scene, scenes
-from reports.words.catalogue import case_file, engines, labels, titled
-from reports.words.status import outcome
-from reports.words.text import TIMES, amount, duration, power, step, visible
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.prices import LEAST, PER_SECOND
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure, thin
+from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
+from plumbline.reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.tables.priced_scenes import Scene, scenes
+from plumbline.reports.words.catalogue import case_file, engines, labels, titled
+from plumbline.reports.words.status import outcome
+from plumbline.reports.words.text import TIMES, amount, duration, power, step, visible
 
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""

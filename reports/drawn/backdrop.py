@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.drawn.stage_set import Ground
-from reports.drawn.view import View, seen_from
-from reports.recordings.rotation import Floats
+from plumbline.reports.drawn.stage_set import Ground
+from plumbline.reports.drawn.view import View, seen_from
+from plumbline.reports.recordings.rotation import Floats
 
 SUN = np.array([0.42, -0.50, 0.90]) / np.linalg.norm([0.42, -0.50, 0.90])
 """Towards the sun, in W."""

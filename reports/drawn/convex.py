@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reports.recordings.rotation import Floats
+from plumbline.reports.recordings.rotation import Floats
 
 TINY = 1e-12
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from reports.recordings.rotation import Floats, rotate
-from reports.recordings.shapes import placed_shapes
+from plumbline.reports.recordings.rotation import Floats, rotate
+from plumbline.reports.recordings.shapes import placed_shapes
 
 WALLS = 4
 """A body of fewer shapes encloses nothing."""

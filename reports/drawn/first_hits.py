@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.drawn.convex import entered
-from reports.drawn.meshes import splatted
-from reports.drawn.solids import Solid
-from reports.drawn.view import View
-from reports.recordings.rotation import Floats
+from plumbline.reports.drawn.convex import entered
+from plumbline.reports.drawn.meshes import splatted
+from plumbline.reports.drawn.solids import Solid
+from plumbline.reports.drawn.view import View
+from plumbline.reports.recordings.rotation import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reports.drawn.solids import Solid
-from reports.drawn.view import View
-from reports.recordings.rotation import Floats
+from plumbline.reports.drawn.solids import Solid
+from plumbline.reports.drawn.view import View
+from plumbline.reports.recordings.rotation import Floats
 
 SMALL = 6
 """Pixels: triangles within a square of this side are filled together."""

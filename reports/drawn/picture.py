@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.drawn.backdrop import GRAIN, SUN, Backdrop
-from reports.drawn.first_hits import Hits, first_hits
-from reports.drawn.solids import Solid
-from reports.drawn.view import View
-from reports.recordings.pixels import srgb
-from reports.recordings.rotation import Floats
+from plumbline.reports.drawn.backdrop import GRAIN, SUN, Backdrop
+from plumbline.reports.drawn.first_hits import Hits, first_hits
+from plumbline.reports.drawn.solids import Solid
+from plumbline.reports.drawn.view import View
+from plumbline.reports.recordings.pixels import srgb
+from plumbline.reports.recordings.rotation import Floats
 
 SUNLIGHT, SKY, BOUNCE = 0.78, 0.42, 0.20
 """Of a surface that faces each: the sun, the sky above, what the ground throws back."""

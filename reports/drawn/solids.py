@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from reports.recordings.rotation import Floats, product, rotate
-from reports.recordings.shapes import placed_shapes
+from plumbline.reports.recordings.rotation import Floats, product, rotate
+from plumbline.reports.recordings.shapes import placed_shapes
 
 STATED = (0.8, 0.8, 0.8)
 """What a scene file has where no colour is stated."""

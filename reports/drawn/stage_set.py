@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from reports.drawn.solids import Solid, fixed_solids
-from reports.drawn.view import View
-from reports.recordings.rotation import Floats, product, rotate
+from plumbline.reports.drawn.solids import Solid, fixed_solids
+from plumbline.reports.drawn.view import View
+from plumbline.reports.recordings.rotation import Floats, product, rotate
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 LARGE = 0.7

@@ -14,7 +14,7 @@ from typing import Any
 
 from jinja2.bccache import Bucket, BytecodeCache, bc_magic
 
-from harness.store.disk import write_atomically
+from plumbline.harness.store.disk import write_atomically
 
 
 class CompiledTemplates(BytecodeCache):

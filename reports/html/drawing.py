@@ -15,8 +15,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Self
 
-from reports.charts.figure import Figure
-from reports.page import Picture
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.page import Picture
 
 
 class Drawing:
@@ -67,7 +67,7 @@ class _Process:
         self._connection, theirs = Pipe()
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "reports.html.drawing", str(theirs.fileno())],
+                [sys.executable, "-P", "-m", "plumbline.reports.html.drawing", str(theirs.fileno())],
                 env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,

@@ -8,15 +8,15 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.intake.safe_text import LONGEST, one_line
-from harness.store.disk import put_in_place
-from harness.store.store import Store
-from reports.html.drawing import Drawing
-from reports.html.policy import guarded
-from reports.html.style import STYLE
-from reports.html.template import environment, fill
-from reports.html.vega import vega_bundle
-from reports.page import NotLoaded, Page, Rendered, asked, pages
+from plumbline.harness.intake.safe_text import LONGEST, one_line
+from plumbline.harness.store.disk import put_in_place
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.drawing import Drawing
+from plumbline.reports.html.policy import guarded
+from plumbline.reports.html.style import STYLE
+from plumbline.reports.html.template import environment, fill
+from plumbline.reports.html.vega import vega_bundle
+from plumbline.reports.page import NotLoaded, Page, Rendered, asked, pages
 
 ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js|webp)")

@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from harness.store.disk import make_folder
+from plumbline.harness.store.disk import make_folder
 
 STYLE = Path(__file__).parents[1] / "style"
 

@@ -8,18 +8,18 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from harness.case.own_titles import called
-from harness.findings import integrators, parameter_words
-from harness.findings.emulations import share_in_words
-from harness.findings.steps_taken import substeps_of
-from harness.metric.titles import metric_title
-from harness.store.store import Store
-from reports.charts.palette import looks
-from reports.html.compiled_templates import CompiledTemplates
-from reports.page import navigation
-from reports.words.catalogue import case_file, cases, engine_file, engines, labels
-from reports.words.status import STATUSES, outcome
-from reports.words.text import (
+from plumbline.harness.case.own_titles import called
+from plumbline.harness.findings import integrators, parameter_words
+from plumbline.harness.findings.emulations import share_in_words
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.html.compiled_templates import CompiledTemplates
+from plumbline.reports.page import navigation
+from plumbline.reports.words.catalogue import case_file, cases, engine_file, engines, labels
+from plumbline.reports.words.status import STATUSES, outcome
+from plumbline.reports.words.text import (
     amount,
     formula,
     knobs,

@@ -6,8 +6,8 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from harness.store.disk import write_atomically
-from reports.charts.figure import VEGA_LITE
+from plumbline.harness.store.disk import write_atomically
+from plumbline.reports.charts.figure import VEGA_LITE
 
 _TITLE = "/* Vega, Vega-Lite, Vega-Embed and what they are made of: see vega-licences.txt beside this file */\n"
 

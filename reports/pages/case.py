@@ -9,31 +9,31 @@ from functools import partial
 
 import pandas as pd
 
-from harness.findings.emulations import whose
-from harness.findings.tables.orders import Convergence, convergences
-from harness.store.rows import records
-from harness.store.store import Store
-from reports.charts.errors import error_by_step
-from reports.charts.figure import Figure
-from reports.charts.work_precision import work_precision
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.pictures.case_pictures import sight, thumbnails
-from reports.recordings.layout import file_name
-from reports.tables.own_scenes import by_case
-from reports.tables.price_list import price_list
-from reports.tables.priced_scenes import scenes
-from reports.tables.reference_leads import leads
-from reports.tables.trial_results import answers
-from reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
-from reports.tables.verdicts import verdicts
-from reports.words.altered_parameters import departures
-from reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
-from reports.words.disputes import disputed, told
-from reports.words.emulated_features import laws_of_case
-from reports.words.known_findings import of_case
-from reports.words.status import outcome
-from reports.words.text import slug
+from plumbline.harness.findings.emulations import whose
+from plumbline.harness.findings.tables.orders import Convergence, convergences
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.errors import error_by_step
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.work_precision import work_precision
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.pictures.case_pictures import sight, thumbnails
+from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.price_list import price_list
+from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.reference_leads import leads
+from plumbline.reports.tables.trial_results import answers
+from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
+from plumbline.reports.tables.verdicts import verdicts
+from plumbline.reports.words.altered_parameters import departures
+from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
+from plumbline.reports.words.disputes import disputed, told
+from plumbline.reports.words.emulated_features import laws_of_case
+from plumbline.reports.words.known_findings import of_case
+from plumbline.reports.words.status import outcome
+from plumbline.reports.words.text import slug
 
 
 def render(store: Store) -> Iterator[tuple[str, Rendered]]:

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from harness.store.store import Store
-from reports.charts.errors import step_charts
-from reports.html.template import fill
-from reports.page import Page
-from reports.tables.own_scenes import by_case
-from reports.words.catalogue import cases
-from reports.words.concepts import book, indexed
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.errors import step_charts
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.concepts import book, indexed
 
 
 def render(store: Store) -> Mapping[str, str]:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from harness.findings.tables import determinism as determinism_table
-from harness.findings.tables.determinism import FIRST, agreements
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page
-from reports.tables.csv import sheet
-from reports.words.catalogue import engines
+from plumbline.harness.findings.tables import determinism as determinism_table
+from plumbline.harness.findings.tables.determinism import FIRST, agreements
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.words.catalogue import engines
 
 
 def concerns(store: Store) -> bool:

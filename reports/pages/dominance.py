@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from harness.findings.tables import dominance as dominance_table
-from harness.findings.tables.dominance import DOMINATED, EXCUSED, IDLE, changes
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.tables.csv import sheet
-from reports.words.catalogue import cases, engines
+from plumbline.harness.findings.tables import dominance as dominance_table
+from plumbline.harness.findings.tables.dominance import DOMINATED, EXCUSED, IDLE, changes
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.words.catalogue import cases, engines
 
 
 def concerns(store: Store) -> bool:

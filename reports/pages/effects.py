@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from harness.case.alteration import EVERYTHING
-from harness.findings.effects_audit import audit, savings
-from harness.findings.tables import effects as effects_table
-from harness.findings.tables.effects import verdicts
-from harness.store.store import Store
-from reports.charts.unneeded_effects import matrix, savings_chart
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.tables.csv import sheet
-from reports.words.catalogue import engines, titles
+from plumbline.harness.case.alteration import EVERYTHING
+from plumbline.harness.findings.effects_audit import audit, savings
+from plumbline.harness.findings.tables import effects as effects_table
+from plumbline.harness.findings.tables.effects import verdicts
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.unneeded_effects import matrix, savings_chart
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.words.catalogue import engines, titles
 
 
 def concerns(store: Store) -> bool:

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from functools import partial
 
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page
-from reports.tables.engine_cases import by_reason, cases_of, laws_of, tracks_of, versions_of
-from reports.tables.failures import failing
-from reports.words.catalogue import cases, engine_file, engines, setting_words
-from reports.words.known_findings import by_engine
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.tables.engine_cases import by_reason, cases_of, laws_of, tracks_of, versions_of
+from plumbline.reports.tables.failures import failing
+from plumbline.reports.words.catalogue import cases, engine_file, engines, setting_words
+from plumbline.reports.words.known_findings import by_engine
 
 
 def render(store: Store) -> Mapping[str, str]:

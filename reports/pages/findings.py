@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page
-from reports.words.catalogue import cases
-from reports.words.known_findings import by_engine
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.known_findings import by_engine
 
 
 def concerns(store: Store) -> bool:

@@ -4,25 +4,25 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from harness.findings.emulations import whose
-from harness.store.store import Store
-from reports.charts.errors import across_cases
-from reports.html.template import fill
-from reports.page import Page, Rendered, navigation
-from reports.pictures.case_pictures import thumbnails
-from reports.standalone.history_news import history_news
-from reports.tables.engine_cases import tracks_of
-from reports.tables.engine_summary import Glance, glances
-from reports.tables.failures import failing
-from reports.tables.limits_met import limits_met
-from reports.tables.own_scenes import by_case
-from reports.tables.realtime_speed import three
-from reports.tables.selection import needs
-from reports.tables.summary import sentences
-from reports.tables.trial_results import answers, at_own_step
-from reports.tables.verdicts import cells_by_family, verdicts
-from reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
-from reports.words.status import STATUSES, VERDICTS
+from plumbline.harness.findings.emulations import whose
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.errors import across_cases
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered, navigation
+from plumbline.reports.pictures.case_pictures import thumbnails
+from plumbline.reports.standalone.history_news import history_news
+from plumbline.reports.tables.engine_cases import tracks_of
+from plumbline.reports.tables.engine_summary import Glance, glances
+from plumbline.reports.tables.failures import failing
+from plumbline.reports.tables.limits_met import limits_met
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.realtime_speed import three
+from plumbline.reports.tables.selection import needs
+from plumbline.reports.tables.summary import sentences
+from plumbline.reports.tables.trial_results import answers, at_own_step
+from plumbline.reports.tables.verdicts import cells_by_family, verdicts
+from plumbline.reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
+from plumbline.reports.words.status import STATUSES, VERDICTS
 
 SHOWN = 6
 """Causes and limits that stand open; the next causes fold, up to `LISTED`, and the pages of the engines have all."""

@@ -2,20 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 
-from harness.findings.leads import axis_leads, reaches
-from harness.findings.limits_found import Search, searches
-from harness.findings.tables import farthest as farthest_table
-from harness.findings.tables import limits as limits_table
-from harness.findings.tables import remedies as remedies_table
-from harness.findings.tables.remedies import remedied
-from harness.store.store import Store
-from reports.charts.limit_maps import maps
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.tables.csv import sheet
-from reports.tables.limit_table import Line, lines, standings
-from reports.tables.remedies import helped, in_words, tally
-from reports.words.catalogue import cases, engines, families
+from plumbline.harness.findings.leads import axis_leads, reaches
+from plumbline.harness.findings.limits_found import Search, searches
+from plumbline.harness.findings.tables import farthest as farthest_table
+from plumbline.harness.findings.tables import limits as limits_table
+from plumbline.harness.findings.tables import remedies as remedies_table
+from plumbline.harness.findings.tables.remedies import remedied
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.limit_maps import maps
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.tables.limit_table import Line, lines, standings
+from plumbline.reports.tables.remedies import helped, in_words, tally
+from plumbline.reports.words.catalogue import cases, engines, families
 
 
 def concerns(store: Store) -> bool:

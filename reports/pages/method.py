@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 from pandas import Series
 
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page
-from reports.words.citation import citation
-from reports.words.concepts import indexed
-from reports.words.emulated_features import own_everywhere, told_apart
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.words.citation import citation
+from plumbline.reports.words.concepts import indexed
+from plumbline.reports.words.emulated_features import own_everywhere, told_apart
 
 
 def render(store: Store) -> Mapping[str, str]:

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from harness.store.store import Store
-from reports.page import Page, Rendered
-from reports.pictures.case_pictures import sights
+from plumbline.harness.store.store import Store
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.pictures.case_pictures import sights
 
 
 def render(store: Store) -> Mapping[str, Rendered]:

@@ -5,27 +5,27 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from harness.findings.leads import pair_leads
-from harness.findings.priced import priced
-from harness.findings.search_effort import ALIKE
-from harness.findings.tables import price as prices_table
-from harness.findings.tables import profile as profile_table
-from harness.findings.tables import steps as steps_table
-from harness.findings.tables.profile import FACTOR, TIME, hinges, profile, without
-from harness.findings.tables.steps import largest_steps
-from harness.store.store import Store
-from reports.charts.largest_steps import allowances, steps_chart
-from reports.charts.marks import TRACKS
-from reports.charts.performance_profile import profile_chart
-from reports.charts.work_precision import miniatures
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.tables.csv import sheet
-from reports.tables.limit_table import standings
-from reports.tables.price_list import SHOWN, price_list, tried, wins
-from reports.tables.priced_scenes import scenes
-from reports.words.catalogue import ours
-from reports.words.text import power
+from plumbline.harness.findings.leads import pair_leads
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.search_effort import ALIKE
+from plumbline.harness.findings.tables import price as prices_table
+from plumbline.harness.findings.tables import profile as profile_table
+from plumbline.harness.findings.tables import steps as steps_table
+from plumbline.harness.findings.tables.profile import FACTOR, TIME, hinges, profile, without
+from plumbline.harness.findings.tables.steps import largest_steps
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.largest_steps import allowances, steps_chart
+from plumbline.reports.charts.marks import TRACKS
+from plumbline.reports.charts.performance_profile import profile_chart
+from plumbline.reports.charts.work_precision import miniatures
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.tables.limit_table import standings
+from plumbline.reports.tables.price_list import SHOWN, price_list, tried, wins
+from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.words.catalogue import ours
+from plumbline.reports.words.text import power
 
 FEW = 40
 """Rows of a table that stand open; more fold."""

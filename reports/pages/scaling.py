@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from functools import lru_cache, partial
 
-from harness.findings.costs import TELLING, Cost
-from harness.findings.tables.scaling import COLUMNS, Scaling
-from harness.statistics.order import FEWEST
-from harness.store.store import Store
-from reports.charts.step_costs import UNITS, growths, qualities, standings
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.tables.csv import sheet
-from reports.words.catalogue import engines, ours, setting_words, titled
+from plumbline.harness.findings.costs import TELLING, Cost
+from plumbline.harness.findings.tables.scaling import COLUMNS, Scaling
+from plumbline.harness.statistics.order import FEWEST
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.step_costs import UNITS, growths, qualities, standings
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.words.catalogue import engines, ours, setting_words, titled
 
 _scaling = lru_cache(maxsize=1)(Scaling)
 

@@ -5,32 +5,32 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any
 
-from harness.findings.agreement import Agreement, balances, horizon_of, outlooks
-from harness.findings.agreement.perturbed_starts import LAWS
-from harness.findings.agreement.words import metres
-from harness.findings.tables import agreement as agreement_table
-from harness.findings.tables import fidelity as fidelity_table
-from harness.store.imported_scenes import kept_by
-from harness.store.rows import records
-from harness.store.store import Store
-from reports.charts.errors import error_by_step
-from reports.charts.own_scenes import horizon_chart, parting_chart
-from reports.charts.work_precision import work_precision
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.pictures.case_pictures import sight
-from reports.recordings.layout import file_name
-from reports.tables.csv import sheet
-from reports.tables.own_scenes import by_case, shown, summary
-from reports.tables.price_list import price_list
-from reports.tables.priced_scenes import scenes
-from reports.tables.trial_results import answers
-from reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
-from reports.words.altered_parameters import departures
-from reports.words.catalogue import FAMILIES, case_file, cases, engines, tracks
-from reports.words.emulated_features import laws_of_case
-from reports.words.status import FINITE, STATUSES, VERDICTS
-from reports.words.text import slug
+from plumbline.harness.findings.agreement import Agreement, balances, horizon_of, outlooks
+from plumbline.harness.findings.agreement.perturbed_starts import LAWS
+from plumbline.harness.findings.agreement.words import metres
+from plumbline.harness.findings.tables import agreement as agreement_table
+from plumbline.harness.findings.tables import fidelity as fidelity_table
+from plumbline.harness.store.imported_scenes import kept_by
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.errors import error_by_step
+from plumbline.reports.charts.own_scenes import horizon_chart, parting_chart
+from plumbline.reports.charts.work_precision import work_precision
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.pictures.case_pictures import sight
+from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.tables.own_scenes import by_case, shown, summary
+from plumbline.reports.tables.price_list import price_list
+from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.trial_results import answers
+from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
+from plumbline.reports.words.altered_parameters import departures
+from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, tracks
+from plumbline.reports.words.emulated_features import laws_of_case
+from plumbline.reports.words.status import FINITE, STATUSES, VERDICTS
+from plumbline.reports.words.text import slug
 
 CAPTION = (
     "Each point is one run; a line joins those of an engine that differ in the time step only. {} "

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from functools import partial
 
-from harness.findings.selection import CRITERIA, listing
-from harness.findings.selection.words import dropped_sentence, headline, turn_sentences
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page
-from reports.tables.csv import sheet
-from reports.tables.selection import answer, asked_of_several, evidence_rows, live
-from reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
+from plumbline.harness.findings.selection import CRITERIA, listing
+from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.tables.selection import answer, asked_of_several, evidence_rows, live
+from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
 
 
 def concerns(store: Store) -> bool:

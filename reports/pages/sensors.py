@@ -2,16 +2,16 @@
 
 from collections.abc import Mapping
 
-from harness.findings.sensor_readings.findings import concerned, findings
-from harness.findings.tables import sensors as sensors_table
-from harness.store.store import Store
-from reports.charts.ideal_signals import error_charts, named, rays_chart
-from reports.charts.sensor_noise import noise_charts
-from reports.html.template import fill
-from reports.page import Page, Rendered
-from reports.pictures.camera_pictures import shots
-from reports.tables.csv import sheet
-from reports.words.catalogue import titled, titles
+from plumbline.harness.findings.sensor_readings.findings import concerned, findings
+from plumbline.harness.findings.tables import sensors as sensors_table
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.ideal_signals import error_charts, named, rays_chart
+from plumbline.reports.charts.sensor_noise import noise_charts
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page, Rendered
+from plumbline.reports.pictures.camera_pictures import shots
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.words.catalogue import titled, titles
 
 
 def concerns(store: Store) -> bool:

@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from harness.findings.tables.tremble import CHANGES, CURED, findings
-from harness.store.store import Store
-from reports.html.template import fill
-from reports.page import Page
-from reports.words.catalogue import cases
+from plumbline.harness.findings.tables.tremble import CHANGES, CURED, findings
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.template import fill
+from plumbline.reports.page import Page
+from plumbline.reports.words.catalogue import cases
 
 HEADS = {
     "iterations": "more iterations",

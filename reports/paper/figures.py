@@ -1,14 +1,14 @@
 """The charts of a case for a paper: the same as on its page."""
 
-from harness.store.store import Store
-from reports.charts.errors import error_by_step
-from reports.charts.figure import Figure
-from reports.charts.work_precision import work_precision
-from reports.tables.priced_scenes import scenes
-from reports.tables.trial_results import answers
-from reports.tables.trial_rows import in_order
-from reports.words.catalogue import cases, engines, tracks
-from reports.words.text import slug
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.errors import error_by_step
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.work_precision import work_precision
+from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.trial_results import answers
+from plumbline.reports.tables.trial_rows import in_order
+from plumbline.reports.words.catalogue import cases, engines, tracks
+from plumbline.reports.words.text import slug
 
 
 def figures_of(store: Store, case: str) -> list[tuple[str, Figure]]:

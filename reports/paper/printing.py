@@ -6,13 +6,13 @@ import subprocess
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from harness.intake.mendable import Mendable
-from harness.store.disk import put_in_place
-from harness.store.store import Store
-from reports.html.policy import guarded
-from reports.page import pages
-from reports.paper.one_page import Sheet, joined
-from reports.words.citation import citation
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.store.disk import put_in_place
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.policy import guarded
+from plumbline.reports.page import pages
+from plumbline.reports.paper.one_page import Sheet, joined
+from plumbline.reports.words.citation import citation
 
 VARIABLE = "PLUMBLINE_CHROMIUM"
 NAMES = (

@@ -8,13 +8,13 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from harness.findings.sensor_readings.findings import Finding
-from harness.findings.sensor_readings.picture import Picture
-from harness.store.store import Store
-from reports.charts.ideal_signals import reading
-from reports.recordings.pixels import data_uri, shaded, srgb
-from reports.words.catalogue import titled
-from reports.words.text import amount
+from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.findings.sensor_readings.picture import Picture
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.ideal_signals import reading
+from plumbline.reports.recordings.pixels import data_uri, shaded, srgb
+from plumbline.reports.words.catalogue import titled
+from plumbline.reports.words.text import amount
 
 Floats = NDArray[np.floating]
 

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from harness.intake.safe_text import LONGEST, one_line
-from harness.store.journal import StoreError
-from harness.store.store import Store
-from reports.charts.palette import looks
-from reports.pictures.motion import Line, Motion, motion_of
-from reports.pictures.motion_chart import Panel, apart, overview
-from reports.pictures.stills import Film, Still, film, thumbnail
-from reports.recordings.layout import file_name
-from reports.recordings.runs import stage_of
-from reports.tables.own_scenes import by_case
-from reports.words.catalogue import cases, engines
+from plumbline.harness.intake.safe_text import LONGEST, one_line
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.pictures.motion import Line, Motion, motion_of
+from plumbline.reports.pictures.motion_chart import Panel, apart, overview
+from plumbline.reports.pictures.stills import Film, Still, film, thumbnail
+from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.recordings.runs import stage_of
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.words.catalogue import cases, engines
 
 
 @dataclass(frozen=True, slots=True)

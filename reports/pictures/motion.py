@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.store.store import Store
-from reports.recordings.metrics import errors, motion, truths
-from reports.recordings.rotation import Floats, angle
-from reports.recordings.runs import Run, Stage
-from reports.recordings.truth import told_places
+from plumbline.harness.store.store import Store
+from plumbline.reports.recordings.metrics import errors, motion, truths
+from plumbline.reports.recordings.rotation import Floats, angle
+from plumbline.reports.recordings.runs import Run, Stage
+from plumbline.reports.recordings.truth import told_places
 
 AXES = "xyz"
 WORDS = (

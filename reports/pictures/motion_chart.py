@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.charts.palette import Look
-from reports.pictures.motion import Line, Motion
-from reports.recordings.rotation import Floats
-from reports.words.text import amount, power
+from plumbline.reports.charts.palette import Look
+from plumbline.reports.pictures.motion import Line, Motion
+from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.words.text import amount, power
 
 POINTS = 160
 """Most points of a line; of each stretch its smallest and largest value stay."""

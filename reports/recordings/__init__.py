@@ -3,8 +3,8 @@
 This folder is the only place that calls rerun's logging interface.
 """
 
-from reports.recordings.layout import recording_of
-from reports.recordings.moment import moment_recording
-from reports.recordings.write import write_recordings
+from plumbline.reports.recordings.layout import recording_of
+from plumbline.reports.recordings.moment import moment_recording
+from plumbline.reports.recordings.write import write_recordings
 
 __all__ = ["moment_recording", "recording_of", "write_recordings"]

@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from reports.recordings.camera import Framing
-from reports.recordings.colour import BACKGROUND, FLOOR
-from reports.recordings.inertial import CHANNELS
-from reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
-from reports.recordings.metrics import TITLES
-from reports.recordings.runs import Run, Stage, touching
-from reports.recordings.sampling import playing_time
-from reports.recordings.sensors import Sensed, View
-from reports.recordings.shapes import OVERLAID, placed_shapes
+from plumbline.reports.recordings.camera import Framing
+from plumbline.reports.recordings.colour import BACKGROUND, FLOOR
+from plumbline.reports.recordings.inertial import CHANNELS
+from plumbline.reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
+from plumbline.reports.recordings.metrics import TITLES
+from plumbline.reports.recordings.runs import Run, Stage, touching
+from plumbline.reports.recordings.sampling import playing_time
+from plumbline.reports.recordings.sensors import Sensed, View
+from plumbline.reports.recordings.shapes import OVERLAID, placed_shapes
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.colour import GRID, GROUND, Rgba
-from reports.recordings.layout import STAGE
-from reports.recordings.pivot import Pivot, pivot_of
-from reports.recordings.rotation import Floats, compose, rotate
-from reports.recordings.shapes import CROWD, Batch, Paint, batches, drawn
-from reports.recordings.timeline import checked, columns
+from plumbline.reports.recordings.colour import GRID, GROUND, Rgba
+from plumbline.reports.recordings.layout import STAGE
+from plumbline.reports.recordings.pivot import Pivot, pivot_of
+from plumbline.reports.recordings.rotation import Floats, compose, rotate
+from plumbline.reports.recordings.shapes import CROWD, Batch, Paint, batches, drawn
+from plumbline.reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
     import rerun as rr

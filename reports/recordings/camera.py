@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from reports.recordings.rotation import Floats, product, rotate
-from reports.recordings.runs import Stage
-from reports.recordings.shapes import placed_shapes
-from reports.recordings.truth import told_places
+from plumbline.reports.recordings.rotation import Floats, product, rotate
+from plumbline.reports.recordings.runs import Stage
+from plumbline.reports.recordings.shapes import placed_shapes
+from plumbline.reports.recordings.truth import told_places
 
 FIELD_OF_VIEW = math.radians(55.0)
 """The viewer's vertical opening angle."""

@@ -1,6 +1,6 @@
 """Colours as rerun takes them: red, green, blue and opacity, 0..255."""
 
-from reports.charts.palette import BACKGROUNDS
+from plumbline.reports.charts.palette import BACKGROUNDS
 
 Rgba = tuple[int, int, int, int]
 

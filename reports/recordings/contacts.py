@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.recordings.colour import rgba
-from reports.recordings.layout import WORLD
-from reports.recordings.runs import Run
-from reports.recordings.timeline import checked, columns
+from plumbline.reports.recordings.colour import rgba
+from plumbline.reports.recordings.layout import WORLD
+from plumbline.reports.recordings.runs import Run
+from plumbline.reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
     import rerun as rr

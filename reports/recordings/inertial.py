@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.layout import SENSORS, part
-from reports.recordings.sampling import extremes, stride_of
-from reports.recordings.source import Source
-from reports.recordings.timeline import checked, columns
+from plumbline.reports.recordings.layout import SENSORS, part
+from plumbline.reports.recordings.sampling import extremes, stride_of
+from plumbline.reports.recordings.source import Source
+from plumbline.reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
     import rerun as rr

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from harness.store.journal import NoRun
-from harness.store.store import Store
-from reports.words.text import slug
+from plumbline.harness.store.journal import NoRun
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.text import slug
 
 SIM_TIME = "sim_time"
 """The timeline: simulated seconds, to the nanosecond. A step's number is its time over the time step, which the text tells; a

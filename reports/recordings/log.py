@@ -4,10 +4,10 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.findings.steps_taken import step_in_words, substeps_of
-from harness.store.store import Store
-from reports.recordings.runs import Stage
-from reports.words.text import amount, settings_text, visible
+from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.store.store import Store
+from plumbline.reports.recordings.runs import Stage
+from plumbline.reports.words.text import amount, settings_text, visible
 
 ESCAPED = str.maketrans({"\n": " ", "\t": " "} | {mark: f"\\{mark}" for mark in "\\|`*_<>[]"})
 """What would end a cell, or be taken for a mark of Markdown."""

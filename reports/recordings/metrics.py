@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.recordings.colour import Rgba, rgba
-from reports.recordings.layout import METRICS, TRUTH
-from reports.recordings.rotation import Floats, angle, rotate
-from reports.recordings.runs import Run, Stage
-from reports.recordings.sampling import extremes, stride_of
-from reports.recordings.timeline import checked, columns
-from reports.recordings.truth import truth_at
+from plumbline.reports.recordings.colour import Rgba, rgba
+from plumbline.reports.recordings.layout import METRICS, TRUTH
+from plumbline.reports.recordings.rotation import Floats, angle, rotate
+from plumbline.reports.recordings.runs import Run, Stage
+from plumbline.reports.recordings.sampling import extremes, stride_of
+from plumbline.reports.recordings.timeline import checked, columns
+from plumbline.reports.recordings.truth import truth_at
 
 if TYPE_CHECKING:
     import rerun as rr

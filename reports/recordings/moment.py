@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.store.store import Store
-from reports.recordings.layout import file_name
-from reports.recordings.rotation import Floats
-from reports.recordings.runs import Stage, stage_of
-from reports.recordings.sampling import at_instants
-from reports.recordings.write import write_stage
+from plumbline.harness.store.store import Store
+from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.runs import Stage, stage_of
+from plumbline.reports.recordings.sampling import at_instants
+from plumbline.reports.recordings.write import write_stage
 
 SHARE = 0.06
 """How far the stretch reaches to each side of the moment, of the whole time."""

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from reports.recordings.rotation import Floats, compose
-from reports.recordings.runs import Stage
+from plumbline.reports.recordings.rotation import Floats, compose
+from plumbline.reports.recordings.runs import Stage
 
 
 def mounted(stage: Stage, sensor: Mapping[str, Any], arrays: Mapping[str, Floats], time: Floats) -> tuple[Floats, Floats]:

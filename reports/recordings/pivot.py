@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.recordings.rotation import Floats, rotate
+from plumbline.reports.recordings.rotation import Floats, rotate
 
 ROUNDING = 2.0**-24
 """Half a unit in the last place of single precision, which recordings are written in."""

@@ -9,12 +9,12 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from harness.store.imported_scenes import looks_of
-from harness.store.journal import StoreError
-from harness.store.store import Store
-from reports.charts.palette import looks
-from reports.recordings.layout import run_path
-from reports.recordings.rotation import Floats
+from plumbline.harness.store.imported_scenes import looks_of
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.recordings.layout import run_path
+from plumbline.reports.recordings.rotation import Floats
 
 LARGEST = 1e30
 """Beyond this [m] a coordinate no longer fits the viewer's single precision with room for a camera."""

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from reports.recordings.rotation import Floats
-from reports.recordings.runs import STATES
+from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.runs import STATES
 
 WATCH = 6.0, 20.0
 """Seconds that a case takes to play, at least and at most: a bullet is slowed down, a long wait made short."""

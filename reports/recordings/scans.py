@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.colour import Rgba
-from reports.recordings.layout import SENSORS, part
-from reports.recordings.mounting import mounted
-from reports.recordings.rotation import Floats, rotate
-from reports.recordings.runs import Stage
-from reports.recordings.source import Source
-from reports.recordings.timeline import checked, columns
+from plumbline.reports.recordings.colour import Rgba
+from plumbline.reports.recordings.layout import SENSORS, part
+from plumbline.reports.recordings.mounting import mounted
+from plumbline.reports.recordings.rotation import Floats, rotate
+from plumbline.reports.recordings.runs import Stage
+from plumbline.reports.recordings.source import Source
+from plumbline.reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
     import rerun as rr

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from reports.recordings.cameras import TYPES, camera_path, log_camera, pictured, shown_frames
-from reports.recordings.inertial import CHANNELS, log_inertial
-from reports.recordings.layout import SENSORS, part
-from reports.recordings.runs import Stage
-from reports.recordings.scans import log_scans
-from reports.recordings.source import Source, sources
+from plumbline.reports.recordings.cameras import TYPES, camera_path, log_camera, pictured, shown_frames
+from plumbline.reports.recordings.inertial import CHANNELS, log_inertial
+from plumbline.reports.recordings.layout import SENSORS, part
+from plumbline.reports.recordings.runs import Stage
+from plumbline.reports.recordings.scans import log_scans
+from plumbline.reports.recordings.source import Source, sources
 
 if TYPE_CHECKING:
     import rerun as rr

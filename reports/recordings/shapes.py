@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.colour import Rgba
-from reports.recordings.layout import part
-from reports.recordings.rotation import Floats, product
+from plumbline.reports.recordings.colour import Rgba
+from plumbline.reports.recordings.layout import part
+from plumbline.reports.recordings.rotation import Floats, product
 
 if TYPE_CHECKING:
     import rerun as rr

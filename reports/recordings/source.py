@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from reports.recordings.colour import GHOST, Rgba, rgba
-from reports.recordings.layout import TRUTH
-from reports.recordings.rotation import Floats
-from reports.recordings.runs import Stage
+from plumbline.reports.recordings.colour import GHOST, Rgba, rgba
+from plumbline.reports.recordings.layout import TRUTH
+from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.runs import Stage
 
 
 @dataclass(frozen=True, slots=True)

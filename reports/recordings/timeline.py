@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.recordings.layout import SIM_TIME
-from reports.recordings.rotation import Floats
+from plumbline.reports.recordings.layout import SIM_TIME
+from plumbline.reports.recordings.rotation import Floats
 
 if TYPE_CHECKING:
     import rerun as rr

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.recordings.bodies import log_moving, log_paths, sharing
-from reports.recordings.colour import GHOST
-from reports.recordings.layout import TRUTH, WORLD
-from reports.recordings.rotation import Floats
-from reports.recordings.runs import Stage
-from reports.recordings.sampling import at_instants, shown
-from reports.recordings.shapes import OVERLAID, Paint
+from plumbline.reports.recordings.bodies import log_moving, log_paths, sharing
+from plumbline.reports.recordings.colour import GHOST
+from plumbline.reports.recordings.layout import TRUTH, WORLD
+from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.runs import Stage
+from plumbline.reports.recordings.sampling import at_instants, shown
+from plumbline.reports.recordings.shapes import OVERLAID, Paint
 
 if TYPE_CHECKING:
     import rerun as rr

@@ -6,23 +6,23 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.store.disk import put_in_place
-from harness.store.record import digest
-from harness.store.store import Store
-from reports.recordings.blueprint import layout
-from reports.recordings.bodies import log_moving, log_paths, log_stage, sharing
-from reports.recordings.camera import Framing, framing
-from reports.recordings.colour import rgba
-from reports.recordings.contacts import arrow_scale, log_contacts
-from reports.recordings.layout import LOG, WORLD, application_id, file_name
-from reports.recordings.log import text
-from reports.recordings.metrics import curves, log_curves, ranked
-from reports.recordings.runs import Run, Stage, stage_of, touching
-from reports.recordings.sampling import at_instants, shown
-from reports.recordings.sensors import log_sensors, sensed
-from reports.recordings.shapes import OVERLAID, Batch, Paint
-from reports.recordings.truth import log_truth
-from reports.words.text import slug
+from plumbline.harness.store.disk import put_in_place
+from plumbline.harness.store.record import digest
+from plumbline.harness.store.store import Store
+from plumbline.reports.recordings.blueprint import layout
+from plumbline.reports.recordings.bodies import log_moving, log_paths, log_stage, sharing
+from plumbline.reports.recordings.camera import Framing, framing
+from plumbline.reports.recordings.colour import rgba
+from plumbline.reports.recordings.contacts import arrow_scale, log_contacts
+from plumbline.reports.recordings.layout import LOG, WORLD, application_id, file_name
+from plumbline.reports.recordings.log import text
+from plumbline.reports.recordings.metrics import curves, log_curves, ranked
+from plumbline.reports.recordings.runs import Run, Stage, stage_of, touching
+from plumbline.reports.recordings.sampling import at_instants, shown
+from plumbline.reports.recordings.sensors import log_sensors, sensed
+from plumbline.reports.recordings.shapes import OVERLAID, Batch, Paint
+from plumbline.reports.recordings.truth import log_truth
+from plumbline.reports.words.text import slug
 
 if TYPE_CHECKING:
     import rerun as rr

@@ -5,9 +5,9 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
-from harness.store.store import Store
-from reports.server.connections import HEAD_BYTES, MOST, Connections
-from reports.server.site import Site
+from plumbline.harness.store.store import Store
+from plumbline.reports.server.connections import HEAD_BYTES, MOST, Connections
+from plumbline.reports.server.site import Site
 
 LOOPBACK = "127.0.0.1"
 

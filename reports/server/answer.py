@@ -5,7 +5,7 @@ from email.utils import formatdate
 from http import HTTPStatus
 from pathlib import Path
 
-from reports.html.policy import DATA
+from plumbline.reports.html.policy import DATA
 
 PLAIN = "text/plain; charset=utf-8"
 

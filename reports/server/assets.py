@@ -14,7 +14,7 @@ from http.client import HTTPException
 from urllib.error import URLError
 from urllib.request import ProxyHandler, build_opener
 
-from reports.recordings.viewer import ENVIRONMENT, viewer_command
+from plumbline.reports.recordings.viewer import ENVIRONMENT, viewer_command
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")
 

@@ -11,8 +11,8 @@ from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
 
-from reports.server.answer import Answer, text
-from reports.server.request import Refused, Request, read_head
+from plumbline.reports.server.answer import Answer, text
+from plumbline.reports.server.request import Refused, Request, read_head
 
 MOST = 128
 """Connections at a time."""

@@ -4,9 +4,9 @@ from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from harness.store.store import Store
-from reports.recordings.layout import file_name
-from reports.words.text import plural
+from plumbline.harness.store.store import Store
+from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.words.text import plural
 
 TEMPLATES = __file__.removesuffix("pages.py") + "static"
 

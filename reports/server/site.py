@@ -8,14 +8,14 @@ from http import HTTPStatus
 from pathlib import Path
 from urllib.parse import unquote
 
-from harness.intake.safe_text import LONGEST, one_line, visible
-from harness.store.store import Store
-from reports.html.policy import DATA, SERVED, VIEWER
-from reports.recordings import moment_recording
-from reports.server.answer import Answer, text
-from reports.server.assets import AssetsMissing, viewer_file
-from reports.server.pages import front_page, viewer_page
-from reports.server.request import Request
+from plumbline.harness.intake.safe_text import LONGEST, one_line, visible
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.policy import DATA, SERVED, VIEWER
+from plumbline.reports.recordings import moment_recording
+from plumbline.reports.server.answer import Answer, text
+from plumbline.reports.server.assets import AssetsMissing, viewer_file
+from plumbline.reports.server.pages import front_page, viewer_page
+from plumbline.reports.server.request import Request
 
 PAGE_MAKERS = 4
 """Threads; the program of the viewer, which takes seconds to come, has one of its own."""

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
-from harness.findings.changes import Change
-from harness.findings.changes.words import sentence, titled
-from harness.store.store import Store
-from reports.standalone.what_changed import PAGE
-from reports.tables.trial_rows import is_file
-from reports.words.catalogue import titles
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.words import sentence, titled
+from plumbline.harness.store.store import Store
+from plumbline.reports.standalone.what_changed import PAGE
+from plumbline.reports.tables.trial_rows import is_file
+from plumbline.reports.words.catalogue import titles
 
 SHOWN = 4
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.store.parity_record import ParityRecord, Side, read
-from reports.charts.palette import looks
-from reports.html.policy import guarded
-from reports.html.style import copy_style
-from reports.html.template import environment
-from reports.words.text import amount, unit_text
+from plumbline.harness.store.parity_record import ParityRecord, Side, read
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.html.policy import guarded
+from plumbline.reports.html.style import copy_style
+from plumbline.reports.html.template import environment
+from plumbline.reports.words.text import amount, unit_text
 
 DERIVED = ("gravity torque", "mass matrix", "acceleration")
 

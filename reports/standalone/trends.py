@@ -6,18 +6,18 @@ from itertools import pairwise
 from pathlib import Path
 from shlex import quote
 
-from harness.history.panels import Panel, engine_panels, panels
-from harness.history.regressions import Trends
-from harness.history.series import Series
-from harness.store.disk import make_folder, write_atomically
-from reports.charts.figure import Figure
-from reports.charts.palette import looks
-from reports.charts.trends import Miniature, index_chart, miniature
-from reports.html.policy import guarded
-from reports.html.style import copy_style
-from reports.html.template import environment
-from reports.html.vega import vega_bundle
-from reports.words.catalogue import FAMILIES
+from plumbline.harness.history.panels import Panel, engine_panels, panels
+from plumbline.harness.history.regressions import Trends
+from plumbline.harness.history.series import Series
+from plumbline.harness.store.disk import make_folder, write_atomically
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.charts.trends import Miniature, index_chart, miniature
+from plumbline.reports.html.policy import guarded
+from plumbline.reports.html.style import copy_style
+from plumbline.reports.html.template import environment
+from plumbline.reports.html.vega import vega_bundle
+from plumbline.reports.words.catalogue import FAMILIES
 
 PAGE = "index.html"
 _STATES = {"open": "failed", "acknowledged": "interrupted", "mended": "passed", "another version": "unavailable"}

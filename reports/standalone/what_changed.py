@@ -4,12 +4,12 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from harness.findings.changes import Change, Changes
-from harness.findings.changes.words import command, folded, headline, one_a_side, sentence, titled
-from harness.store.disk import write_atomically
-from reports.html.policy import guarded
-from reports.html.style import copy_style
-from reports.html.template import environment
+from plumbline.harness.findings.changes import Change, Changes
+from plumbline.harness.findings.changes.words import command, folded, headline, one_a_side, sentence, titled
+from plumbline.harness.store.disk import write_atomically
+from plumbline.reports.html.policy import guarded
+from plumbline.reports.html.style import copy_style
+from plumbline.reports.html.template import environment
 
 PAGE = "what-changed.html"
 _SECTIONS = (

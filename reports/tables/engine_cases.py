@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.store.store import Store
-from reports.tables.own_scenes import by_case
-from reports.tables.verdicts import Verdict, verdicts
-from reports.words.catalogue import cases, named_tracks
-from reports.words.emulated_features import Law, every_law
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.verdicts import Verdict, verdicts
+from plumbline.reports.words.catalogue import cases, named_tracks
+from plumbline.reports.words.emulated_features import Law, every_law
 
 
 def cases_of(store: Store, engine: str) -> list[tuple[Mapping[str, Any], Mapping[str, Verdict]]]:

@@ -11,10 +11,10 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-from harness.store.store import Store
-from reports.tables.trial_results import answers, at_own_step
-from reports.tables.verdicts import totals
-from reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.trial_results import answers, at_own_step
+from plumbline.reports.tables.verdicts import totals
+from plumbline.reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
 
 Side = tuple[str, str]
 """An engine, and a track of it."""

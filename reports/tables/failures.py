@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from harness.findings.causes import FAILED, Answer, Cause, causes
-from harness.store.store import Store
-from reports.tables.own_scenes import by_case
-from reports.tables.verdicts import Verdict, verdicts
-from reports.words.catalogue import cases, engines, named_tracks, setting_words
-from reports.words.known_findings import by_engine
-from reports.words.text import join_words, plural
+from plumbline.harness.findings.causes import FAILED, Answer, Cause, causes
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.verdicts import Verdict, verdicts
+from plumbline.reports.words.catalogue import cases, engines, named_tracks, setting_words
+from plumbline.reports.words.known_findings import by_engine
+from plumbline.reports.words.text import join_words, plural
 
 
 @dataclass(frozen=True, slots=True)

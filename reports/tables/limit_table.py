@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from textwrap import shorten
 
-from harness.findings.emulations import whose
-from harness.findings.leads import Lead, Reach, reaches
-from harness.findings.limits_found import Search
-from harness.findings.parameter_words import called
-from harness.metric.titles import metric_title
-from harness.store.store import Store
-from reports.words.catalogue import cases
-from reports.words.disputes import disputed
-from reports.words.text import amount, plural
+from plumbline.harness.findings.emulations import whose
+from plumbline.harness.findings.leads import Lead, Reach, reaches
+from plumbline.harness.findings.limits_found import Search
+from plumbline.harness.findings.parameter_words import called
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.text import amount, plural
 
 _ROOM = 64
 """Characters that a cell has room for of why an engine broke; hovering tells the rest."""

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.findings.limits_found import Search, searches_if_described
-from harness.findings.parameter_words import called
-from harness.metric.titles import metric_title
-from harness.store.store import Store
-from reports.words.catalogue import cases, engines
-from reports.words.text import amount
+from plumbline.harness.findings.limits_found import Search, searches_if_described
+from plumbline.harness.findings.parameter_words import called
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import cases, engines
+from plumbline.reports.words.text import amount
 
 
 @dataclass(frozen=True, slots=True)

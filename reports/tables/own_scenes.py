@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from functools import lru_cache
 
-from harness.findings.agreement import Agreement, agreements, omission_words, omissions
-from harness.findings.agreement.words import scene_words, side_words
-from harness.store.store import Store
-from reports.words.catalogue import engines
-from reports.words.status import FINITE, VERDICTS, Outcome, outcome
+from plumbline.harness.findings.agreement import Agreement, agreements, omission_words, omissions
+from plumbline.harness.findings.agreement.words import scene_words, side_words
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import engines
+from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome
 
 
 @lru_cache(maxsize=2)

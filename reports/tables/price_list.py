@@ -4,13 +4,13 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from harness.findings.emulations import share_in_words, whose
-from harness.findings.priced import priced
-from harness.findings.prices import PER_SECOND, Price
-from harness.store.store import Store
-from reports.words.catalogue import titled
-from reports.words.disputes import disputed
-from reports.words.text import TIMES, amount, duration, knobs, power, step
+from plumbline.harness.findings.emulations import share_in_words, whose
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import titled
+from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, step
 
 SHOWN = 1e-2
 """The error that the list shows at first: every scene has a line for it."""

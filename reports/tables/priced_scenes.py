@@ -6,11 +6,11 @@ from functools import lru_cache
 
 import pandas as pd
 
-from harness.findings.cost_point import Point
-from harness.findings.priced import priced
-from harness.findings.prices import unit_of
-from harness.store.store import Store
-from reports.words.text import slug
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import unit_of
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.text import slug
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from harness.findings.cost_point import Point
-from harness.findings.prices import PER_SECOND
-from harness.store.store import Store
-from reports.tables.priced_scenes import scenes
-from reports.words.catalogue import cases, engines, titled
-from reports.words.text import TIMES, amount
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.prices import PER_SECOND
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.words.catalogue import cases, engines, titled
+from plumbline.reports.words.text import TIMES, amount
 
 WITHIN = 0.01
 """Of the case's scale."""

@@ -7,11 +7,11 @@ from typing import Any
 
 import pandas as pd
 
-from harness.store.store import Store
-from reports.tables.engine_summary import EXACT
-from reports.tables.own_scenes import by_case
-from reports.tables.trial_results import answers, at_own_step
-from reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.engine_summary import EXACT
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.trial_results import answers, at_own_step
+from plumbline.reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
 
 NO_REASON = "no reason given"
 """What stands where our engine errs least and nobody has said why."""

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from harness.findings.tables.remedies import Remedied
-from reports.words.text import amount, join_words, plural
+from plumbline.harness.findings.tables.remedies import Remedied
+from plumbline.reports.words.text import amount, join_words, plural
 
 _WORDS = {
     "sub-steps x 4": "four times the sub-steps",

@@ -9,16 +9,16 @@ from typing import Any
 
 from markupsafe import Markup
 
-from harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
-from harness.findings.selection.choose import EXPRESSED
-from harness.findings.selection.evidence import BOUND, Datum
-from harness.findings.selection.words import FEW, SENTENCES, headline
-from harness.store.store import Store
-from reports.tables.own_scenes import by_case
-from reports.tables.realtime_speed import Pace, pace_of
-from reports.tables.trial_results import stepless
-from reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
-from reports.words.text import settings_text, slug
+from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
+from plumbline.harness.findings.selection.choose import EXPRESSED
+from plumbline.harness.findings.selection.evidence import BOUND, Datum
+from plumbline.harness.findings.selection.words import FEW, SENTENCES, headline
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.realtime_speed import Pace, pace_of
+from plumbline.reports.tables.trial_results import stepless
+from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
+from plumbline.reports.words.text import settings_text, slug
 
 
 @lru_cache(maxsize=1)

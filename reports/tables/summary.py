@@ -3,21 +3,21 @@
 from collections import Counter
 from dataclasses import asdict
 
-from harness.findings.emulations import whose
-from harness.findings.leads import axis_leads, reaches
-from harness.findings.limits_found import searches_if_described
-from harness.findings.tables import determinism, effects
-from harness.findings.tables.orders import convergences
-from harness.store.store import Store
-from reports.tables.engine_summary import Glance, glances
-from reports.tables.own_scenes import by_case, summary
-from reports.tables.reference_leads import NO_REASON, leads
-from reports.tables.verdicts import Verdict, verdicts
-from reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
-from reports.words.catalogue import ours as yardsticks
-from reports.words.disputes import disputed
-from reports.words.status import FINITE, STATUSES
-from reports.words.text import TIMES, amount, join_words, plural
+from plumbline.harness.findings.emulations import whose
+from plumbline.harness.findings.leads import axis_leads, reaches
+from plumbline.harness.findings.limits_found import searches_if_described
+from plumbline.harness.findings.tables import determinism, effects
+from plumbline.harness.findings.tables.orders import convergences
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.engine_summary import Glance, glances
+from plumbline.reports.tables.own_scenes import by_case, summary
+from plumbline.reports.tables.reference_leads import NO_REASON, leads
+from plumbline.reports.tables.verdicts import Verdict, verdicts
+from plumbline.reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
+from plumbline.reports.words.catalogue import ours as yardsticks
+from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.status import FINITE, STATUSES
+from plumbline.reports.words.text import TIMES, amount, join_words, plural
 
 WORDS = {"order": "the order of its integrator", "own law": "a law that the others lack", "defaults": "the vendors' defaults"}
 """What an advantage is called in a sentence, where its name is too short."""

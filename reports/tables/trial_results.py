@@ -6,13 +6,13 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-from harness.findings.agreement import errors_of
-from harness.store.record import digest
-from harness.store.store import Store
-from reports.words.catalogue import cases
-from reports.words.reasons import reasons
-from reports.words.status import outcome
-from reports.words.text import settings_text
+from plumbline.harness.findings.agreement import errors_of
+from plumbline.harness.store.record import digest
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.reasons import reasons
+from plumbline.reports.words.status import outcome
+from plumbline.reports.words.text import settings_text
 
 
 def answers(store: Store, trials: pd.DataFrame | None = None) -> pd.DataFrame:

@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 
-from harness.intake.safe_text import csv_cell
-from harness.store.store import Store
-from reports.words.reasons import notices
+from plumbline.harness.intake.safe_text import csv_cell
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.reasons import notices
 
 
 def measured_of(store: Store, case: str) -> dict[str, dict[str, Mapping[str, Any]]]:

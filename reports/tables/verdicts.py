@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from harness.findings.margins import Margin, margins
-from harness.store.store import Store
-from reports.tables.own_scenes import by_case, chips
-from reports.tables.trial_results import at_own_step
-from reports.words.catalogue import engines, families
-from reports.words.reasons import reasons
-from reports.words.status import STATUSES, Outcome, outcome, worst
-from reports.words.text import TIMES, amount, unit_text
+from plumbline.harness.findings.margins import Margin, margins
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.own_scenes import by_case, chips
+from plumbline.reports.tables.trial_results import at_own_step
+from plumbline.reports.words.catalogue import engines, families
+from plumbline.reports.words.reasons import reasons
+from plumbline.reports.words.status import STATUSES, Outcome, outcome, worst
+from plumbline.reports.words.text import TIMES, amount, unit_text
 
 DECADES = 3
 """Powers of ten beyond a bound, or within it, that the shade of a cell tells apart."""

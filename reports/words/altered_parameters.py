@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from harness.case.alteration import EVERYTHING
+from plumbline.harness.case.alteration import EVERYTHING
 
 
 def departures(rows: pd.DataFrame) -> Mapping[str, str]:

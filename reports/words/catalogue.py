@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from harness.store.store import Store
-from harness.study.engine_versions import engine_of
-from reports.words.text import knobs, powers, settings_text, slug, visible
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.engine_versions import engine_of
+from plumbline.reports.words.text import knobs, powers, settings_text, slug, visible
 
 FAMILIES: dict[str, str] = {
     "flight": "Free flight",

@@ -2,8 +2,8 @@
 
 import hashlib
 
-from harness.store.machine_fingerprint import machine_digest
-from harness.store.store import Store
+from plumbline.harness.store.machine_fingerprint import machine_digest
+from plumbline.harness.store.store import Store
 
 
 def run_digest(store: Store) -> str:

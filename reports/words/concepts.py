@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from harness.store.store import Store
-from reports.words.catalogue import cases
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import cases
 
 PLACES = (Path(__file__).parents[1] / "book.md", Path(__file__).parents[2] / "docs" / "book.md")
 """Where the page lies in an installed package, and in a working copy."""

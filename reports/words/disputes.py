@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from harness.store.store import Store
+from plumbline.harness.store.store import Store
 
 TABLE = Path(__file__).parents[1] / "disputed.toml"
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from harness.findings.emulations import Made, made
-from harness.store.store import Store
-from reports.words.catalogue import engines
+from plumbline.harness.findings.emulations import Made, made
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import engines
 
 NAMES = {
     "pair_friction": "friction of any pairs",

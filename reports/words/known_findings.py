@@ -2,10 +2,10 @@
 
 from functools import lru_cache
 
-from harness.findings.vendor.finding import Finding
-from harness.findings.vendor.shelf import shelf
-from harness.store.store import Store
-from reports.words.catalogue import engines
+from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.findings.vendor.shelf import shelf
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import engines
 
 _ORDER = {"bug": 0, "trap": 1, "limit": 2}
 

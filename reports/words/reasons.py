@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from harness.metric.titles import metric_title
-from harness.store.store import Store
-from reports.words.text import amount, unit_text
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.text import amount, unit_text
 
 
 @lru_cache(maxsize=2)

@@ -8,12 +8,12 @@ from functools import lru_cache
 from pathlib import PurePath
 from typing import Any
 
-from harness.case.own_titles import OWN
-from harness.findings.steps_taken import beside
-from harness.findings.variant_of import whole_part
-from harness.intake import safe_text
-from harness.intake.safe_text import LONGEST
-from harness.store.record import digest
+from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.steps_taken import beside
+from plumbline.harness.findings.variant_of import whole_part
+from plumbline.harness.intake import safe_text
+from plumbline.harness.intake.safe_text import LONGEST
+from plumbline.harness.store.record import digest
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 NONE = "\N{EN DASH}"

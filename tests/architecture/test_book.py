@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.study import plugins
+from plumbline.harness.study import plugins
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "book.md").read_text(encoding="utf-8")

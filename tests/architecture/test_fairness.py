@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.study import plugins
-from harness.study.study import load_study
-from reports.words.disputes import TABLE, read
+from plumbline.harness.study import plugins
+from plumbline.harness.study.study import load_study
+from plumbline.reports.words.disputes import TABLE, read
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "fairness.md"

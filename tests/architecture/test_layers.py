@@ -15,7 +15,7 @@ from pathlib import Path
 import grimp
 import pytest
 
-from harness.study import plugins
+from plumbline.harness.study import plugins
 from tests.all_metrics import all_metrics
 
 ROOT = Path(__file__).parents[2]
@@ -129,13 +129,13 @@ for name in sys.argv[1:]:
 @pytest.fixture(scope="module")
 def loaded() -> dict[str, set[str]]:
     """The top-level packages that a fresh interpreter loads with the command line, and then with each adapter."""
-    modules = ["harness.cli.main", *(f"adapters.{name}" for name in plugins.names("adapters"))]
+    modules = ["plumbline.harness.cli.main", *(f"adapters.{name}" for name in plugins.names("adapters"))]
     done = subprocess.run([sys.executable, "-c", LOADED, *modules], capture_output=True, text=True, check=True)
     return dict(zip(modules, map(set, map(json.loads, done.stdout.splitlines())), strict=True))
 
 
 def test_the_command_line_starts_without_engines_and_without_number_crunchers(loaded: dict[str, set[str]]) -> None:
-    assert not loaded["harness.cli.main"] & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
+    assert not loaded["plumbline.harness.cli.main"] & (VENDORS | {"numpy", "scipy", "pandas", "pydantic"})
 
 
 @pytest.mark.parametrize("name", plugins.names("adapters"))

@@ -5,10 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from harness.run.preloads import preloads
-from harness.scene import Body, Imu, Scene
-from harness.scene.file import dump_toml
-from harness.study import plugins
+from plumbline.harness.run.preloads import preloads
+from plumbline.harness.scene import Body, Imu, Scene
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.study import plugins
 from tests.robot_files import urdf
 from tests.run_folder import write_run_folder
 
@@ -33,7 +33,7 @@ BRINGS: tuple[tuple[str, set[str]], ...] = (
 CALL = """
 import json, sys
 from contextlib import redirect_stdout, suppress
-from harness.cli.main import main
+from plumbline.harness.cli.main import main
 there = set()
 for command in json.loads(sys.argv[1]):
     with redirect_stdout(sys.stderr), suppress(SystemExit):

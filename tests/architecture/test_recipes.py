@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.intake import strangers
-from harness.scene.importers import known
-from harness.store.store import Store
-from reports.html import report as html
-from reports.page import pages
+from plumbline.harness.intake import strangers
+from plumbline.harness.scene.importers import known
+from plumbline.harness.store.store import Store
+from plumbline.reports.html import report as html
+from plumbline.reports.page import pages
 from tests.conftest import Command
 
 ROOT = Path(__file__).parents[2]
@@ -72,7 +72,7 @@ def test_all_five_recipes_are_printed() -> None:
 
 LISTED = """
 import json
-from harness.study import plugins
+from plumbline.harness.study import plugins
 from recipe_way import way
 found = {kind: plugins.names(kind) for kind in ("adapters", "cases")}
 print(json.dumps(found | {"unit": way.unit}))

@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
-from harness.cli.main import main
+from plumbline.harness.cli.main import main
 from tests.workflows import ACTIONS, ROOT, Job, evaluated, filled, jobs
 
 JOBS = tuple(jobs())

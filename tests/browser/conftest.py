@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-import reports
-from reports.html import report as html
-from reports.page import pages
+from plumbline import reports
+from plumbline.reports.html import report as html
+from plumbline.reports.page import pages
 from tests.small_studies import WRITTEN
 
 __all__ = ["CHROMIUM", "QUIET", "Visit", "page_of", "width_on"]

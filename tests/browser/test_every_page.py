@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from harness.study import study
+from plumbline.harness.study import study
 from tests.browser.audit import faults
 from tests.small_studies import STUDIES, report_of
 
@@ -28,7 +28,7 @@ def axe() -> str:
 
 
 def carried_out(path: Path, out: Path, *more: str) -> Path:
-    command = [sys.executable, "-m", "harness.cli", "run", str(path), "--out", str(out), *more]
+    command = [sys.executable, "-m", "plumbline", "run", str(path), "--out", str(out), *more]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.returncode == 0, done.stderr
     return out

@@ -6,8 +6,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-import reports
-from harness.store.parity_record import ParityRecord, Side, write
+from plumbline import reports
+from plumbline.harness.store.parity_record import ParityRecord, Side, write
 
 pytestmark = pytest.mark.browser
 

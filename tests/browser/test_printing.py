@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reports import build, print_report
+from plumbline.reports import build, print_report
 from tests.browser.conftest import CHROMIUM
 from tests.run_folder import write_run_folder
 

@@ -8,8 +8,8 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-import reports
-from reports.html.policy import guarded
+from plumbline import reports
+from plumbline.reports.html.policy import guarded
 from tests.browser.conftest import Visit
 from tests.run_folder import BAD_CASE, write_run_folder
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from harness.findings.selection import Wish, choose, read_preset
-from harness.findings.selection.words import headline
-from harness.store.store import Store
+from plumbline.harness.findings.selection import Wish, choose, read_preset
+from plumbline.harness.findings.selection.words import headline
+from plumbline.harness.store.store import Store
 from tests.browser.conftest import page_of
 from tests.run_folder import CASES
 from tests.selection_folder import Made, write_selection_folder

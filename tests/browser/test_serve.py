@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from PIL import Image
 
-import reports
-from reports.charts.palette import ENGINES
+from plumbline import reports
+from plumbline.reports.charts.palette import ENGINES
 from tests.browser.conftest import CHROMIUM, QUIET
 from tests.recorded_folder import Folder, record, rising, zoo
 
@@ -40,7 +40,7 @@ class Served:
     """A server in a process of its own, as a person starts it."""
 
     def __init__(self, folder: Path, first: Sequence[str] = ()) -> None:
-        command = [*first, sys.executable, "-m", "harness.cli", "serve", str(folder), "--port", "0"]
+        command = [*first, sys.executable, "-m", "plumbline", "serve", str(folder), "--port", "0"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from harness.history.regressions import read_trends
-from reports import trends_page
+from plumbline.harness.history.regressions import read_trends
+from plumbline.reports import trends_page
 from tests.browser.conftest import width_on
 from tests.synthetic_history import write_history
 from tests.unit.test_trends import planted

@@ -6,9 +6,9 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from harness.findings.changes import compare
-from harness.store.store import Store
-from reports import changes_page
+from plumbline.harness.findings.changes import compare
+from plumbline.harness.store.store import Store
+from plumbline.reports import changes_page
 from tests.browser.conftest import width_on
 from tests.two_runs import write_two_runs
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Settings, Simulation
-from harness.conformance.exact import rotation
-from harness.scene import (
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Settings, Simulation
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,
@@ -24,7 +24,7 @@ from harness.scene import (
     multiply,
     sphere_inertia,
 )
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 
 __all__ = [
     "COORDINATES",

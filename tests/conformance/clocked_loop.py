@@ -15,13 +15,13 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
-from harness.trial import bench
-from harness.trial.bench import Bench
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial import bench
+from plumbline.harness.trial.bench import Bench
 
 __all__ = ["Called", "clocked_calls", "growth", "made", "table"]
 

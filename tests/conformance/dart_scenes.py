@@ -5,9 +5,9 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 
-from adapters.dart import ADAPTER
-from harness.adapter import Settings, Simulation
-from harness.scene import (
+from plumbline.adapters.dart import ADAPTER
+from plumbline.harness.adapter import Settings, Simulation
+from plumbline.harness.scene import (
     WORLD,
     Body,
     Box,
@@ -26,7 +26,7 @@ from harness.scene import (
     principal_inertia,
     sphere_inertia,
 )
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 
 __all__ = [
     "CUBE",

@@ -4,9 +4,9 @@ import pkgutil
 from functools import cache
 from importlib import import_module
 
-import adapters
-from harness.adapter import Adapter, Unavailable
-from harness.conformance import CHECKS, Outcome, run_check
+from plumbline import adapters
+from plumbline.harness.adapter import Adapter, Unavailable
+from plumbline.harness.conformance import CHECKS, Outcome, run_check
 
 __all__ = ["NAMES", "adapter", "outcome_of", "why_unavailable"]
 

@@ -13,11 +13,11 @@ from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.scene import Scene
-from harness.study import plugins
-from harness.trajectory import Trajectory
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Trajectory
 from tests.conformance.put import put
 from tests.planted_faults import FAULTS, Fault
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unsupported
-from harness.adapter.what_goes_in import check_state, check_wrench
-from harness.scene import Camera, Effect, Scene, multiply, rotation_matrix
-from harness.trajectory import Contacts, Floats, Hits, Image, State
+from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings, SettingsError, Unsupported
+from plumbline.harness.adapter.what_goes_in import check_state, check_wrench
+from plumbline.harness.scene import Camera, Effect, Scene, multiply, rotation_matrix
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
 
 __all__ = ["ADAPTER", "Flight", "FreeFlight"]
 

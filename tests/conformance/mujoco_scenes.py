@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from adapters.mujoco import ADAPTER
-from adapters.mujoco.simulation import MujocoSimulation
-from harness.adapter import Settings
-from harness.scene import (
+from plumbline.adapters.mujoco import ADAPTER
+from plumbline.adapters.mujoco.simulation import MujocoSimulation
+from plumbline.harness.adapter import Settings
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,
@@ -19,7 +19,7 @@ from harness.scene import (
     rotation_matrix,
     sphere_inertia,
 )
-from harness.trajectory import Floats, State
+from plumbline.harness.trajectory import Floats, State
 
 __all__ = [
     "BOTH",

@@ -10,8 +10,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from harness.findings.prices import Price, Prices
-from harness.store.store import Store
+from plumbline.harness.findings.prices import Price, Prices
+from plumbline.harness.store.store import Store
 
 __all__ = ["Agreement", "agreement"]
 

@@ -4,16 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from harness.adapter import Adapter, Feature, Settings, Simulation
-from harness.case import Case
-from harness.case.forces import Controlled
-from harness.scene import Scene
-from harness.store.record import Measurement
-from harness.trajectory import Trajectory
-from harness.trajectory.pace import Pace
-from harness.trial.accuracy import judge
-from harness.trial.simulate import simulate
-from harness.trial.truth_cache import bounded, truth_of
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
+from plumbline.harness.case import Case
+from plumbline.harness.case.forces import Controlled
+from plumbline.harness.scene import Scene
+from plumbline.harness.store.record import Measurement
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.accuracy import judge
+from plumbline.harness.trial.simulate import simulate
+from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 __all__ = ["Answer", "put"]
 

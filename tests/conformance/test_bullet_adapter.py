@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Diverged, Settings, SettingsError
-from harness.conformance.exact import rotation, turning
-from harness.scene import (
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Diverged, Settings, SettingsError
+from plumbline.harness.conformance.exact import rotation, turning
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -158,7 +158,7 @@ def test_depth_of_a_plane_is_right_at_the_centres_of_the_pixels(axis: tuple[floa
 
 def test_a_state_that_is_no_number_is_never_silent(monkeypatch: pytest.MonkeyPatch) -> None:
     """The door lets no such number in; Bullet makes one from a NaN that is let past it, and says nothing."""
-    monkeypatch.setattr("adapters.bullet.simulation.check_wrench", lambda *_: None)
+    monkeypatch.setattr("plumbline.adapters.bullet.simulation.check_wrench", lambda *_: None)
     for joints in ((), (Ball(name="j", parent=WORLD, child="body", anchor_W=NOWHERE),)):
         scene = Scene(bodies=(Body(name="body", p_WB=(1.0, 0.0, 0.0)),), joints=joints)
         with built(scene, TUNED) as simulation:
@@ -188,7 +188,7 @@ def test_what_the_vendor_adds_by_default_is_said() -> None:
 
 def test_nothing_of_bullet_reaches_the_standard_streams() -> None:
     program = (
-        "from adapters.bullet import ADAPTER; from harness.scene import Body, Scene;"
+        "from plumbline.adapters.bullet import ADAPTER; from plumbline.harness.scene import Body, Scene;"
         "s = ADAPTER.build(Scene(bodies=(Body(name='a'),)), ADAPTER.tracks['tuned']); s.step(); s.close()"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)

@@ -5,10 +5,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Settings
-from harness.scene import Body, Box, Drive, Joint, PlacedShape, Revolute, Scene, Sphere, Surface, box_inertia, sphere_inertia
-from harness.trajectory import Floats, State
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Settings
+from plumbline.harness.scene import (
+    Body,
+    Box,
+    Drive,
+    Joint,
+    PlacedShape,
+    Revolute,
+    Scene,
+    Sphere,
+    Surface,
+    box_inertia,
+    sphere_inertia,
+)
+from plumbline.harness.trajectory import Floats, State
 
 pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Settings, SettingsError
-from harness.scene import WORLD, Ball, Body, Scene, principal_inertia
-from harness.study import plugins
-from harness.trajectory import Contacts, State
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Settings, SettingsError
+from plumbline.harness.scene import WORLD, Ball, Body, Scene, principal_inertia
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Contacts, State
 from tests.conformance.put import Answer, put
 
 pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")

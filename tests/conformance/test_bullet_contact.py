@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Settings, Unsupported
-from harness.scene import (
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,

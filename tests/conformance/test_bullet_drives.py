@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Settings
-from harness.conformance.exact import rotation
-from harness.scene import (
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Settings
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -29,7 +29,7 @@ from harness.scene import (
     axis_angle,
     box_inertia,
 )
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 
 pybullet = pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adapters.bullet import ADAPTER
-from harness.adapter import Unsupported
-from harness.conformance.exact import rotation
-from harness.scene import (
+from plumbline.adapters.bullet import ADAPTER
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -26,7 +26,7 @@ from harness.scene import (
     axis_angle,
     principal_inertia,
 )
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 
 pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
 from tests.conformance.bullet_scenes import NOWHERE, TUNED, TURNED, G, ball, built, law, state_of, tensor

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,

@@ -10,13 +10,13 @@ import pytest
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.adapter import Adapter
-from harness.scene.values import FROZEN
-from harness.study import plugins
-from harness.study.axes import axis_of
-from harness.study.study import load_study
-from harness.trial.accuracy import run_trial
-from harness.trial.ensemble import endure
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.scene.values import FROZEN
+from plumbline.harness.study import plugins
+from plumbline.harness.study.axes import axis_of
+from plumbline.harness.study.study import load_study
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.ensemble import endure
 
 VENDOR = Path(__file__).parents[1] / "vendor"
 ENGINES = ("bullet", "dart", "mujoco")

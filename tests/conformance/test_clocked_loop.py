@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Adapter, Settings, Simulation
-from harness.scene import Scene
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Settings, Simulation
+from plumbline.harness.scene import Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 from tests.conformance.clocked_loop import Called, clocked_calls, growth, made
 from tests.planted_faults.planting import plant
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance import CHECKS, ConformanceCheck, Finding, checks, gate, run_check, run_conformance
-from harness.conformance.catalogue import SUBJECTS
-from harness.conformance.checks.contract.features import PROBED
-from harness.conformance.checks.contract.protocol import loaded_at_once
-from harness.scene import Scene
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance import CHECKS, ConformanceCheck, Finding, checks, gate, run_check, run_conformance
+from plumbline.harness.conformance.catalogue import SUBJECTS
+from plumbline.harness.conformance.checks.contract.features import PROBED
+from plumbline.harness.conformance.checks.contract.protocol import loaded_at_once
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import State
 from tests.conformance.engines import NAMES, adapter, outcome_of, why_unavailable
 from tests.conformance.free_flight import ADAPTER as FREE_FLIGHT
 from tests.conformance.free_flight import Flight, FreeFlight

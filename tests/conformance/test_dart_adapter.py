@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.adapter import Diverged, Settings, SettingsError
-from harness.conformance.exact import angle_between, first_hit, rotation
-from harness.scene import (
+from plumbline.harness.adapter import Diverged, Settings, SettingsError
+from plumbline.harness.conformance.exact import angle_between, first_hit, rotation
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -29,10 +29,10 @@ from harness.scene import (
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER
-from adapters.dart.simulation import DartSimulation
-from adapters.dart.solvers import SOLVERS
-from cases import system_rays
+from plumbline.adapters.dart import ADAPTER
+from plumbline.adapters.dart.simulation import DartSimulation
+from plumbline.adapters.dart.solvers import SOLVERS
+from plumbline.cases import system_rays
 from tests.conformance.dart_scenes import (
     CUBE,
     DEFAULT,

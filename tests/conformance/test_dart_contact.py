@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter import Settings, Unsupported
-from harness.scene import (
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -26,9 +26,9 @@ from harness.scene import (
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER
-from adapters.dart.detectors import DETECTORS
-from cases import friction_wall_pinch
+from plumbline.adapters.dart import ADAPTER
+from plumbline.adapters.dart.detectors import DETECTORS
+from plumbline.cases import friction_wall_pinch
 from tests.conformance.dart_scenes import (
     CUBE,
     DEFAULT,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Settings, Unsupported
-from harness.scene import (
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import (
     WORLD,
     Body,
     Box,
@@ -22,14 +22,14 @@ from harness.scene import (
     Vector3,
     box_inertia,
 )
-from harness.trajectory import Floats, State
+from plumbline.harness.trajectory import Floats, State
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER
-from adapters.dart.simulation import DartSimulation
-from adapters.dart.vendor import body_of
-from cases import stand_quadruped
+from plumbline.adapters.dart import ADAPTER
+from plumbline.adapters.dart.simulation import DartSimulation
+from plumbline.adapters.dart.vendor import body_of
+from plumbline.cases import stand_quadruped
 from tests.conformance.dart_scenes import (
     DEFAULT,
     PD,

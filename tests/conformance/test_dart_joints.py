@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter import Settings, Unsupported
-from harness.conformance.exact import rotation
-from harness.scene import (
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -22,12 +22,12 @@ from harness.scene import (
     multiply,
     principal_inertia,
 )
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER
-from cases import joint_conical_pendulum, spin_heavy_top
+from plumbline.adapters.dart import ADAPTER
+from plumbline.cases import joint_conical_pendulum, spin_heavy_top
 from tests.conformance.dart_scenes import TUNED, G, free_body, state_after, state_of, with_options
 from tests.conformance.put import put
 

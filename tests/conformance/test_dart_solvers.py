@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from harness.case import Case
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Scene, Sphere, axis_angle
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Scene, Sphere, axis_angle
 
 pytest.importorskip("dartpy", reason="DART is not installed")
 
-from adapters.dart import ADAPTER
-from adapters.dart.arrangement import Arrangement
-from cases import (
+from plumbline.adapters.dart import ADAPTER
+from plumbline.adapters.dart.arrangement import Arrangement
+from plumbline.cases import (
     friction_creep,
     friction_threshold,
     friction_wall_pinch,

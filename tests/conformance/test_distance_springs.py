@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Unsupported
-from harness.adapter.distance_springs import DistanceSprings
-from harness.adapter.features import features_of
-from harness.conformance.runs import built, record, state_of
-from harness.scene import WORLD, Body, Distance, Limits, Revolute, Scene, Spring, Vector3, principal_inertia
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Unsupported
+from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.conformance.runs import built, record, state_of
+from plumbline.harness.scene import WORLD, Body, Distance, Limits, Revolute, Scene, Spring, Vector3, principal_inertia
+from plumbline.harness.trajectory import State
 from tests.conformance.engines import adapter
 
 DT = 1 / 240

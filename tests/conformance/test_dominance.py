@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.gate import failures
-from harness.findings.tables import dominance as table
-from harness.findings.tables.dominance import Change, changes, unexcused
-from harness.run.campaign import carry_out
-from harness.search import dominance
-from harness.search.dominance import FACTORS, drawn_parameters
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from reports.pages.dominance import PAGE
+from plumbline.harness.cli.gate import failures
+from plumbline.harness.findings.tables import dominance as table
+from plumbline.harness.findings.tables.dominance import Change, changes, unexcused
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.search import dominance
+from plumbline.harness.search.dominance import FACTORS, drawn_parameters
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.reports.pages.dominance import PAGE
 from tests.known_prices import PLUGINS
 
 CASE = "flight_projectile"
@@ -139,7 +139,7 @@ def test_a_study_of_dominance_holds_changes_against_tuned_alone() -> None:
 
 
 def test_the_built_in_study_has_every_case_but_one(tmp_path: Path) -> None:
-    from harness.study.study import load_study
+    from plumbline.harness.study.study import load_study
 
     study = load_study("dominance")
     names = plugins.names("cases")

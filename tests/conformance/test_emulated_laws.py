@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Adapter, Advantage, Emulation, Feature, Settings, Simulation
-from harness.adapter.features import features_of
-from harness.conformance.checks.contract.features import _SCENES, _slide
-from harness.conformance.runs import built
-from harness.findings.emulations import made, whose
-from harness.scene import Body, Drive, Effect, Limits, Scene, Spring
+from plumbline.harness.adapter import Adapter, Advantage, Emulation, Feature, Settings, Simulation
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.conformance.checks.contract.features import _SCENES, _slide
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.findings.emulations import made, whose
+from plumbline.harness.scene import Body, Drive, Effect, Limits, Scene, Spring
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
 UNEVEN = ((0.1, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.25))
@@ -214,7 +214,7 @@ def test_a_finding_is_told_whose_law_it_is_about() -> None:
 
 
 def test_our_engine_gives_a_reason_only_for_cases_that_there_are() -> None:
-    from harness.study import plugins
+    from plumbline.harness.study import plugins
 
     advantages = adapter("reference").advantages
     tracks, cases = adapter("reference").tracks, plugins.cases()

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from harness.findings.search_effort import ALIKE
-from harness.study import plugins
+from plumbline.harness.findings.search_effort import ALIKE
+from plumbline.harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.knobs import Tried, swept, unequal
 

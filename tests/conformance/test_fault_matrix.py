@@ -4,8 +4,8 @@ from fnmatch import fnmatchcase
 
 import pytest
 
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 from tests.conformance.fault_matrix import FILE, NAMED, applied, broken_checks, caught, known, sound_failures, steps
 from tests.planted_faults import FAULTS, Fault
 from tests.planted_faults.planting import Rewritten, plant

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from harness.adapter import Unsupported
-from harness.adapter.features import features_of
-from harness.conformance.runs import final
-from harness.scene import WORLD, Body, Drive, Prismatic, Scene
-from harness.scene.file import dump_json, dump_toml, parse
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.conformance.runs import final
+from plumbline.harness.scene import WORLD, Body, Drive, Prismatic, Scene
+from plumbline.harness.scene.file import dump_json, dump_toml, parse
 from tests.conformance.engines import adapter
 
 SLIDE = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 0.0, 1.0))

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Adapter, Settings
-from harness.adapter.fast_rotors import fast_rotors
-from harness.scene import Drive, Scene
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.adapter.fast_rotors import fast_rotors
+from plumbline.harness.scene import Drive, Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 from tests.gimbals import energy, gimbal
 
 ENGINES = pytest.mark.parametrize("engine", ["bullet", "dart"])

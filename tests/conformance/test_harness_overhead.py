@@ -6,9 +6,9 @@ import time
 
 import pytest
 
-from harness.adapter import Unavailable
-from harness.study import plugins
-from harness.trial.bench import clock_steps
+from plumbline.harness.adapter import Unavailable
+from plumbline.harness.study import plugins
+from plumbline.harness.trial.bench import clock_steps
 
 STEPS, BLOCKS = 500, 11
 

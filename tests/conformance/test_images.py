@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.reference import ADAPTER as REFERENCE
-from harness.adapter import Unsupported
-from harness.conformance.exact import rotation
-from harness.scene import (
+from plumbline.adapters.reference import ADAPTER as REFERENCE
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import (
     Appearance,
     Body,
     Box,
@@ -23,9 +23,9 @@ from harness.scene import (
     Sun,
     axis_angle,
 )
-from harness.scene.camera import Distortion, Renderer
-from harness.sensors.rays import first_hits
-from harness.trajectory import State
+from plumbline.harness.scene.camera import Distortion, Renderer
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.trajectory import State
 from tests.conformance.engines import adapter, why_unavailable
 
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from adapters.reference import ADAPTER
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance import CHECKS, run_check
-from harness.study import plugins
+from plumbline.adapters.reference import ADAPTER
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance import CHECKS, run_check
+from plumbline.harness.study import plugins
 
 
 def in_coordinates(settings: Settings, coordinates: str, integrator: str | None = None) -> Settings:

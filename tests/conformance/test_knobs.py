@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import pytest
 
-from harness.adapter import Settings, SettingsError, Unsupported
-from harness.scene import Scene
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.one_knob import turned
-from harness.study.study import Study
-from harness.trajectory import State
-from harness.trial.idle_knobs import idle_turns
+from plumbline.harness.adapter import Settings, SettingsError, Unsupported
+from plumbline.harness.scene import Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.one_knob import turned
+from plumbline.harness.study.study import Study
+from plumbline.harness.trajectory import State
+from plumbline.harness.trial.idle_knobs import idle_turns
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
 SCENES = {

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Settings
-from harness.scene import principal_inertia
-from harness.study import plugins
-from harness.trajectory.kinematics import rotate_back
+from plumbline.harness.adapter import Settings
+from plumbline.harness.scene import principal_inertia
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory.kinematics import rotate_back
 from tests.conformance.engines import why_unavailable
 from tests.conformance.put import Answer, put
 

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter import Unsupported
-from harness.case import Case
-from harness.metrics.meetings import pairs_met
-from harness.search.first_break import Ruler
-from harness.study import plugins
-from harness.study.experiment import Experiment, Limit
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trial.accuracy import answer_of, run_trial
-from harness.trial.ensemble import BROKE_BY, OWN_CHECKS, SIGN, endure
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.case import Case
+from plumbline.harness.metrics.meetings import pairs_met
+from plumbline.harness.search.first_break import Ruler
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment, Limit
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import answer_of, run_trial
+from plumbline.harness.trial.ensemble import BROKE_BY, OWN_CHECKS, SIGN, endure
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
 CASES = {name: case for name, case in sorted(plugins.cases().items()) if case.hard is not None}

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.findings.leads import BUDGETS
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.experiment import Experiment, Limit
-from harness.study.study import Study
-from harness.trial.ensemble import endure
+from plumbline.harness.findings.leads import BUDGETS
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment, Limit
+from plumbline.harness.study.study import Study
+from plumbline.harness.trial.ensemble import endure
 from tests import study_texts
 from tests.charts import checked
 from tests.conftest import Command

@@ -9,10 +9,10 @@ import pytest
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from harness.intake.import_wishes import Wishes
-from harness.run.importer_audit import audit
-from harness.scene.parity.comparison import TOLERANCE
-from harness.scene.values import FROZEN
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.run.importer_audit import audit
+from plumbline.harness.scene.parity.comparison import TOLERANCE
+from plumbline.harness.scene.values import FROZEN
 from tests.planted_robots import MJCF, URDF
 
 VENDOR = Path(__file__).parents[1] / "vendor"

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from adapters.mujoco import ADAPTER
-from adapters.mujoco.simulation import MujocoSimulation
-from harness.adapter import Diverged, Settings, SettingsError, Unsupported
-from harness.scene import (
+from plumbline.adapters.mujoco import ADAPTER
+from plumbline.adapters.mujoco.simulation import MujocoSimulation
+from plumbline.harness.adapter import Diverged, Settings, SettingsError, Unsupported
+from plumbline.harness.scene import (
     Body,
     Box,
     Camera,
@@ -28,7 +28,7 @@ from harness.scene import (
     axis_angle,
     multiply,
 )
-from harness.trajectory import Floats, State
+from plumbline.harness.trajectory import Floats, State
 from tests.conformance.mujoco_scenes import BOTH, DEFAULT, TUNED, G, built, matrix, on_ground, shaped_body, stack, state_of
 
 TURNED = multiply(axis_angle((0.0, 0.0, 1.0), 0.7), axis_angle((1.0, 2.0, 3.0), 1.1))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from adapters.mujoco.pressed_through import give
-from adapters.mujoco.simulation import MujocoSimulation
-from harness.case import Case
-from harness.scene import Scene, Sphere
+from plumbline.adapters.mujoco.pressed_through import give
+from plumbline.adapters.mujoco.simulation import MujocoSimulation
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Scene, Sphere
 from tests.conformance.mujoco_scenes import DEFAULT, TUNED, G, built, hinge_at, on_ground, shaped_body, state_of
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.mujoco import ADAPTER
-from adapters.mujoco.options import Options
-from adapters.mujoco.surfaces import contact_law
-from harness.adapter import Settings, Unsupported
-from harness.scene import (
+from plumbline.adapters.mujoco import ADAPTER
+from plumbline.adapters.mujoco.options import Options
+from plumbline.adapters.mujoco.surfaces import contact_law
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import (
     Body,
     Box,
     Cylinder,
@@ -22,7 +22,7 @@ from harness.scene import (
     Surface,
     axis_angle,
 )
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 from tests.conformance.mujoco_scenes import (
     BOTH,
     DEFAULT,

@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from harness.adapter import Diverged, Unsupported
-from harness.scene import (
+from plumbline.harness.adapter import Diverged, Unsupported
+from plumbline.harness.scene import (
     WORLD,
     Body,
     Box,
@@ -20,7 +20,7 @@ from harness.scene import (
     Spring,
     principal_inertia,
 )
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 from tests.conformance.mujoco_scenes import DEFAULT, TUNED, G, built, hinge_at, on_ground, shaped_body, stack, state_of
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Settings, Unsupported
-from harness.scene import (
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -22,7 +22,7 @@ from harness.scene import (
     Vector3,
     principal_inertia,
 )
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 from tests.conformance.mujoco_scenes import BOTH, TUNED, G, built, hinge_at, matrix, state_of
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from adapters.mujoco import ADAPTER
-from adapters.mujoco.arena import MANY
-from adapters.mujoco.many_worlds import MujocoWorlds
-from harness.adapter import Settings
-from harness.scene import Scene, Sphere
-from harness.trajectory import State
+from plumbline.adapters.mujoco import ADAPTER
+from plumbline.adapters.mujoco.arena import MANY
+from plumbline.adapters.mujoco.many_worlds import MujocoWorlds
+from plumbline.harness.adapter import Settings
+from plumbline.harness.scene import Scene, Sphere
+from plumbline.harness.trajectory import State
 from tests.conformance.mujoco_scenes import BOTH, TUNED, built, on_ground, shaped_body, stack
 
 

@@ -8,12 +8,12 @@ from itertools import count
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Feature
-from harness.conformance import CHECKS, noise_axes_are_independent, run_check
-from harness.scene import AxisNoise
-from harness.sensors.imu_noise import three_axes
-from harness.study import plugins
-from harness.trajectory import State, Trajectory
+from plumbline.harness.adapter import Adapter, Feature
+from plumbline.harness.conformance import CHECKS, noise_axes_are_independent, run_check
+from plumbline.harness.scene import AxisNoise
+from plumbline.harness.sensors.imu_noise import three_axes
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State, Trajectory
 from tests.conformance import fault_matrix
 from tests.conformance.engines import NAMES, adapter, outcome_of, why_unavailable
 from tests.planted_faults import FAULTS, Fault

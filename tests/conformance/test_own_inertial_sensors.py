@@ -5,9 +5,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.scene import WORLD, Body, Box, Imu, PlacedShape, Plane, Scene, Surface, Vector3, axis_angle, rotation_matrix
-from harness.study.plugins import adapter
-from harness.trajectory import State
+from plumbline.harness.scene import (
+    WORLD,
+    Body,
+    Box,
+    Imu,
+    PlacedShape,
+    Plane,
+    Scene,
+    Surface,
+    Vector3,
+    axis_angle,
+    rotation_matrix,
+)
+from plumbline.harness.study.plugins import adapter
+from plumbline.harness.trajectory import State
 
 pytest.importorskip("mujoco")
 

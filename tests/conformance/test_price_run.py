@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.findings.prices import Prices
-from harness.search.front import SCREENING, SMALLEST, TELLING
-from harness.statistics.pareto import on_front
-from harness.store.store import Store
+from plumbline.harness.findings.prices import Prices
+from plumbline.harness.search.front import SCREENING, SMALLEST, TELLING
+from plumbline.harness.statistics.pareto import on_front
+from plumbline.harness.store.store import Store
 from tests.conftest import Command
 
 STUDY = """

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adapters.reference import ADAPTER, suited
-from harness.adapter import Settings, SettingsError, Simulation, Unsupported
-from harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Prismatic, Scene, Sphere, Surface
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.adapters.reference import ADAPTER, suited
+from plumbline.harness.adapter import Settings, SettingsError, Simulation, Unsupported
+from plumbline.harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Prismatic, Scene, Sphere, Surface
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 from tests.conformance.put import put
 
 TUNED = ADAPTER.tracks["tuned"]

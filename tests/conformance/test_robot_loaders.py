@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from harness.adapter import Unsupported
-from harness.cli.main import main
-from harness.intake.import_wishes import Wishes
-from harness.run.robot_loaders import loaded_apart
-from harness.scene.parity.comparison import compare
-from harness.scene.parity.difference import Difference
-from harness.scene.parity.kinds import kind_of
-from harness.scene.parity.loaded import Loaded, Request, restored, stored
-from harness.scene.parity.stated import facts_of
-from harness.study import plugins
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.cli.main import main
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.run.robot_loaders import loaded_apart
+from plumbline.harness.scene.parity.comparison import compare
+from plumbline.harness.scene.parity.difference import Difference
+from plumbline.harness.scene.parity.kinds import kind_of
+from plumbline.harness.scene.parity.loaded import Loaded, Request, restored, stored
+from plumbline.harness.scene.parity.stated import facts_of
+from plumbline.harness.study import plugins
 from tests.two_formats import MJCF, URDF
 
 FROM_FILE = "URDF_USE_INERTIA_FROM_FILE"

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.findings.tables.scaling import COLUMNS
-from harness.study import plugins
+from plumbline.harness.findings.tables.scaling import COLUMNS
+from plumbline.harness.study import plugins
 from tests.conftest import Command
 
 STUDY = """

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.adapter import Adapter
-from harness.case import Case
-from harness.search.better import ALIKE
-from harness.study import plugins
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
+from plumbline.harness.search.better import ALIKE
+from plumbline.harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.known_prices import PLUGINS
 from tests.tracks import Tracks, comparisons, disagreements, listed, over_the_ladder, run_both_tracks

@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from harness.findings.margins import margins
-from harness.run import isolated
-from harness.store.record import Record
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.trial import Trial
-from harness.trial.accuracy import run_trial
-from reports.tables.verdicts import margin_words
-from reports.words.text import TIMES, amount
+from plumbline.harness.findings.margins import margins
+from plumbline.harness.run import isolated
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.reports.tables.verdicts import margin_words
+from plumbline.reports.words.text import TIMES, amount
 from tests.in_process import in_this_process
 
 Command = Callable[..., Any]

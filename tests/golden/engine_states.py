@@ -25,7 +25,7 @@ import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
-import engine
+from plumbline import engine
 from tests.solid_meshes import box
 
 FILE = Path(__file__).parent / "engine_states.json"

@@ -23,16 +23,16 @@ import click
 import numpy as np
 from click.testing import CliRunner
 
-from harness.case import Case, Converged
-from harness.cli.main import main
-from harness.findings import tables
-from harness.findings.summary import summaries
-from harness.scene.file import dump_json, parse
-from harness.store.store import TABLES, Store
-from harness.study import plugins
-from harness.trajectory import Contacts, Trajectory
-from harness.trial.accuracy import judge
-from reports.html import rendered
+from plumbline.harness.case import Case, Converged
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings import tables
+from plumbline.harness.findings.summary import summaries
+from plumbline.harness.scene.file import dump_json, parse
+from plumbline.harness.store.store import TABLES, Store
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Contacts, Trajectory
+from plumbline.harness.trial.accuracy import judge
+from plumbline.reports.html import rendered
 from tests.golden import engine_states
 
 CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.store import Store
+from plumbline.harness.store.store import Store
 from tests.conftest import PLUGINS, Command
 
 TRIALS = [

@@ -13,8 +13,8 @@ import numpy as np
 import platformdirs
 import pytest
 
-from engine.compile.jit import cache_directory, jit_is_off
-from harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
+from plumbline.engine.compile.jit import cache_directory, jit_is_off
+from plumbline.harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
 from tests.architecture.test_arithmetic import LIBRARY
 from tests.golden.engine_states import WORLDS, difference, digest, known, last_state, machine, states_elsewhere
 

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from jsonschema import ValidationError
 
-from harness.store.store import Store
-from reports.html.report import rendered
-from reports.pages import sensors
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.report import rendered
+from plumbline.reports.pages import sensors
 from tests.charts import checked
 from tests.run_folder import write_run_folder
 from tests.sensor_folder import write_sensor_folder

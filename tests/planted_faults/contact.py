@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.adapter import Feature
-from harness.conformance.exact import rotation
-from harness.scene import (
+from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -21,7 +21,7 @@ from harness.scene import (
     Surface,
     polyhedron_of,
 )
-from harness.trajectory import Contacts, Floats
+from plumbline.harness.trajectory import Contacts, Floats
 from tests.planted_faults.fault import SLIDES, fault
 from tests.planted_faults.planting import Wrapped, every_shape
 

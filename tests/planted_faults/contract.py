@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Notice, Settings, Simulation, Unsupported
-from harness.scene import Body, Effect, Matrix3, Scene, principal_inertia
-from harness.trajectory import Floats, State
+from plumbline.harness.adapter import Adapter, Feature, Notice, Settings, Simulation, Unsupported
+from plumbline.harness.scene import Body, Effect, Matrix3, Scene, principal_inertia
+from plumbline.harness.trajectory import Floats, State
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Broken, Repaired, Wrapped, plant
 

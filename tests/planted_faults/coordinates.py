@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from harness.adapter import Feature
-from harness.scene import Prismatic, Revolute, Scene, Spring
+from plumbline.harness.adapter import Feature
+from plumbline.harness.scene import Prismatic, Revolute, Scene, Spring
 from tests.planted_faults.fault import fault
 
 _SLIDE = Feature.REVOLUTE | Feature.PRISMATIC

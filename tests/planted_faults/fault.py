@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
 
-from harness.adapter import Adapter, Feature
-from harness.scene import AxisNoise, Body, Imu, Joint, PlacedShape, Prismatic, Revolute, Scene, Surface
-from harness.trajectory import Trajectory
+from plumbline.harness.adapter import Adapter, Feature
+from plumbline.harness.scene import AxisNoise, Body, Imu, Joint, PlacedShape, Prismatic, Revolute, Scene, Surface
+from plumbline.harness.trajectory import Trajectory
 from tests.planted_faults.planting import (
     every_body,
     every_coordinate,

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Feature
-from harness.scene import Distance, Joint, Prismatic, Revolute, Scene
-from harness.trajectory import Floats
-from harness.trajectory.joint_states import JointStates
-from harness.trajectory.kinematics import rotate, rotate_back
+from plumbline.harness.adapter import Feature
+from plumbline.harness.scene import Distance, Joint, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.joint_states import JointStates
+from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
 

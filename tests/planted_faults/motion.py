@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature
-from harness.conformance.exact import rotation
-from harness.scene import Body, Effect, Scene, Vector3, axis_angle, multiply, principal_inertia
-from harness.trajectory import Floats, State
+from plumbline.harness.adapter import Adapter, Feature
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.scene import Body, Effect, Scene, Vector3, axis_angle, multiply, principal_inertia
+from plumbline.harness.trajectory import Floats, State
 from tests.planted_faults.fault import SLIDES, fault
 from tests.planted_faults.planting import Rewritten, Wrapped, gravity_times, plant
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Settings, Simulation
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Diverged, Settings, Simulation
+from plumbline.harness.scene import (
     AxisNoise,
     Body,
     Imu,
@@ -20,7 +20,7 @@ from harness.scene import (
     Surface,
     Vector3,
 )
-from harness.trajectory import Floats, State
+from plumbline.harness.trajectory import Floats, State
 
 Change = Callable[[Scene], Scene]
 

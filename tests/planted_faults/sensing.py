@@ -6,9 +6,9 @@ from math import sqrt
 
 import numpy as np
 
-from harness.adapter import Feature
-from harness.scene import AxisNoise, Camera, Imu
-from harness.trajectory import Floats, Hits, Image, Trajectory
+from plumbline.harness.adapter import Feature
+from plumbline.harness.scene import AxisNoise, Camera, Imu
+from plumbline.harness.trajectory import Floats, Hits, Image, Trajectory
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
 

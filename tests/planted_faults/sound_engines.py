@@ -4,7 +4,7 @@ from zlib import crc32
 
 import numpy as np
 
-from harness.trajectory import Contacts, State
+from plumbline.harness.trajectory import Contacts, State
 from tests.planted_faults.planting import Wrapped
 
 

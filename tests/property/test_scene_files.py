@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Ball,
     Body,
     Box,
@@ -43,7 +43,7 @@ from harness.scene import (
     axis_angle,
     principal_inertia,
 )
-from harness.scene.file import dump_json, dump_toml, load, parse, schema
+from plumbline.harness.scene.file import dump_json, dump_toml, load, parse, schema
 from tests.conftest import Command
 
 finite = st.floats(-1e6, 1e6)

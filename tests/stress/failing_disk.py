@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from harness.store.disk import Calls
+from plumbline.harness.store.disk import Calls
 
 __all__ = ["ERRORS", "Counting", "Failing", "Losing", "PowerCut"]
 

@@ -9,14 +9,14 @@ from typing import Literal
 import pandas as pd
 import pytest
 
-from harness.findings.summary import write_summary
-from harness.run import campaign
-from harness.store.record import Sample, Timing
-from harness.store.store import TABLES, Store
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.study.trial import Trial
+from plumbline.harness.findings.summary import write_summary
+from plumbline.harness.run import campaign
+from plumbline.harness.store.record import Sample, Timing
+from plumbline.harness.store.store import TABLES, Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
 from tests.conftest import PLUGINS
 from tests.in_process import in_this_process, steps_of_run
 

@@ -9,13 +9,13 @@ import multiprocessing
 import os
 import sys
 
-import harness.cli.main
-import harness.findings.summary
-import harness.run.campaign
-import harness.run.isolated
-import harness.run.timed_processes
-from harness.study import plugins
-from harness.study.provenance import sources_of
+import plumbline.harness.cli.main
+import plumbline.harness.findings.summary
+import plumbline.harness.run.campaign
+import plumbline.harness.run.isolated
+import plumbline.harness.run.timed_processes
+from plumbline.harness.study import plugins
+from plumbline.harness.study.provenance import sources_of
 from tests.stress.unreported import end_with_the_summary
 
 

@@ -19,10 +19,10 @@ from types import ModuleType
 from typing import Any, NoReturn
 from unittest.mock import patch
 
-from harness.cli.main import main
-from harness.study.catalogue import describe_case
-from harness.study.plugins import SCENE_PREFIX
-from harness.study.study import Study
+from plumbline.harness.cli.main import main
+from plumbline.harness.study.catalogue import describe_case
+from plumbline.harness.study.plugins import SCENE_PREFIX
+from plumbline.harness.study.study import Study
 
 __all__ = ["LONGEST", "Reading", "peak", "read_by_command"]
 
@@ -65,7 +65,7 @@ def _up_to_here(study: Study, _folder: Path, cases: Any, adapters: Any, **_more:
     raise _Accepted
 
 
-CAMPAIGN = ModuleType("harness.run.campaign")
+CAMPAIGN = ModuleType("plumbline.harness.run.campaign")
 vars(CAMPAIGN)["carry_out"] = _up_to_here
 
 

@@ -17,12 +17,12 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from harness.intake.import_wishes import DROPPABLE, Wishes
-from harness.intake.mendable import Mendable
-from harness.scene.importers.companion import Companion, Massless
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.mjcf_text import Prepared
-from harness.scene.importers.reading import read
+from plumbline.harness.intake.import_wishes import DROPPABLE, Wishes
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.scene.importers.companion import Companion, Massless
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.mjcf_text import Prepared
+from plumbline.harness.scene.importers.reading import read
 from tests.mjcf_here import compiled_here
 from tests.stress.mutator import mutant
 from tests.stress.reading import peak
@@ -84,7 +84,7 @@ def _all(sound: Path, first: int, count: int, note: Path) -> dict[str, Any]:
     opened = _Opened()
     sys.addaudithook(opened)
     signal.signal(signal.SIGPROF, _stop)
-    from harness.scene.importers import mjcf
+    from plumbline.harness.scene.importers import mjcf
 
     mjcf.compile_apart = compile_watched
     totals: dict[str, Any] = {"refused": 0, "read": 0, "slowest": 0.0, "troubles": [], "tried": 0, "outside": []}

@@ -17,8 +17,8 @@ __all__ = ["LONG", "SHORT", "BIG", "SECRET", "Served", "served_with", "everythin
 START = """
 import os, sys
 from pathlib import Path
-import reports
-from reports.server import connections
+from plumbline import reports
+from plumbline.reports.server import connections
 for limits in sys.argv[2:]:
     if os.fork() == 0:
         connections.HEAD_SECONDS, connections.PATIENCE, connections.SLOWEST = map(float, limits.split())

@@ -7,7 +7,7 @@ import _testcapi
 import sys
 from pathlib import Path
 
-from harness.store.journal import Journal, read_written
+from plumbline.harness.store.journal import Journal, read_written
 from tests.unit.test_journal import record
 
 ENOUGH = 10

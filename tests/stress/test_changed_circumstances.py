@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from harness.run import campaign
-from harness.run.verify import problems
-from harness.store.journal import FolderTaken, read_written
-from harness.store.store import Store
-from harness.study import plugins, provenance, sources
-from harness.study.study import Study
+from plumbline.harness.run import campaign
+from plumbline.harness.run.verify import problems
+from plumbline.harness.store.journal import FolderTaken, read_written
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins, provenance, sources
+from plumbline.harness.study.study import Study
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import STUDY, carry_out, light
@@ -270,7 +270,7 @@ def test_the_command_line_says_what_it_keeps_and_what_it_runs_anew(
     paths = os.pathsep.join((str(tmp_path / "plugins"), with_plugins.get("PYTHONPATH", "")))
 
     def run(*more: str) -> "subprocess.CompletedProcess[str]":
-        command = [sys.executable, "-m", "harness.cli", "run", study, "--engine", "sound", "--out", out, *more]
+        command = [sys.executable, "-m", "plumbline", "run", study, "--engine", "sound", "--out", out, *more]
         environment = dict(with_plugins) | {"PYTHONPATH": paths}
         return subprocess.run([*map(str, command)], env=environment, capture_output=True, text=True, timeout=280, check=False)
 

@@ -14,19 +14,19 @@ from typing import Any
 
 import pytest
 
-from harness.run.campaign import carry_out
-from harness.run.cluster.cells import OtherPlumbline
-from harness.run.cluster.workplace import NoScheduler, Workplace
-from harness.run.isolated import run_isolated
-from harness.run.verify import problems
-from harness.store.journal import read_journal
-from harness.store.machine_fingerprint import fingerprint, machine_digest
-from harness.store.record import Record
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.provenance import sources_of
-from harness.study.study import Study
-from harness.study.trial import Trial
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.cluster.cells import OtherPlumbline
+from plumbline.harness.run.cluster.workplace import NoScheduler, Workplace
+from plumbline.harness.run.isolated import run_isolated
+from plumbline.harness.run.verify import problems
+from plumbline.harness.store.journal import read_journal
+from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
+from plumbline.harness.store.record import Record
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.provenance import sources_of
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
 
 ABSENT = find_spec("distributed") is None
 # Looked for and not imported: who runs the quick tests has no use for it.
@@ -121,7 +121,7 @@ def test_a_worker_with_another_version_of_the_engine_is_refused(trials: list[Tri
 
 
 def test_no_scheduler_is_said_in_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("harness.run.cluster.workplace._CONNECTS", 1.0)
+    monkeypatch.setattr("plumbline.harness.run.cluster.workplace._CONNECTS", 1.0)
     with pytest.raises(NoScheduler, match="no scheduler answers"):
         Workplace("tcp://127.0.0.1:9")
 
@@ -154,7 +154,7 @@ class _Far:
 def test_a_scheduler_that_is_killed_costs_nothing_that_had_finished(local: dict[str, str | None], tmp_path: Path) -> None:
     (tmp_path / "far.toml").write_text(TOML.replace("samples = 1", "timing = false"))
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "harness.cli", "run", str(tmp_path / "far.toml"), "--out", str(out), "--scheduler"]
+    command = [sys.executable, "-m", "plumbline", "run", str(tmp_path / "far.toml"), "--out", str(out), "--scheduler"]
     first = _Far(tmp_path)
     try:
         run = subprocess.Popen([*command, first.address], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.run.verify import problems
-from harness.store.journal import StoreError
-from harness.store.store import Store
-from reports.html import report as html
+from plumbline.harness.run.verify import problems
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from plumbline.reports.html import report as html
 from tests.conftest import Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables
@@ -31,7 +31,7 @@ def carried_out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("whole") / "run"
     with pytest.MonkeyPatch.context() as patch:
         light(patch)
-        patch.setattr("harness.trial.truth_cache.LONG", -1.0)
+        patch.setattr("plumbline.harness.trial.truth_cache.LONG", -1.0)
         carry_out(folder)
     assert [*problems(folder)] == []
     return folder
@@ -40,7 +40,7 @@ def carried_out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def run(carried_out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of it, to be damaged."""
-    monkeypatch.setattr("harness.trial.truth_cache.LONG", -1.0)
+    monkeypatch.setattr("plumbline.harness.trial.truth_cache.LONG", -1.0)
     shutil.copytree(carried_out, tmp_path / "run")
     return tmp_path / "run"
 
@@ -144,7 +144,7 @@ def test_a_truth_that_is_damaged_while_a_run_goes_on_is_made_again(
     for path, whole in kept.items():
         path.write_bytes(whole[:100] + bytes([whole[100] ^ 1]) + whole[101:])
     expected = tables(run)
-    monkeypatch.setattr("harness.run.resume._mended_truths", lambda _folder: [])
+    monkeypatch.setattr("plumbline.harness.run.resume._mended_truths", lambda _folder: [])
     carry_out(other)
     same_tables(other, expected)
     said = capsys.readouterr().err

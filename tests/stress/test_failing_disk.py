@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.run import campaign, child
-from harness.run.verify import problems
-from harness.store import disk
-from harness.store.journal import Journal, StoreError
-from harness.store.record import Record
-from harness.store.store import Store
-from harness.study.trial import Trial
+from plumbline.harness.run import campaign, child
+from plumbline.harness.run.verify import problems
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import Journal, StoreError
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.trial import Trial
 from tests.stress.failing_disk import ERRORS, Counting, Failing, Losing, PowerCut
 from tests.stress.ledger import Page
 from tests.stress.light_run import carry_out, light, same_tables, tables

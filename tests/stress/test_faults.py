@@ -10,7 +10,7 @@ import pandas as pd
 import psutil
 import pytest
 
-from harness.store.store import Store
+from plumbline.harness.store.store import Store
 from tests.conftest import Command
 from tests.stress.ledger import Page
 

@@ -12,8 +12,8 @@ import pandas as pd
 import psutil
 import pytest
 
-from harness.run.fork_servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
-from harness.store.store import Store
+from plumbline.harness.run.fork_servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
+from plumbline.harness.store.store import Store
 from tests.conftest import Command
 from tests.light_servers import light_servers
 from tests.stress.ledger import Page
@@ -36,7 +36,12 @@ MORE = {
 }
 ENGINE = {"plain": "slow", "loaded": "loading", "apart": "slow", "clock": "slow"}
 CELLS = {"plain": 6, "loaded": 24, "apart": 3, "clock": 2}
-MARK = {"plain": "harness.cli.main", "loaded": "xml.dom.pulldom", "apart": "harness.cli.main", "clock": "harness.cli.main"}
+MARK = {
+    "plain": "plumbline.harness.cli.main",
+    "loaded": "xml.dom.pulldom",
+    "apart": "plumbline.harness.cli.main",
+    "clock": "plumbline.harness.cli.main",
+}
 
 
 def servers(of: int, mark: str) -> list[psutil.Process]:

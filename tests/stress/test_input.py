@@ -132,7 +132,7 @@ def test_a_bomb_costs_no_memory(what: str, found: Callable[[str], Found], ledger
 
 @pytest.mark.parametrize("told", ["/dev/null", pytest.param(str(Path(__file__) / "y"), marks=SLOW)])
 def test_a_folder_for_compiled_code_that_can_be_none_is_no_crash_of_the_engine(told: str, ledger: Page) -> None:
-    command = [sys.executable, "-m", "harness.cli", "engines", "--json"]
+    command = [sys.executable, "-m", "plumbline", "engines", "--json"]
     environment = os.environ | {"PLUMBLINE_KERNEL_CACHE": told}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=280, check=True)
     (row,) = [row for row in json.loads(done.stdout) if row["name"] == "reference"]

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from harness.history.folder import opened
-from harness.history.soundness import problems_of
+from plumbline.harness.history.folder import opened
+from plumbline.harness.history.soundness import problems_of
 from tests.stress.ledger import Page
 
 ROOT = Path(__file__).parents[2]
@@ -37,7 +37,7 @@ LONGEST = 240.0
 def begun(root: Path, study: Path, environment: Mapping[str, str]) -> subprocess.Popen[str]:
     words = ["nightly", "--history", root, "--study", study, "--engine", "sound", "--engine", "hang", "--gate", "hang"]
     return subprocess.Popen(
-        [sys.executable, "-m", "harness.cli", *map(str, words)],
+        [sys.executable, "-m", "plumbline", *map(str, words)],
         env=dict(environment) | {"PYTHONPATH": os.pathsep.join((environment["PYTHONPATH"], str(ROOT)))},
         cwd=ROOT,
         stdout=subprocess.PIPE,

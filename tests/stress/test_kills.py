@@ -15,9 +15,9 @@ from typing import IO
 
 import pytest
 
-from harness.run.verify import problems
-from harness.store.journal import read_written
-from harness.store.store import Store
+from plumbline.harness.run.verify import problems
+from plumbline.harness.store.journal import read_written
+from plumbline.harness.store.store import Store
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import write_study
 

@@ -17,10 +17,10 @@ import pytest
 from click.testing import CliRunner
 from markdown_it import MarkdownIt
 
-from harness.cli.listing import print_csv, print_json, print_markdown, print_table
-from harness.cli.main import main
-from harness.findings.summary import write_summary
-from harness.store.store import Store
+from plumbline.harness.cli.listing import print_csv, print_json, print_markdown, print_table
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings.summary import write_summary
+from plumbline.harness.store.store import Store
 from tests.run_folder import BAD_CASE, write_run_folder
 from tests.stress.ledger import Page
 
@@ -250,7 +250,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
 FORMS = ("text", "csv")
 SHOW = """
 import sys
-from harness.cli.main import main
+from plumbline.harness.cli.main import main
 for form in sys.argv[2:]:
     main(["show", sys.argv[1], "--format", form], standalone_mode=False)
     print("that was", form)
@@ -301,7 +301,9 @@ def test_what_is_asked_for_wrongly_is_named_without_acting_on_the_terminal(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("harness.cli.guard.listen", lambda: None)  # it would take the signals of the test's own process
+    monkeypatch.setattr(
+        "plumbline.harness.cli.guard.listen", lambda: None
+    )  # it would take the signals of the test's own process
     told = CliRunner().invoke(main, WRONG[name])
     assert told.exit_code in (2, 3), told.output
     assert told.exception is None or isinstance(told.exception, SystemExit)
@@ -318,7 +320,7 @@ def test_what_is_asked_for_wrongly_is_named_without_acting_on_the_terminal(
     ],
 )
 def test_a_source_links_to_the_web_alone(address: str, ledger: Page) -> None:
-    from reports.html.template import cite
+    from plumbline.reports.html.template import cite
 
     links = [attributes["href"] or "" for tag, attributes in Elements(cite(f"see {address} there")).tags if tag == "a"]
     assert all(link.startswith(("http://", "https://")) for link in links)
@@ -344,7 +346,7 @@ PAGES = {
 
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_of_a_third_party_has_the_policy_before_its_first_script(name: str, ledger: Page) -> None:
-    from reports.html.policy import guarded
+    from plumbline.reports.html.policy import guarded
 
     tags = Elements(guarded(PAGES[name])).tags
     first = next(k for k, (tag, a) in enumerate(tags) if tag == "meta" and a.get("http-equiv") == "Content-Security-Policy")

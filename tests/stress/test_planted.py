@@ -12,11 +12,11 @@ import psutil
 import pytest
 import tomli_w
 
-from harness.run.isolated import tell
-from harness.run.message import BrokenMessage, Inbox, read_record
-from harness.store.store import Store
-from harness.study.study import load_study
-from harness.trial.accuracy import run_trial
+from plumbline.harness.run.isolated import tell
+from plumbline.harness.run.message import BrokenMessage, Inbox, read_record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.study import load_study
+from plumbline.harness.trial.accuracy import run_trial
 from tests.conftest import PLUGINS
 from tests.stress.ledger import Page
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from harness.history.folder import opened
+from plumbline.harness.history.folder import opened
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("adapters", "cases", "engine", "findings", "harness", "reports")
@@ -72,7 +72,7 @@ def night(sources: Path, root: Path, study: Path) -> subprocess.CompletedProcess
     """A night of these sources, in a process of its own."""
     words = ["nightly", "--history", root, "--study", study, "--budget", f"{BUDGET:g}", "--engine", "reference"]
     return subprocess.run(
-        [sys.executable, "-m", "harness.cli", *map(str, words), "--engine", "mujoco"],
+        [sys.executable, "-m", "plumbline", *map(str, words), "--engine", "mujoco"],
         cwd=sources,
         env=os.environ | {"PYTHONPATH": str(sources)},
         capture_output=True,

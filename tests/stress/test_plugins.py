@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.intake import strangers
-from harness.store.store import Store
-from harness.study import plugins
+from plumbline.harness.intake import strangers
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
 from tests.stress.ledger import Page
 
 PLUGINS = Path(__file__).parent / "dying_plugins"
@@ -30,7 +30,7 @@ Call = Callable[..., subprocess.CompletedProcess[str]]
 
 
 BOTH = """
-from harness.cli.main import main
+from plumbline.harness.cli.main import main
 main(["engines", "--json"], standalone_mode=False)
 print("as text:")
 main(["engines"])
@@ -53,7 +53,7 @@ def python() -> Call:
 @pytest.fixture(scope="module")
 def call(python: Call) -> Call:
     """The command line in such an interpreter."""
-    return partial(python, "-m", "harness.cli")
+    return partial(python, "-m", "plumbline")
 
 
 @pytest.fixture(scope="module")

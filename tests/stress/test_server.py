@@ -150,7 +150,7 @@ def test_no_path_leads_out_of_the_folder(path: str, served: Served, ledger: Page
 
 @pytest.mark.parametrize("where", ["report", "recordings"])
 def test_an_open_folder_that_is_itself_a_link_opens_nothing(where: str, folder: Path, tmp_path: Path, ledger: Page) -> None:
-    from reports.server.site import file_of
+    from plumbline.reports.server.site import file_of
 
     (tmp_path / where).symlink_to(folder.parent / "outside")
     assert file_of(tmp_path, f"/{where}/secret.html") is None
@@ -331,9 +331,9 @@ def test_a_page_that_cannot_be_made_is_said_so_in_text(folder: Path, tmp_path: P
     import asyncio
     from concurrent.futures import ThreadPoolExecutor
 
-    from harness.store.store import Store
-    from reports.server import site
-    from reports.server.request import Request
+    from plumbline.harness.store.store import Store
+    from plumbline.reports.server import site
+    from plumbline.reports.server.request import Request
 
     hostile = site.Site(Store(folder))
     with pytest.MonkeyPatch.context() as patch:

@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from harness.store.store import Store
+from plumbline.harness.store.store import Store
 from tests.conftest import PLUGINS, Command
 from tests.in_process import in_this_process
 from tests.stress.ledger import Page
@@ -58,7 +58,7 @@ def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
 ) -> None:
     """No file may grow beyond so many bytes, which a full disk looks like to the one that writes. This process resumes it."""
     study, out = write_study(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-m", "harness.cli", "run", str(study), "--engine", "sound", "--out", str(out)]
+    command = [sys.executable, "-m", "plumbline", "run", str(study), "--engine", "sound", "--out", str(out)]
     done = subprocess.run(
         command,
         env=dict(with_plugins),
@@ -73,7 +73,7 @@ def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
     assert "Traceback" not in done.stderr
     monkeypatch.syspath_prepend(str(PLUGINS))
     in_this_process(monkeypatch)
-    monkeypatch.setattr("harness.cli.run_study.publish", summarised)
+    monkeypatch.setattr("plumbline.harness.cli.run_study.publish", summarised)
     again = printed("run", study, "--engine", "sound", "--out", out, "--resume")
     assert again.returncode == 0, again.stderr
     assert len(answers(out)) == CELLS

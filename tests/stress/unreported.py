@@ -6,18 +6,18 @@ Each process of a trial loads its parent's program: it loads no more here than t
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import harness.cli.main
-import harness.cli.run_study
+import plumbline.harness.cli.main
+import plumbline.harness.cli.run_study
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 __all__ = ["end_with_the_summary", "summarised"]
 
 
 def summarised(store: "Store", _recordings: bool) -> Path:
     """What stands beside the tables."""
-    from harness.findings.summary import write_summary  # late, as above
+    from plumbline.harness.findings.summary import write_summary  # late, as above
 
     write_summary(store)
     return store.folder / "summary.md"

@@ -71,7 +71,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 @pytest.fixture(params=["maximal", "automatic"])
 def both_coordinates(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Worlds whose options do not say which coordinates get bodies' own, then those that trees of joints leave."""
-    import engine
+    from plumbline import engine
 
     defaults = engine.Options.__init__.__kwdefaults__
     assert defaults is not None
@@ -92,7 +92,7 @@ def solids_found_once() -> Iterator[None]:
     """Worlds of the same bodies are built again and again: what equal hulls and triangles are made of is worked out once."""
     import numpy as np
 
-    from engine.build import solids
+    from plumbline.engine.build import solids
 
     def once(work: Callable[..., Any]) -> Callable[..., Any]:
         found = dict[tuple[object, ...], Any]()

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from harness.findings.agreement import Agreement, Side, ways
-from harness.findings.agreement.words import STILL, scene_words, side_sentence
-from harness.trajectory import Trajectory
-from harness.trajectory.parting import apart
+from plumbline.harness.findings.agreement import Agreement, Side, ways
+from plumbline.harness.findings.agreement.words import STILL, scene_words, side_sentence
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.parting import apart
 from tests.own_limits import (
     ENGINES,
     LADDER,

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from harness.case.alteration import AS_IT_IS, EVERYTHING, FAINT, Alteration, departures
-from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from plumbline.harness.case.alteration import AS_IT_IS, EVERYTHING, FAINT, Alteration, departures
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
 
 
 def scene(**more: object) -> Scene:

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter
-from harness.adapter.many_worlds import Turns, WorldOf, spread
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.adapter.many_worlds import Turns, WorldOf, spread
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 
 CASE = plugins.case("stack_pile")
 SCENE = CASE.scene(n=4)

@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Settings
-from harness.case import Clocks
-from harness.run.timing_blocks import summarise
-from harness.store.record import Sample
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
-from harness.trajectory import State
-from harness.trial.bench import (
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case import Clocks
+from plumbline.harness.run.timing_blocks import summarise
+from plumbline.harness.store.record import Sample
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import State
+from plumbline.harness.trial.bench import (
     TOGETHER,
     Bench,
     NotClocked,
@@ -157,7 +157,7 @@ def test_reading_under_a_control_leaves_the_law_outside_the_clock(monkeypatch: p
         clocked.extend(what for what, _ in maker.told[before:])
         return 0.0, 0.0
 
-    monkeypatch.setattr("harness.trial.bench.clock_calls", clock)
+    monkeypatch.setattr("plumbline.harness.trial.bench.clock_calls", clock)
     made.start()
     begun = len(maker.told)
     made.clock(9)

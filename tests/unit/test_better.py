@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from harness.adapter.trade_off import TradeOff, check_named
-from harness.search.better import Question, Run, compared, run_of
+from plumbline.harness.adapter.trade_off import TradeOff, check_named
+from plumbline.harness.search.better import Question, Run, compared, run_of
 
 QUESTION = Question("error", 1.0, frozenset({"height"}))
 

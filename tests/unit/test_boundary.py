@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter.what_goes_in import DIRECTION, check_rays, check_state, check_targets, check_wrench
-from harness.conformance.scenes import free
-from harness.scene import WORLD, Drive, Prismatic, Scene
-from harness.trajectory import State
+from plumbline.harness.adapter.what_goes_in import DIRECTION, check_rays, check_state, check_targets, check_wrench
+from plumbline.harness.conformance.scenes import free
+from plumbline.harness.scene import WORLD, Drive, Prismatic, Scene
+from plumbline.harness.trajectory import State
 
 SLIDE = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0, 0, 0), axis_W=(1, 0, 0), drive=Drive(stiffness=1.0))
 SCENE = Scene(bodies=(free(),), joints=(SLIDE,))

@@ -9,15 +9,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.system_level_of_detail import inner
-from harness.adapter import Settings
-from harness.case import Case, Check
-from harness.metrics.position import position_error_max
-from harness.scene import EARTH_GRAVITY
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
-from harness.trial.accuracy import run_trial
+from plumbline.cases.system_level_of_detail import inner
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.scene import EARTH_GRAVITY
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import run_trial
 
 CASES = plugins.cases()
 SCALED = {"joint_spring": {"RATE"}, "stand_hit": {"SPEED", "SPIN"}}

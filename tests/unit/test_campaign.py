@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
-from harness.adapter import Settings
-from harness.run.campaign import share
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Settings
+from plumbline.harness.run.campaign import share
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
 
 PLAIN, SWEEPING = Experiment(name="plain", timing=False), Experiment(name="front", sweep=5)
 CLOCKED = Experiment(name="clocked")

@@ -8,13 +8,13 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from harness.findings.causes import Answer, causes
-from harness.findings.margins import Margin, margins
-from harness.findings.vendor.finding import Finding
-from harness.store.notices import StoredNotice
-from harness.store.store import Store
-from reports.tables.verdicts import margin_words
-from reports.words.text import TIMES
+from plumbline.harness.findings.causes import Answer, causes
+from plumbline.harness.findings.margins import Margin, margins
+from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.verdicts import margin_words
+from plumbline.reports.words.text import TIMES
 from tests.run_folder import row
 
 DAMPED = tuple(

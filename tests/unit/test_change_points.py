@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from harness.statistics.change_points import change_points, common_mode, levelled
-from harness.trajectory import Floats
+from plumbline.harness.statistics.change_points import change_points, common_mode, levelled
+from plumbline.harness.trajectory import Floats
 from tests.synthetic_nights import NIGHTS, History, history
 
 HISTORIES = [range(0, 60, 3), pytest.param(range(60), marks=pytest.mark.slow)]

@@ -12,15 +12,15 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from harness.cli.main import main
-from harness.findings.changes import Change, Changes, compare
-from harness.findings.changes.comment import LONGEST_COMMENT, comment
-from harness.findings.changes.files import changes_files
-from harness.findings.changes.values import Side
-from harness.findings.changes.weights import heaviest_first
-from harness.findings.changes.words import command, headline, sentence
-from harness.store.notices import StoredNotice
-from harness.store.store import Store
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings.changes import Change, Changes, compare
+from plumbline.harness.findings.changes.comment import LONGEST_COMMENT, comment
+from plumbline.harness.findings.changes.files import changes_files
+from plumbline.harness.findings.changes.values import Side
+from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.words import command, headline, sentence
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.store import Store
 from tests.two_runs import Planted, write_two_runs
 
 CASES = ("flight_projectile", "joint_pendulum", "stack_tower")

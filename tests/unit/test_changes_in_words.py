@@ -2,9 +2,9 @@
 
 import pytest
 
-from harness.findings.changes import Change, Changes, Side
-from harness.findings.changes.words import folded, sentence, titled
-from reports.standalone.what_changed import what_changed_page
+from plumbline.harness.findings.changes import Change, Changes, Side
+from plumbline.harness.findings.changes.words import folded, sentence, titled
+from plumbline.reports.standalone.what_changed import what_changed_page
 
 TITLES = {"stack_tower": "Tower of ten boxes", "dart": "DART", "joint_chain": "Chain with a heavy end"}
 SIDE = Side(

@@ -5,13 +5,13 @@ from typing import Any, cast
 
 import pytest
 
-from harness.findings.agreement import Agreement as Agreed
-from harness.findings.agreement import Side
-from harness.findings.changes.limits import moved_limits
-from harness.findings.changes.own_verdicts import changed_words
-from harness.findings.changes.repetitions import lost_and_won
-from harness.findings.limits_found import Search, Signs
-from harness.findings.tables.determinism import Agreement
+from plumbline.harness.findings.agreement import Agreement as Agreed
+from plumbline.harness.findings.agreement import Side
+from plumbline.harness.findings.changes.limits import moved_limits
+from plumbline.harness.findings.changes.own_verdicts import changed_words
+from plumbline.harness.findings.changes.repetitions import lost_and_won
+from plumbline.harness.findings.limits_found import Search, Signs
+from plumbline.harness.findings.tables.determinism import Agreement
 
 SEARCH = Search(
     experiment="towers", case="stack_tower", where="", beside=(), engine="dart", track="tuned", dt=0.01, axis="height",

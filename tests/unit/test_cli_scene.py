@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from harness.cli.main import main
-from harness.intake.import_wishes import DROPPABLE
-from harness.intake.refusal import RobotError
-from harness.scene.file import load, parse
-from harness.scene.importers.companion import load_companion
-from harness.store.imported_scenes import fidelity_of, keep, unsound
-from reports.html import report as html
-from reports.page import pages
+from plumbline.harness.cli.main import main
+from plumbline.harness.intake.import_wishes import DROPPABLE
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene.file import load, parse
+from plumbline.harness.scene.importers.companion import load_companion
+from plumbline.harness.store.imported_scenes import fidelity_of, keep, unsound
+from plumbline.reports.html import report as html
+from plumbline.reports.page import pages
 from tests.in_process import clocked_by, in_this_process
 from tests.robot_files import INERTIAL, LIMIT, imported, urdf
 

@@ -14,18 +14,18 @@ from typing import cast
 import numpy as np
 import pytest
 
-from harness.adapter import Settings
-from harness.run import timed_processes as clockwork
-from harness.run.fork_servers import Server
-from harness.run.interrupt import TimeIsUp, until
-from harness.run.memory_watch import MemoryWatch
-from harness.run.message import Inbox
-from harness.run.timed_processes import Clocked, Team, joined
-from harness.run.timing_blocks import clock_group, summarise
-from harness.store.record import Sample, Timing
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
-from harness.trial.bench import Sampling
+from plumbline.harness.adapter import Settings
+from plumbline.harness.run import timed_processes as clockwork
+from plumbline.harness.run.fork_servers import Server
+from plumbline.harness.run.interrupt import TimeIsUp, until
+from plumbline.harness.run.memory_watch import MemoryWatch
+from plumbline.harness.run.message import Inbox
+from plumbline.harness.run.timed_processes import Clocked, Team, joined
+from plumbline.harness.run.timing_blocks import clock_group, summarise
+from plumbline.harness.store.record import Sample, Timing
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.bench import Sampling
 
 TRIAL = Trial(
     trial="t",
@@ -342,7 +342,7 @@ def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(clockwork, "_start", start)
     monkeypatch.setattr(
-        "harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+        "plumbline.harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
     )
     experiment = Experiment(name="e", samples=4, processes=2)
     trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("a", "bad", "c")]
@@ -370,7 +370,7 @@ def test_long_runs_take_fewer_samples_spread_over_the_processes(
 
     monkeypatch.setattr(clockwork, "_start", start)
     monkeypatch.setattr(
-        "harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+        "plumbline.harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
     )
     experiment = Experiment(name="e", samples=2, processes=processes)
     trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("long", "short")]

@@ -9,21 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.adapter import Unavailable
-from harness.case.commands import acting
-from harness.case.forces import Control, Controlled
-from harness.intake.import_wishes import Wishes
-from harness.intake.refusal import RobotError
-from harness.scene import Body, Drive, Effect, Motion, Revolute, Samples, Scene, SceneError, Sinusoid, sampled
-from harness.scene.file import dump_json, dump_toml, parse
-from harness.scene.importers.commands import load_commands
-from harness.scene.importers.companion import Companion, Drives, JointWish
-from harness.scene.importers.reading import read
-from harness.scene.importers.sweeping import FASTEST, FREQUENCY, SHARE
-from harness.study import plugins
-from harness.trajectory import Floats
-from harness.trajectory.pace import Pace
-from harness.trial.simulate import simulate
+from plumbline.harness.adapter import Unavailable
+from plumbline.harness.case.commands import acting
+from plumbline.harness.case.forces import Control, Controlled
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import Body, Drive, Effect, Motion, Revolute, Samples, Scene, SceneError, Sinusoid, sampled
+from plumbline.harness.scene.file import dump_json, dump_toml, parse
+from plumbline.harness.scene.importers.commands import load_commands
+from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.scene.importers.sweeping import FASTEST, FREQUENCY, SHARE
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.simulate import simulate
 from tests.robot_files import imported, row, urdf
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")

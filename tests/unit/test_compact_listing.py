@@ -8,11 +8,11 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
-from harness.case.alteration import AS_IT_IS, Alteration
-from harness.findings.compact_listing import rows, told_apart
-from harness.findings.summary import summaries
-from harness.scene import Effect
-from harness.store.store import Store
+from plumbline.harness.case.alteration import AS_IT_IS, Alteration
+from plumbline.harness.findings.compact_listing import rows, told_apart
+from plumbline.harness.findings.summary import summaries
+from plumbline.harness.scene import Effect
+from plumbline.harness.store.store import Store
 from tests.recorded_folder import Folder, record
 
 CATALOGUE = {"cases": {"slide": {"parameters": {"edge": 6, "velocity": [3.0, 1.0]}}}}

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from jinja2 import DictLoader, Environment
 
-from reports.html import template
-from reports.html.compiled_templates import CompiledTemplates
+from plumbline.reports.html import template
+from plumbline.reports.html.compiled_templates import CompiledTemplates
 
 TEXT = "{{ greeting }}, {{ 'world'|loud }}"
 

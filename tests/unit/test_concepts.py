@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.study import load_study
-from reports.pages import case, concepts
-from reports.words.concepts import PLACES, book, chapters, indexed
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.study import load_study
+from plumbline.reports.pages import case, concepts
+from plumbline.reports.words.concepts import PLACES, book, chapters, indexed
 from tests.run_folder import write_run_folder
 
 SOURCE = PLACES[1].read_text(encoding="utf-8")

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from harness.metric.contact_impulses import STAMPS, forces_between
-from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
-from harness.study import plugins
-from harness.trajectory.pace import Pace
-from harness.trial.paced import paced
-from harness.trial.simulate import simulate
+from plumbline.harness.metric.contact_impulses import STAMPS, forces_between
+from plumbline.harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.paced import paced
+from plumbline.harness.trial.simulate import simulate
 
 DT, G, MASS, RADIUS = 1 / 240, 9.81, 2.0, 0.1
 

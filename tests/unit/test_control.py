@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Settings, Unavailable
-from harness.case.forces import Control, Controlled, wrench_after
-from harness.scene import Body, Scene, sphere_inertia
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trajectory import Floats, State
-from harness.trial.accuracy import run_trial
-from harness.trial.bench import Bench
+from plumbline.harness.adapter import Adapter, Settings, Unavailable
+from plumbline.harness.case.forces import Control, Controlled, wrench_after
+from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.bench import Bench
 
 DT = 0.01
 BALL = Scene(bodies=(Body(name="ball", mass=2.0, inertia=sphere_inertia(2.0, 0.1)),), gravity=(0.0, 0.0, 0.0))

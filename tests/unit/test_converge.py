@@ -8,16 +8,16 @@ from time import sleep
 import numpy as np
 import pytest
 
-from adapters.reference import ADAPTER
-from harness.case import Case, Check
-from harness.metric import Metric, NotMeasurable
-from harness.metrics.position import position_error_max
-from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
-from harness.statistics.richardson import extrapolate
-from harness.trajectory import Floats, Trajectory
-from harness.trial.accuracy import judge
-from harness.trial.converged_truth import converged, ladder
-from harness.trial.truth_cache import LONG, bounded, truth_of
+from plumbline.adapters.reference import ADAPTER
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
+from plumbline.harness.statistics.richardson import extrapolate
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trial.accuracy import judge
+from plumbline.harness.trial.converged_truth import converged, ladder
+from plumbline.harness.trial.truth_cache import LONG, bounded, truth_of
 
 G = 9.81
 SAMPLES = np.arange(31) / 60
@@ -53,7 +53,7 @@ def _rolling(time: Floats, speed: float) -> tuple[Floats, Floats]:
 
 def _bouncing(time: Floats, speed: float) -> tuple[Floats, Floats]:
     """Thrown down from a gap of 0.37 m with e = 0.7, by events."""
-    from engine.respond.events import FlyingSphere, ImpactLaw, Wall, solve_events
+    from plumbline.engine.respond.events import FlyingSphere, ImpactLaw, Wall, solve_events
 
     ball = FlyingSphere(mass=1.0, radius=0.1, position=(0, 0, 0.47), velocity=(0, 0, -speed))
     motion = solve_events([ball], [Wall()], time, (0, 0, -G), on_walls=ImpactLaw(restitution=0.7))

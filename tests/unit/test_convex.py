@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull as Hull
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh, axis_angle
-from harness.trajectory.convex_depth import Unmeasured, depth, solid
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh, axis_angle
+from plumbline.harness.trajectory.convex_depth import Unmeasured, depth, solid
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 EIGHTH = axis_angle((0.0, 1.0, 0.0), math.pi / 4)

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from harness.run import deadline
-from harness.run.deadline import Deadline
+from plumbline.harness.run import deadline
+from plumbline.harness.run.deadline import Deadline
 
 WORKS = "while True: pass"
 SLEEPS = "import time; time.sleep(60)"

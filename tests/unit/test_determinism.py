@@ -5,7 +5,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from harness.findings.tables.determinism import Agreement, broken, doubling, parting, sentences
+from plumbline.harness.findings.tables.determinism import Agreement, broken, doubling, parting, sentences
 
 
 def run(p: np.ndarray, start: int = 0) -> dict[str, np.ndarray]:

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.html import report as html
-from reports.html.drawing import Drawing
-from reports.page import pages
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.html import report as html
+from plumbline.reports.html.drawing import Drawing
+from plumbline.reports.page import pages
 from tests.run_folder import write_run_folder
 
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.trajectory import Floats
-from reports.drawn.cutaway import opened
+from plumbline.harness.trajectory import Floats
+from plumbline.reports.drawn.cutaway import opened
 
 WALLS = [(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0), (0, 0, 1.0), (0, 0, -1.0)]
 EYE = np.array([2.0, -2.0, 1.0]) / 3.0

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.findings.tables.drift import _series
-from harness.scene import Body, Box, PlacedShape, Scene, box_inertia
-from harness.scene.file import dump_json
-from harness.statistics.order import fit_slope
+from plumbline.harness.findings.tables.drift import _series
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
+from plumbline.harness.scene.file import dump_json
+from plumbline.harness.statistics.order import fit_slope
 
 HALF = (0.1, 0.1, 0.1)
 CREEP = 1e-6

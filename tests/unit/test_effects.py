@@ -11,29 +11,29 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Diverged
-from harness.case import Case, Check
-from harness.case.alteration import EVERYTHING, FINER, Alteration
-from harness.case.own_titles import called
-from harness.cli.minimal_scene import write_minimal
-from harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
-from harness.findings.tables.effects import Verdict, rows, sentences, verdicts
-from harness.metrics.divergence import divergence
-from harness.run.campaign import carry_out
-from harness.run.verify import problems
-from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
-from harness.scene.file import dump_toml
-from harness.scene.importers.companion import beside, load_companion
-from harness.search.needless_effects import FLOOR, Consequence, Scale, compared, departure, scale_of, weighed
-from harness.store.record import Record
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trajectory import State
-from harness.trial.accuracy import run_trial
-from reports.pages.effects import PAGE
+from plumbline.harness.adapter import Adapter, Diverged
+from plumbline.harness.case import Case, Check
+from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
+from plumbline.harness.case.own_titles import called
+from plumbline.harness.cli.minimal_scene import write_minimal
+from plumbline.harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
+from plumbline.harness.findings.tables.effects import Verdict, rows, sentences, verdicts
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.verify import problems
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.importers.companion import beside, load_companion
+from plumbline.harness.search.needless_effects import FLOOR, Consequence, Scale, compared, departure, scale_of, weighed
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import State
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.reports.pages.effects import PAGE
 from tests.planted_faults.planting import Wrapped, plant
 
 HALF = (0.1, 0.15, 0.2)
@@ -88,7 +88,7 @@ def studied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Studied:
             for trial in trials:
                 yield run_trial(trial, case, adapter, folder)
 
-        monkeypatch.setattr("harness.run.campaign.run_isolated", here)
+        monkeypatch.setattr("plumbline.harness.run.campaign.run_isolated", here)
         experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
         study = Study(name="effects", recordings=False, experiments=(experiment,))
         folder = tmp_path / f"{called(case.name)}-{adapter.name}"

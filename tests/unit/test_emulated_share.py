@@ -6,15 +6,15 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Settings
-from harness.findings.emulations import share_in_words
-from harness.run.timing_blocks import summarise
-from harness.store.record import Sample
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
-from harness.trial.bench import Bench
-from harness.trial.emulated_share import emulated_share, stopwatch
+from plumbline.harness.adapter import Settings
+from plumbline.harness.findings.emulations import share_in_words
+from plumbline.harness.run.timing_blocks import summarise
+from plumbline.harness.store.record import Sample
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.bench import Bench
+from plumbline.harness.trial.emulated_share import emulated_share, stopwatch
 
 LAW, PART, ENGINE = 0.003, 0.002, 0.001
 """What the stand-in takes in a step [s]: its law, of which PART in a law that it calls, and the rest."""

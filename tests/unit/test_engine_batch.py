@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import engine
-from engine.compile.jit import cache_directory, linker
-from engine.integrate import explicit_euler
-from engine.steps import many_worlds
+from plumbline import engine
+from plumbline.engine.compile.jit import cache_directory, linker
+from plumbline.engine.integrate import explicit_euler
+from plumbline.engine.steps import many_worlds
 from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
@@ -192,7 +192,7 @@ def test_batches_refuse_what_they_cannot_advance() -> None:
 THREADS = f"""
 import hashlib, sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
-import engine
+from plumbline import engine
 from test_engine_batch import _free, _hulls, _pile
 for build in (_free, _pile, _hulls):
     for threads in (1, 2, 4):
@@ -211,7 +211,7 @@ def test_no_number_of_threads_changes_a_bit(fork: Fork) -> None:
 
 
 MADE = """
-import engine
+from plumbline import engine
 def made(): return engine.World([engine.Body(p_WB=(0, 0, 1))], options=engine.Options(integrator="explicit_euler"))
 """
 

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-import engine
-from engine.articulated.assembly import grow_world
-from engine.broad.choice import FEW, choose_broad_phase
-from engine.build.assembly import grow
-from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
-from engine.memory.status import FULL
-from engine.options import BROAD_PHASES
+from plumbline import engine
+from plumbline.engine.articulated.assembly import grow_world
+from plumbline.engine.broad.choice import FEW, choose_broad_phase
+from plumbline.engine.build.assembly import grow
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import float_table, int_table
+from plumbline.engine.memory.status import FULL
+from plumbline.engine.options import BROAD_PHASES
 from tests.forks import Fork
 
 pytestmark = pytest.mark.usefixtures("solids_found_once")
@@ -283,7 +283,7 @@ def test_a_world_of_one_thread_loads_no_parallel_search(fork: Fork) -> None:
         "bodies = [engine.Body(name=str(k), shapes=[ball], p_WB=(k, 0, 0)) for k in range(40)]\n"
         "for threads in (1, 2):\n"
         "    engine.World(bodies, options=engine.Options(threads=threads))\n"
-        "    print('engine.broad.parallel_pairs' in sys.modules)\n"
+        "    print('plumbline.engine.broad.parallel_pairs' in sys.modules)\n"
     )
     assert fork(program).split() == ["False", "True"]
     with pytest.raises(ValueError, match="threads 0, expected a whole number of at least 1"):
@@ -378,7 +378,7 @@ def test_only_the_chosen_broad_phase_is_loaded(fork: Fork) -> None:
         "bodies = [engine.Body(name=str(k), shapes=[ball], p_WB=(k, 0, 0)) for k in range(40)]\n"
         "engine.World(bodies, options=engine.Options(broad_phase='octree'))\n"
         "names = ('uniform_grid', 'octree', 'sweep_and_prune', 'bvh', 'brute_force')\n"
-        "print([name for name in names if 'engine.broad.' + name in sys.modules])\n"
+        "print([name for name in names if 'plumbline.engine.broad.' + name in sys.modules])\n"
     )
     assert fork(program).strip() == "['octree']"
 

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
-from engine.compile.jit import cache_directory, linker
-from engine.compile.kernel_cache import read_checked
-from engine.steps import smooth
+from plumbline import engine
+from plumbline.engine.compile.jit import cache_directory, linker
+from plumbline.engine.compile.kernel_cache import read_checked
+from plumbline.engine.steps import smooth
 from tests.forks import forks
 
 pytestmark = [
@@ -27,7 +27,7 @@ pytestmark = [
 
 TUMBLE = """
 import numpy as np
-import engine
+from plumbline import engine
 world = engine.World([engine.Body(name="b", inertia=np.diag([1.0, 2.0, 3.0]), w_WB=(0.01, 5.0, 0.02), v_WB=(1.0, 0.5, 3.0))])
 world.step(240)
 print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
@@ -35,7 +35,7 @@ print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """The bits of a body that falls and tumbles for a second, and how many compiled functions came from the cache."""
 ROLL = """
 import numpy as np
-import engine
+from plumbline import engine
 rng = np.random.default_rng(5)
 ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
 shapes = (engine.Box((0.1, 0.08, 0.12)), engine.Capsule(0.06, 0.1), engine.Cylinder(0.08, 0.1))
@@ -55,15 +55,15 @@ KICK = "g = load3(setting, 0, GRAVITY)"
 MADE = {
     "__init__.py": "",
     "pull.py": """
-from engine.compile.jit import kernel
+from plumbline.engine.compile.jit import kernel
 
 @kernel
 def pull(time: float) -> float:
     return -9.81 * time
 """,
     "sink.py": """
-from engine.compile.jit import entry
-from engine.made.pull import pull
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.made.pull import pull
 
 @entry
 def sink(speed: float, steps: int) -> float:
@@ -75,7 +75,7 @@ def sink(speed: float, steps: int) -> float:
 """The modules of a step that is compiled in no time and, as the engine's own, calls a kernel of another module."""
 SINK = """
 import numpy as np
-from engine.made.sink import sink
+from plumbline.engine.made.sink import sink
 state = np.zeros(13)
 state[9] = sink(3.0, 240)
 print(state.tobytes().hex(), sum(sink.stats.cache_hits.values()))

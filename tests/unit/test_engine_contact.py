@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 G = 9.81
 DEFAULT = ("default", "default")

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 from tests.forks import Fork
 
 G = 9.81
@@ -127,7 +127,7 @@ def test_scenes_of_closed_forms_never_load_the_convex_narrow_phase(fork: Fork) -
         "w = engine.World([engine.Body(name='g', motion='static', shapes=[p(engine.Plane())]),"
         "engine.Body(shapes=[p(engine.Box((.1, .1, .1)))], p_WB=(0, 0, .1)),"
         "engine.Body(name='b', shapes=[p(engine.Cylinder(.1, .1))], p_WB=(9, 0, .1))]); w.step(3);"
-        "assert len(w.contacts().gap) == 8; assert 'engine.contact.collide_convex' not in sys.modules;"
-        "assert 'engine.narrow.gjk' not in sys.modules"
+        "assert len(w.contacts().gap) == 8; assert 'plumbline.engine.contact.collide_convex' not in sys.modules;"
+        "assert 'plumbline.engine.narrow.gjk' not in sys.modules"
     )
     fork(code)

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.compile.jit import jit_is_off
-from engine.maths import arrays, elementary
-from engine.maths.floats import fma, from_word, word
+from plumbline.engine.compile.jit import jit_is_off
+from plumbline.engine.maths import arrays, elementary
+from plumbline.engine.maths.floats import fma, from_word, word
 
 Array = NDArray[np.float64]
 POINTS = pytest.mark.parametrize("count", [3_000, pytest.param(100_000, marks=pytest.mark.slow)])

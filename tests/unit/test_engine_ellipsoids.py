@@ -12,9 +12,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.memory import arena as at
-from engine.memory.arena import float_table
+from plumbline import engine
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import float_table
 from tests.engine_entries import measure_convex
 from tests.rays_one_by_one import cast_one_by_one
 

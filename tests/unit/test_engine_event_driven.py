@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from engine.describe.errors import NotSupported
-from engine.respond.events import FlyingSphere, ImpactLaw, Wall, solve_events
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.respond.events import FlyingSphere, ImpactLaw, Wall, solve_events
 
 G = 9.81
 FLOOR = [Wall()]

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
-from engine.respond.exact.law import Problem
-from engine.respond.exact.solver import Solution, solve
+from plumbline import engine
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.solver import Solution, solve
 from tests.exact_worlds import DEFAULT, DT, EXACT, G, ball, cube, residual, surface, world_of
 
 PATIENT = 1e6
@@ -67,7 +67,7 @@ def _watched(world: engine.World, steps: int, patch: pytest.MonkeyPatch) -> list
             seen.append((problem, solution))
         return solution
 
-    patch.setattr("engine.respond.exact.steps.solve", watch)
+    patch.setattr("plumbline.engine.respond.exact.steps.solve", watch)
     world.step(steps)
     return seen
 
@@ -222,7 +222,7 @@ def test_what_the_law_does_not_hold_is_refused() -> None:
 
 
 def _scene(**law: float) -> Any:
-    from harness.scene import Body, Box, PlacedShape, Plane, Scene, Surface
+    from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Surface
 
     box, plane = Box(half_extents=(0.1, 0.1, 0.1)), Plane()
     cube = Body(name="cube", collision=(PlacedShape(shape=box),), p_WB=(0.0, 0.0, 0.1))
@@ -231,8 +231,8 @@ def _scene(**law: float) -> Any:
 
 
 def test_the_adapter_names_the_largest_residual_in_warnings_and_resolved() -> None:
-    from adapters.reference import ADAPTER
-    from harness.adapter import Settings
+    from plumbline.adapters.reference import ADAPTER
+    from plumbline.harness.adapter import Settings
 
     simulation = ADAPTER.build(_scene(static_friction=0.5, kinetic_friction=0.5), Settings(dt=DT, solver="exact"))
     assert simulation.warnings() == ()
@@ -246,8 +246,8 @@ def test_the_adapter_names_the_largest_residual_in_warnings_and_resolved() -> No
 
 def test_the_adapter_says_how_many_solves_missed_and_what_they_were_given() -> None:
     """A box that turns as it slides leaves round-off above 1e-30 in every step."""
-    from adapters.reference import ADAPTER
-    from harness.adapter import Settings
+    from plumbline.adapters.reference import ADAPTER
+    from plumbline.harness.adapter import Settings
 
     scene = _scene(static_friction=0.5, kinetic_friction=0.5)
     settings = Settings(dt=DT, solver="exact", tolerance=1e-30, options={"effort": 5.0})
@@ -260,8 +260,8 @@ def test_the_adapter_says_how_many_solves_missed_and_what_they_were_given() -> N
 
 
 def test_the_adapter_refuses_settings_and_laws_that_the_exact_solver_would_ignore() -> None:
-    from adapters.reference import ADAPTER
-    from harness.adapter import Settings, SettingsError, Unsupported
+    from plumbline.adapters.reference import ADAPTER
+    from plumbline.harness.adapter import Settings, SettingsError, Unsupported
 
     scene = _scene(static_friction=0.5, kinetic_friction=0.5)
     with pytest.raises(SettingsError, match="iterations 2"):
@@ -281,7 +281,7 @@ def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.
     ran = set()
 
     def watched(module: str, name: str) -> None:
-        place = importlib.import_module(f"engine.respond.exact.{module}")
+        place = importlib.import_module(f"plumbline.engine.respond.exact.{module}")
         entry = getattr(place, name)
 
         def watch(*args: Any) -> Any:

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.compile.jit import entry
-from engine.respond.exact.elimination import eliminate
-from engine.respond.exact.finish import finish_from
-from engine.respond.exact.law import Problem
-from engine.respond.exact.residual import relative_residual
-from engine.respond.exact.scaled import scale_problem
-from engine.respond.exact.solver import NEAR, PLAIN, solve
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.respond.exact.elimination import eliminate
+from plumbline.engine.respond.exact.finish import finish_from
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.residual import relative_residual
+from plumbline.engine.respond.exact.scaled import scale_problem
+from plumbline.engine.respond.exact.solver import NEAR, PLAIN, solve
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 from tests.exact_worlds import DEFAULT, DT, EXACT, GROUND, G, ball, cube, residual, surface
 
 NOTHING = (0.0, 0.0, 0.0)

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from engine.respond.exact.law import Problem
-from engine.respond.exact.residual import relative_residual
-from engine.respond.exact.scaled import scale_problem
-from engine.respond.exact.solver import solve
-from engine.respond.exact.trace import look, look_widely
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.residual import relative_residual
+from plumbline.engine.respond.exact.scaled import scale_problem
+from plumbline.engine.respond.exact.solver import solve
+from plumbline.engine.respond.exact.trace import look, look_widely
 from tests.exact_worlds import EXACT
 
 

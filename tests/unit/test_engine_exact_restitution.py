@@ -5,10 +5,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-import engine
-from engine.respond.exact.law import Problem
-from engine.respond.exact.passive import energy_given, without_gain
-from engine.respond.exact.solver import Solution, solve
+from plumbline import engine
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.passive import energy_given, without_gain
+from plumbline.engine.respond.exact.solver import Solution, solve
 from tests.exact_worlds import EXACT, ball, cube, surface, world_of
 
 

@@ -12,9 +12,9 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull as Quickhull
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.memory import arena as at
-from engine.memory.arena import float_table
+from plumbline import engine
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import float_table
 from tests.engine_entries import measure_convex
 
 Array = NDArray[np.float64]
@@ -298,7 +298,7 @@ def test_rays_hit_a_mesh_where_brute_force_over_its_triangles_does() -> None:
 @pytest.mark.parametrize(("cap", "faces"), [(4, 6), (24, 26)])
 def test_coplanar_facets_of_a_hull_become_one_face(cap: int, faces: int) -> None:
     """A prism of n sides has n + 2 faces, and Euler's V - E + F = 2 holds; its normals point outwards."""
-    from engine.build.polyhedra import hull_polyhedron
+    from plumbline.engine.build.polyhedra import hull_polyhedron
 
     angle = 2 * math.pi * np.arange(cap) / cap
     ring = np.column_stack([np.cos(angle), np.sin(angle)])

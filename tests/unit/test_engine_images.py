@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.build.level_of_detail import simplified
-from engine.compile.jit import jit_is_off
-from harness import scene as words
-from harness.sensors.rays import first_hits
-from harness.trajectory import State
+from plumbline import engine
+from plumbline.engine.build.level_of_detail import simplified
+from plumbline.engine.compile.jit import jit_is_off
+from plumbline.harness import scene as words
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.trajectory import State
 from tests.rays_one_by_one import cast_one_by_one
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-import engine
-from engine.images.lens import RESIDUAL, look
+from plumbline import engine
+from plumbline.engine.images.lens import RESIDUAL, look
 
 Array = NDArray[np.float64]
 SMALL: dict[str, Any] = {"width": 64, "height": 48, "focal_x": 50.0, "focal_y": 55.0, "centre_x": 30.0, "centre_y": 25.0}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import engine
-from engine.images.scatter import LEAST
+from plumbline import engine
+from plumbline.engine.images.scatter import LEAST
 
 Array = NDArray[np.float64]
 CLEAR = engine.Optics(transmission=1.0, refractive_index=1.5)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 P = engine.Placed
 BALL = P(engine.Sphere(0.1))

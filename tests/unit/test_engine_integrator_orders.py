@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import engine
+from plumbline import engine
 from tests.free_tops import MOMENTS, SPIN, angle_between, matrix, options_of, run, top, true_attitude
 
 Vector = tuple[float, float, float]

@@ -6,13 +6,13 @@ import math
 import numpy as np
 import pytest
 
-import engine
-from adapters.reference import ADAPTER
-from engine.build.principal_frame import principal_frame
-from engine.integrate.splitting import KAHAN_LI_8, SUZUKI_4
-from engine.options import FREE_INTEGRATORS, INTEGRATORS
-from harness.adapter import Settings, SettingsError, Unsupported
-from harness.scene import Body, Distance, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from plumbline import engine
+from plumbline.adapters.reference import ADAPTER
+from plumbline.engine.build.principal_frame import principal_frame
+from plumbline.engine.integrate.splitting import KAHAN_LI_8, SUZUKI_4
+from plumbline.engine.options import FREE_INTEGRATORS, INTEGRATORS
+from plumbline.harness.adapter import Settings, SettingsError, Unsupported
+from plumbline.harness.scene import Body, Distance, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
 from tests.free_tops import KICKED, MOMENTS, SPIN, angle_between, matrix, options_of, run, top
 
 OF_TREES = ("implicit_midpoint", "dormand_prince")

@@ -7,10 +7,10 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components as scipy_components
 
-import engine
-from engine.build.assembly import wants_islands
-from engine.memory import arena as at
-from engine.steps.contact_jointed import step_contact_jointed
+from plumbline import engine
+from plumbline.engine.build.assembly import wants_islands
+from plumbline.engine.memory import arena as at
+from plumbline.engine.steps.contact_jointed import step_contact_jointed
 from tests.engine_entries import connected_components
 from tests.forks import Fork
 
@@ -142,7 +142,7 @@ def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(
 
 def test_one_thread_compiles_nothing_parallel(fork: Fork) -> None:
     """A world of one thread never loads the module of islands."""
-    code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('engine.steps.islands' in sys.modules)"
+    code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('plumbline.engine.steps.islands' in sys.modules)"
     assert fork(f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}").split() == ["False"]
 
 

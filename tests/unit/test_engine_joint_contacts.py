@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 from tests.branches import branches, joint_rows, mass_matrix
 from tests.four_bar import Linkage, angles_of, falls, no_torque, widest_gap
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.articulated import tables as to
+from plumbline import engine
+from plumbline.engine.articulated import tables as to
 from tests.random_trees import GRAVITY, LINKS, Tree, pin, random_tree, table, world_of
 
 LAWS: tuple[dict[str, Any], ...] = (

@@ -8,10 +8,10 @@ import pytest
 from numba import njit
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.articulated import tables as to
-from engine.articulated.forest import Forest, NoForest, forest_of
-from engine.articulated.mixing import DEPTH, mixed
+from plumbline import engine
+from plumbline.engine.articulated import tables as to
+from plumbline.engine.articulated.forest import Forest, NoForest, forest_of
+from plumbline.engine.articulated.mixing import DEPTH, mixed
 from tests.random_trees import Tree, pin, random_tree, table, world_of
 
 

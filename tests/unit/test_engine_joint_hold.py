@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-import engine
-from harness.adapter import Settings, Unsupported
-from harness.scene import Body, Revolute, Scene
+from plumbline import engine
+from plumbline.harness.adapter import Settings, Unsupported
+from plumbline.harness.scene import Body, Revolute, Scene
 
 TREES = pytest.mark.usefixtures("both_coordinates")
 """Joints that make trees, in coordinates of either kind; loops have those of bodies whatever is asked for."""
@@ -359,7 +359,7 @@ def test_velocities_in_single_precision_that_a_joint_allows_pass() -> None:
 
 @TREES
 def test_the_adapter_refuses_them_as_the_others_do() -> None:
-    from adapters.reference import ADAPTER
+    from plumbline.adapters.reference import ADAPTER
 
     bob = Body(name="bob", p_WB=(0.0, 0.0, -1.0), v_WB=(0.0, 0.0, 0.5))
     hinge = Revolute(name="hinge", parent="world", child="bob", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))

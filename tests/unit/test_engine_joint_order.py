@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-import engine
-from engine.build.joint_order import elimination_order, factor_cost, neighbours
+from plumbline import engine
+from plumbline.engine.build.joint_order import elimination_order, factor_cost, neighbours
 
 pytestmark = pytest.mark.usefixtures("both_coordinates")
 
@@ -78,8 +78,8 @@ def _cost(bodies: Sequence[engine.Body], joints: Sequence[engine.Joint]) -> int:
 
 def test_four_bars_listed_feet_first_fill_as_little_as_loop_by_loop() -> None:
     """The envelope of the factor as the kernels wrote it: a loop has 20 rows, so no row reaches back further than that."""
-    from engine.memory import arena as at
-    from engine.memory.arena import float_table
+    from plumbline.engine.memory import arena as at
+    from plumbline.engine.memory.arena import float_table
 
     bodies, joints = _four_bars(12)
     fill = []

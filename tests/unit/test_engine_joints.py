@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
-import engine
+from plumbline import engine
 
 pytestmark = pytest.mark.usefixtures("both_coordinates")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.compile.jit import kernel, linker, seldom
-from engine.maths.floats import fma
+from plumbline.engine.compile.jit import kernel, linker, seldom
+from plumbline.engine.maths.floats import fma
 
 pytestmark = pytest.mark.compiler
 linked = pytest.mark.skipif(linker() is None, reason="what Numba makes of it alone is its own")

@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.build.level_of_detail import bounding_box, bounding_sphere
-from engine.options import LEVELS
+from plumbline import engine
+from plumbline.engine.build.level_of_detail import bounding_box, bounding_sphere
+from plumbline.engine.options import LEVELS
 from tests.mesh_levels import Detail, collision_shapes
 
 Array = NDArray[np.float64]

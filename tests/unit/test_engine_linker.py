@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from engine.compile.jit import LINKED, SWITCH, jit_is_off, linker
+from plumbline.engine.compile.jit import LINKED, SWITCH, jit_is_off, linker
 from tests.golden.engine_states import known, states_elsewhere
 
 ROOT = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ def test_the_version_in_the_lock_file_is_one_that_the_linker_knows() -> None:
 def test_an_unknown_version_is_compiled_by_numba_alone() -> None:
     text = (
         "import numba; numba.__version__ = '99.0.0'\n"
-        "from engine.compile.jit import linker, kernel\n"
+        "from plumbline.engine.compile.jit import linker, kernel\n"
         "assert linker() is None\n"
         "f = kernel(lambda x: x + 1.0); print(numba.njit(lambda x: f(x))(1.0))"
     )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 G, DT, MASS, FRICTION, SPIN, REACH, BALL = 9.81, 1e-3, 2.0, 0.3, 10.0, 0.05, 0.02
 RINGS = 5

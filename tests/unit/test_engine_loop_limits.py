@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import engine
-from engine.compile.jit import entry
-from engine.constrain.principal_pivoting import Bounded, settle
+from plumbline import engine
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.constrain.principal_pivoting import Bounded, settle
 from tests.four_bar import MASSES, PINS, START, G, Linkage, Pose, angles_of, coordinates_of, falls, no_torque, widest_gap
 from tests.loops import bennett
 

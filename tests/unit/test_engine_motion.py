@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import engine
+from plumbline import engine
 
 G = 9.81
 MOMENTS = np.array([1.0, 2.0, 3.0])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import engine
-from engine.narrow.triangle_triangle import APART
+from plumbline import engine
+from plumbline.engine.narrow.triangle_triangle import APART
 from tests.engine_entries import measure_triangles
 from tests.solid_meshes import box, mesh_body, nut, ring, sag, together
 

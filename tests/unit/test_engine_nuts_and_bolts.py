@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 from tests.solid_meshes import bolt, bowl, deepest, mass_properties, mesh_body, nut, sag, scattered, volume
 
 pytestmark = pytest.mark.usefixtures("solids_found_once")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 from tests.unit.test_engine_islands import stacks
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="compiled, longer tests come to them")

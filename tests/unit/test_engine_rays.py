@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 from tests.rays_one_by_one import cast_one_by_one
 
 Array = NDArray[np.float64]
@@ -345,7 +345,7 @@ def test_rays_see_the_visual_shapes_where_they_are_asked_to() -> None:
 @pytest.mark.compiler
 def test_read_only_rays_compile_nothing_anew() -> None:
     """One origin seen many times over, as the harness tells it, is a read-only array; to the compiler that is another type."""
-    from engine.rays import tiles
+    from plumbline.engine.rays import tiles
 
     world = engine.World([engine.Body(name="g", motion="static", shapes=[engine.Placed(engine.Plane())])])
     directions = np.tile([0.0, 0.0, -1.0], (4, 1))

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 G, DT, DROP, RADIUS = 9.81, 1e-3, 1.0, 0.1
 DEFAULT = ("default", "default")

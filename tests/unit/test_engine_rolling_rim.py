@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 G, RADIUS, HALF, MASS, TILT = 9.81, 0.1, 1e-4, 1.0, 0.1
 

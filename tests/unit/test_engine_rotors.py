@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import engine
-from harness.scene import Scene
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline import engine
+from plumbline.harness.scene import Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 from tests.unit.test_importers_exactness import at_a_state, random_tree, rotors
 
 pytestmark = pytest.mark.usefixtures("both_coordinates")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import engine
+from plumbline import engine
 from tests.loops import bennett
 
 INERTIA, G = 0.02, 9.81

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 G = 9.81
 ROUGH = {("default", "default"): engine.Surface(static_friction=0.5, kinetic_friction=0.5)}

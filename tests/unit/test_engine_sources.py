@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-import engine
-import engine.compile.sources as sources
+import plumbline.engine.compile.sources as sources
+from plumbline import engine
 
 ROOT = Path(engine.__file__).parent
 FILES = {
-    "__init__.py": "from engine.a import one\n",
+    "__init__.py": "from plumbline.engine.a import one\n",
     "a.py": "one = 1\n",
     "b.py": "two = 2\n",
     "room/__init__.py": "",
-    "room/direct.py": "from engine.a import (\n    one,\n)\n",
-    "room/late.py": "def f():\n    from engine import b as other\n    return other\n",
-    "room/through.py": "import engine.room.late\n",
+    "room/direct.py": "from plumbline.engine.a import (\n    one,\n)\n",
+    "room/late.py": "def f():\n    from plumbline.engine import b as other\n    return other\n",
+    "room/through.py": "import plumbline.engine.room.late\n",
     "room/alone.py": "import math\n",
 }
 
@@ -69,13 +69,18 @@ def test_an_edit_is_seen_by_what_imports_it_and_by_nothing_else(
     assert {name for name in names if digest(name) != before[name]} == reached
 
 
-MODULES = ("engine.steps.contact", "engine.rays.tiles", "engine.broad.octree", "engine.swept.strike")
+MODULES = (
+    "plumbline.engine.steps.contact",
+    "plumbline.engine.rays.tiles",
+    "plumbline.engine.broad.octree",
+    "plumbline.engine.swept.strike",
+)
 IMPORTS = """
 import sys
 for module in sys.argv[1:]:
     for name in [name for name in sys.modules if name.partition(".")[0] == "engine"]:
         del sys.modules[name]
-    import engine
+    from plumbline import engine
     before = set(sys.modules)
     __import__(module)
     print(*sorted(set(sys.modules) - before))

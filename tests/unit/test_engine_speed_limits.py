@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
+from plumbline import engine
 
 pytestmark = pytest.mark.usefixtures("both_coordinates")
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import engine
-from engine.memory import arena as at
-from engine.memory.arena import int_table
+from plumbline import engine
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import int_table
 
 TRIANGLE = np.array([(0.0, 0.0, 0.0), (0.8, 0.1, 0.2), (0.2, 0.9, -0.1)])
 R, MARGIN = 0.1, 0.05

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import engine
-from engine.compile.jit import jit_is_off
+from plumbline import engine
+from plumbline.engine.compile.jit import jit_is_off
 
 GRAVITY, DT = 9.81, 1 / 240
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])

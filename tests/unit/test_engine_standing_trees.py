@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from adapters.reference import ADAPTER
-from harness.adapter import Settings
-from harness.props.robots.floor import floor, grip
-from harness.props.robots.quadruped import quadruped
-from harness.props.robots.robot import MATERIAL, bearing, copy_of
-from harness.scene import EARTH_GRAVITY, Effect, Scene
-from harness.study import plugins
-from harness.trajectory import Floats, State
+from plumbline.adapters.reference import ADAPTER
+from plumbline.harness.adapter import Settings
+from plumbline.harness.props.robots.floor import floor, grip
+from plumbline.harness.props.robots.quadruped import quadruped
+from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
+from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Floats, State
 
 DROP = 0.05
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import engine
-from engine.memory import arena as at
-from engine.memory.arena import int_table
+from plumbline import engine
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import int_table
 from tests.forks import Fork
 
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])

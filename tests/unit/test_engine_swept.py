@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import engine
+from plumbline import engine
 from tests.forks import Fork
 from tests.swept_worlds import DT, SHAPES, SHEET, WALL, bullet_of, world_of
 
@@ -226,7 +226,7 @@ def test_pairs_found_before_each_part_of_a_step_are_those_found_in_it(name: str)
 def test_a_world_to_be_thrown_away_compiles_the_blow_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing strikes in the first step, and yet the next worlds shall not wait for their first impact."""
     blows: list[object] = []
-    monkeypatch.setattr("engine.swept.steps.strike", lambda *given: blows.append(given) or 0)
+    monkeypatch.setattr("plumbline.engine.swept.steps.strike", lambda *given: blows.append(given) or 0)
     world = world_of([WALL, bullet_of(SHAPES["sphere"], p_WB=(-1, 0, 0), v_WB=(1, 0, 0))])
     world.step(1)
     assert not blows
@@ -290,8 +290,8 @@ def test_scenes_without_the_sweep_never_load_it(fork: Fork) -> None:
         "import sys, engine; p = engine.Placed;"
         "w = engine.World([engine.Body(name='g', motion='static', shapes=[p(engine.Plane())]),"
         "engine.Body(shapes=[p(engine.Box((.1, .1, .1)))], p_WB=(0, 0, .1))]); w.step(1);"
-        "loaded = [m for m in sys.modules if m.startswith('engine.swept.') or 'sequential' in m];"
-        "assert loaded == ['engine.swept.begin'], loaded"
+        "loaded = [m for m in sys.modules if m.startswith('plumbline.engine.swept.') or 'sequential' in m];"
+        "assert loaded == ['plumbline.engine.swept.begin'], loaded"
     )
     fork(code)
 

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import engine
-from engine.memory import arena as at
-from engine.memory.arena import float_table
+from plumbline import engine
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import float_table
 from tests.engine_entries import measure_convex
 from tests.swept_worlds import DT, SHAPES, bullet_of, world_of
 
 
 def _impact(bodies: Sequence[engine.Body], span: float = DT) -> float:
     """The time of impact [s] of two bodies that go on with their velocities, by the engine's own search."""
-    from engine.swept.earliest import earliest_impact
+    from plumbline.engine.swept.earliest import earliest_impact
 
     floats, ints = world_of(bodies).save()
     state = float_table(floats, ints, at.STATE)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from engine.narrow.triangle_triangle import APART, CROSSING, EDGES_OF_B, FLAT
+from plumbline.engine.narrow.triangle_triangle import APART, CROSSING, EDGES_OF_B, FLAT
 from tests.engine_entries import measure_triangles
 
 Array = NDArray[np.float64]

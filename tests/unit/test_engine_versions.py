@@ -12,18 +12,18 @@ from pathlib import Path
 
 import pytest
 
-from harness.conformance import CHECKS, gate
-from harness.conformance.apart import outcomes_in
-from harness.conformance.smoke import SMOKE
-from harness.run.campaign import carry_out
-from harness.run.fork_servers import context, start_apart
-from harness.run.make_environment import ensure
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.engine_versions import EngineVersion, VersionError, asked, engine_of, named_by, version_wanted
-from harness.study.environments import Environment, elsewhere, folder_of
-from harness.study.experiment import Experiment
-from harness.study.study import Study
+from plumbline.harness.conformance import CHECKS, gate
+from plumbline.harness.conformance.apart import outcomes_in
+from plumbline.harness.conformance.smoke import SMOKE
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.fork_servers import context, start_apart
+from plumbline.harness.run.make_environment import ensure
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.engine_versions import EngineVersion, VersionError, asked, engine_of, named_by, version_wanted
+from plumbline.harness.study.environments import Environment, elsewhere, folder_of
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
 from tests.conftest import Command
 
 

@@ -10,11 +10,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-import engine
-from engine.build.solids import quat_mat, quat_mul
-from engine.memory import arena as at
-from engine.memory.arena import float_table, int_table
-from engine.options import BOUNDING_VOLUMES
+from plumbline import engine
+from plumbline.engine.build.solids import quat_mat, quat_mul
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.arena import float_table, int_table
+from plumbline.engine.options import BOUNDING_VOLUMES
 from tests.forks import Fork
 
 DEFAULT = ("default", "default")
@@ -65,7 +65,7 @@ def _pairs(world: engine.World) -> set[tuple[int, int]]:
     """The pairs of the coming step."""
     if world._find_pairs is None:
         # So few shapes are compared inside the step.
-        from engine.broad.brute_force import find_pairs
+        from plumbline.engine.broad.brute_force import find_pairs
 
         assert find_pairs(world._floats, world._ints) == 0
     else:
@@ -270,7 +270,7 @@ def test_only_the_chosen_volume_is_loaded(fork: Fork) -> None:
         "bodies = [engine.Body(name=str(k), shapes=[ball], p_WB=(k, 0, 0)) for k in range(2)]\n"
         "for volume in ('aabb', 'sphere'):\n"
         "    engine.World(bodies, options=engine.Options(bounding_volume=volume))\n"
-        "    print([name for name in ('obb', 'sphere') if 'engine.broad.volumes.' + name in sys.modules])\n"
+        "    print([name for name in ('obb', 'sphere') if 'plumbline.engine.broad.volumes.' + name in sys.modules])\n"
     )
     assert fork(program).split("\n")[:2] == ["[]", "['sphere']"]
 
@@ -282,9 +282,9 @@ def test_an_unknown_volume_is_refused() -> None:
 
 def test_the_adapter_resolves_broad_phase_volume_and_threads() -> None:
     """By default as the engine chose them, else as asked."""
-    from adapters.reference import ADAPTER
-    from harness.adapter import Settings
-    from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
+    from plumbline.adapters.reference import ADAPTER
+    from plumbline.harness.adapter import Settings
+    from plumbline.harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
 
     ground = Body(name="ground", motion="static", collision=(PlacedShape(shape=Plane()),))
     for number, chosen in ((2, "brute_force"), (40, "uniform_grid")):

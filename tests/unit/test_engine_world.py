@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
-from engine.compile.jit import linker
+from plumbline import engine
+from plumbline.engine.compile.jit import linker
 
 DEFAULT = ("default", "default")
 GROUND = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
@@ -207,7 +207,7 @@ def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> Non
     """Compile time follows the number of compiled functions, and `load3` alone meets some forty different columns."""
     import numba
 
-    from engine.maths import vec
+    from plumbline.engine.maths import vec
 
     def ends(a: vec.Floats) -> float:
         return float(vec.load3(a, 0, 0)[0] + vec.load3(a, 0, 3)[2])
@@ -218,7 +218,7 @@ def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> Non
 
 
 FALLS = """
-import engine as e, numpy as np
+import plumbline.engine as e, numpy as np
 ground = e.Body(name="g", motion="static", shapes=[e.Placed(e.Plane())])
 cube = [e.Placed(e.Box((0.5, 0.5, 0.5)))]
 box = e.Body(name="b", inertia=np.eye(3) / 6, shapes=cube, p_WB=(0, 0, 0.6), q_WB=(1, 0.1, 0.2, 0))

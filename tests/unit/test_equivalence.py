@@ -7,22 +7,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases import system_determinism, system_far_origin, system_invariance, system_scale_length
-from harness.adapter import Diverged, Settings, Unsupported
-from harness.case import Case
-from harness.case.symmetries import Retelling, in_motion, moved, reordered, repeated, restored, scaled, turned
-from harness.metric import NotMeasurable
-from harness.metrics.equivalence import AGREEING_SAMPLES, ATTITUDE_DIFFERENCE, DIFFERENCE, POSITION_DIFFERENCE
-from harness.props.regular_motions import stage
-from harness.scene import WORLD, Ball, Body, Revolute, Scene, Spring, axis_angle
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.trajectory import Contacts, Floats, State, Trajectory
-from harness.trajectory.kinematics import angle_between
-from harness.trajectory.pace import Pace
-from harness.trial.equivalent_runs import equivalent_streams
-from harness.trial.simulate import simulate
+from plumbline.cases import system_determinism, system_far_origin, system_invariance, system_scale_length
+from plumbline.harness.adapter import Diverged, Settings, Unsupported
+from plumbline.harness.case import Case
+from plumbline.harness.case.symmetries import Retelling, in_motion, moved, reordered, repeated, restored, scaled, turned
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.equivalence import AGREEING_SAMPLES, ATTITUDE_DIFFERENCE, DIFFERENCE, POSITION_DIFFERENCE
+from plumbline.harness.props.regular_motions import stage
+from plumbline.harness.scene import WORLD, Ball, Body, Revolute, Scene, Spring, axis_angle
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.trajectory import Contacts, Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.equivalent_runs import equivalent_streams
+from plumbline.harness.trial.simulate import simulate
 
 DT, DURATION = 0.01, 0.5
 Q = axis_angle((1.0, 2.0, 3.0), 0.7)

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.adapter import Feature, Unsupported
-from harness.intake.import_wishes import Drop, Wishes
-from harness.scene import Sphere, rotate
-from harness.scene.importers.reading import read
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.harness.adapter import Feature, Unsupported
+from plumbline.harness.intake.import_wishes import Drop, Wishes
+from plumbline.harness.scene import Sphere, rotate
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")
 EXAMPLES = Path(__file__).parents[2] / "examples"

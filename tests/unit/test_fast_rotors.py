@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter.fast_rotors import WOBBLE, fast_rotors, rotor_notices
-from harness.scene import WORLD, Ball, Body, Drive, Joint, Prismatic, Revolute, Scene, principal_inertia
+from plumbline.harness.adapter.fast_rotors import WOBBLE, fast_rotors, rotor_notices
+from plumbline.harness.scene import WORLD, Ball, Body, Drive, Joint, Prismatic, Revolute, Scene, principal_inertia
 from tests.gimbals import WHEEL, gimbal, wobble
 
 

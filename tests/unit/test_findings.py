@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.findings.vendor.finding import Finding, FindingError, read_finding
-from harness.findings.vendor.issue_text import issue_text
-from harness.findings.vendor.shelf import FOLDER, chosen, shelf
-from harness.findings.vendor.still_there import Standing, ask
-from harness.study.plugins import names
+from plumbline.harness.findings.vendor.finding import Finding, FindingError, read_finding
+from plumbline.harness.findings.vendor.issue_text import issue_text
+from plumbline.harness.findings.vendor.shelf import FOLDER, chosen, shelf
+from plumbline.harness.findings.vendor.still_there import Standing, ask
+from plumbline.harness.study.plugins import names
 from tests.conftest import Command
 
 PACKAGE = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.statistics.pareto import near_front, on_front, price
+from plumbline.harness.statistics.pareto import near_front, on_front, price
 
 NUMBERS = st.floats(min_value=1e-9, max_value=1e9)
 

@@ -9,19 +9,19 @@ from pathlib import Path
 
 import pytest
 
-from harness.history import steering
-from harness.history.address import copy_of
-from harness.history.folder import created, opened
-from harness.history.listing import COLUMNS, rows
-from harness.history.lock import locked
-from harness.history.night import Asked
-from harness.history.pool import Pool
-from harness.history.retention import prune, pruning
-from harness.history.soundness import problems_of
-from harness.history.spending import bytes_of
-from harness.history.steering import AGAIN, computed_again
-from harness.run import campaign
-from harness.store.journal import StoreError, read_journal
+from plumbline.harness.history import steering
+from plumbline.harness.history.address import copy_of
+from plumbline.harness.history.folder import created, opened
+from plumbline.harness.history.listing import COLUMNS, rows
+from plumbline.harness.history.lock import locked
+from plumbline.harness.history.night import Asked
+from plumbline.harness.history.pool import Pool
+from plumbline.harness.history.retention import prune, pruning
+from plumbline.harness.history.soundness import problems_of
+from plumbline.harness.history.spending import bytes_of
+from plumbline.harness.history.steering import AGAIN, computed_again
+from plumbline.harness.run import campaign
+from plumbline.harness.store.journal import StoreError, read_journal
 from tests.conftest import Command
 from tests.nights import CELLS, STUDY, Fault, asked, drawn, night, planted
 from tests.stress.light_run import STUDY as LIGHT

@@ -2,11 +2,11 @@
 
 import math
 
-from harness.findings.vendor.finding import Finding
-from harness.findings.vendor.shelf import shelf
-from harness.findings.vendor.still_there import SECONDS, Standing, Verdict
-from harness.history.known_findings import asked_again, turned
-from harness.history.words import summary
+from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.findings.vendor.shelf import shelf
+from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, Verdict
+from plumbline.harness.history.known_findings import asked_again, turned
+from plumbline.harness.history.words import summary
 
 EVERY = shelf()
 NAME = "bullet/damping_by_default"

@@ -12,21 +12,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.findings.changes.words import command, sentence
-from harness.findings.vendor.shelf import shelf
-from harness.history.acknowledged import acknowledge
-from harness.history.folder import opened, stamp_of
-from harness.history.identity import Named, change_id
-from harness.history.night import Asked
-from harness.history.regressions import read_trends
-from harness.history.soundness import problems_of
-from harness.history.words import unanswered_in_short, worse_in_short
-from harness.run import campaign
-from harness.run.interrupt import TimeIsUp, naming
-from harness.store.journal import Journal, read_journal
-from harness.store.record import Record
-from harness.store.store import write_json
-from harness.study.trial import Trial
+from plumbline.harness.findings.changes.words import command, sentence
+from plumbline.harness.findings.vendor.shelf import shelf
+from plumbline.harness.history.acknowledged import acknowledge
+from plumbline.harness.history.folder import opened, stamp_of
+from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.night import Asked
+from plumbline.harness.history.regressions import read_trends
+from plumbline.harness.history.soundness import problems_of
+from plumbline.harness.history.words import unanswered_in_short, worse_in_short
+from plumbline.harness.run import campaign
+from plumbline.harness.run.interrupt import TimeIsUp, naming
+from plumbline.harness.store.journal import Journal, read_journal
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import write_json
+from plumbline.harness.study.trial import Trial
 from tests.conftest import Command
 from tests.nights import CELLS, STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
 from tests.synthetic_history import priced
@@ -145,7 +145,7 @@ def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_s
     # Each finding about an engine is a process a night: one of them in one night shows that nights ask.
     finding = next(each for each in shelf() if each.engine == "mujoco")
     on_the_shelf = iter([(), (finding,), ()])
-    monkeypatch.setattr("harness.findings.vendor.shelf.shelf", lambda: next(on_the_shelf))
+    monkeypatch.setattr("plumbline.harness.findings.vendor.shelf.shelf", lambda: next(on_the_shelf))
     study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
     study.write_text(FILE)
     words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]
@@ -211,7 +211,7 @@ def test_what_a_night_waited_for_in_vain_is_named_and_holds_up_nothing_the_next_
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An engine sleeps over one case until time is up."""
-    monkeypatch.setattr("harness.history.steering.AGAIN", 0.0)
+    monkeypatch.setattr("plumbline.harness.history.steering.AGAIN", 0.0)
     with planted() as computed:
         sound = campaign.run_isolated
 

@@ -3,9 +3,9 @@
 from dataclasses import replace
 from pathlib import Path
 
-from harness.history.blocks import Block, Seen, Sight
-from harness.history.folder import Night
-from harness.history.plan import Plan, ranked
+from plumbline.harness.history.blocks import Block, Seen, Sight
+from plumbline.harness.history.folder import Night
+from plumbline.harness.history.plan import Plan, ranked
 from tests.unit.test_campaign import trials
 
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from harness.findings.limits_found import searches
-from harness.history.folder import Night
-from harness.history.known_searches import BESIDE
-from harness.scene import Scene
-from harness.study.experiment import Experiment, Limit
-from harness.study.study import Study
-from harness.trajectory import State
+from plumbline.harness.findings.limits_found import searches
+from plumbline.harness.history.folder import Night
+from plumbline.harness.history.known_searches import BESIDE
+from plumbline.harness.scene import Scene
+from plumbline.harness.study.experiment import Experiment, Limit
+from plumbline.harness.study.study import Study
+from plumbline.harness.trajectory import State
 from tests.nights import Fault, asked, drawn, night, planted
 
 LIMIT = Study(

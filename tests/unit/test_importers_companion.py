@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.intake.import_wishes import Wishes, package_roots
-from harness.intake.refusal import RobotError
-from harness.scene import Drive, Surface
-from harness.scene.file import dump_toml, parse
-from harness.scene.importers.companion import Companion, Ground, JointWish, load_companion
-from harness.scene.importers.reading import read
-from harness.scene.importers.scenarios import CLEARANCE, HOLD_RATE, SWING
-from harness.scene.importers.template import TEMPLATE
+from plumbline.harness.intake.import_wishes import Wishes, package_roots
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import Drive, Surface
+from plumbline.harness.scene.file import dump_toml, parse
+from plumbline.harness.scene.importers.companion import Companion, Ground, JointWish, load_companion
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.scene.importers.scenarios import CLEARANCE, HOLD_RATE, SWING
+from plumbline.harness.scene.importers.template import TEMPLATE
 from tests.robot_files import INERTIAL, imported, row, urdf
 
 SHAPED = f'{INERTIAL}<collision><geometry><sphere radius="0.1"/></geometry></collision>'

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from harness.conformance.checks.contact.resting import GIVES
-from harness.intake.import_wishes import Wishes
-from harness.scene import Body, PlacedShape, Sphere, Surface, TriangleMesh, sphere_inertia
-from harness.scene.importers.decomposition import pieces_of
-from harness.scene.importers.meshes import load_mesh
-from harness.scene.importers.reading import read
-from harness.scene.importers.scene_pieces import in_pieces
-from harness.study import plugins
-from harness.trajectory import State
+from plumbline.harness.conformance.checks.contact.resting import GIVES
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.scene import Body, PlacedShape, Sphere, Surface, TriangleMesh, sphere_inertia
+from plumbline.harness.scene.importers.decomposition import pieces_of
+from plumbline.harness.scene.importers.meshes import load_mesh
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.scene.importers.scene_pieces import in_pieces
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import State
 
 
 def angle_mesh(size: float = 1.0) -> tuple[np.ndarray, list[tuple[int, int, int]]]:

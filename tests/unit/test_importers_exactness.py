@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.adapter import Settings
-from harness.intake.import_wishes import Wishes
-from harness.scene import Scene
-from harness.scene.importers.companion import Companion, JointWish
-from harness.scene.importers.reading import read
-from harness.study import plugins
+from plumbline.harness.adapter import Settings
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.importers.companion import Companion, JointWish
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.study import plugins
 from tests.joint_space import JointSpace
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")
@@ -181,7 +181,7 @@ def first_accelerations(engine: str, scene: Scene, settings: Settings) -> np.nda
     """
     from dataclasses import replace
 
-    from harness.trajectory import State
+    from plumbline.harness.trajectory import State
 
     start = State.initial(scene)
     steps = [2e-3 / 2**k for k in range(5)]
@@ -229,7 +229,7 @@ def test_an_engine_starts_a_tree_with_its_accelerations(tmp_path: Path, engine: 
 def test_a_passive_second_on_our_engine_is_pinocchios_integrated_to_a_high_order(tmp_path: Path, rotor: float) -> None:
     from scipy.integrate import solve_ivp
 
-    from harness.trajectory import State
+    from plumbline.harness.trajectory import State
 
     path = tmp_path / "tree.urdf"
     path.write_text(random_tree(11))

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.intake.allowance import allowing
-from harness.intake.refusal import RobotError
-from harness.scene import ConvexHull
-from harness.scene.importers import mjcf as importer
-from harness.scene.importers.companion import Companion
-from harness.scene.importers.meshes import load_mesh
-from harness.scene.importers.mjcf_model import Model, compile_apart
-from harness.scene.importers.mjcf_text import Prepared
-from harness.scene.importers.solids import of_mesh
+from plumbline.harness.intake.allowance import allowing
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import ConvexHull
+from plumbline.harness.scene.importers import mjcf as importer
+from plumbline.harness.scene.importers.companion import Companion
+from plumbline.harness.scene.importers.meshes import load_mesh
+from plumbline.harness.scene.importers.mjcf_model import Model, compile_apart
+from plumbline.harness.scene.importers.mjcf_text import Prepared
+from plumbline.harness.scene.importers.solids import of_mesh
 from tests.mjcf_here import compiled_here
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 

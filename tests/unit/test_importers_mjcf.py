@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.intake.refusal import RobotError
-from harness.scene import (
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import (
     Ball,
     Body,
     ConvexHull,
@@ -18,7 +18,7 @@ from harness.scene import (
     Surface,
     ellipsoid_inertia,
 )
-from harness.scene.importers.companion import Companion, JointWish, Massless, Units
+from plumbline.harness.scene.importers.companion import Companion, JointWish, Massless, Units
 from tests.robot_files import BALL, imported, joint, mjcf, row
 
 pytest.importorskip("mujoco")

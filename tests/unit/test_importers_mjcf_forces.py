@@ -4,15 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from harness.intake.refusal import RobotError
-from harness.scene import (
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import (
     Ball,
     Distance,
     Drive,
     Fixed,
     Spring,
 )
-from harness.scene.importers.companion import Companion, JointWish
+from plumbline.harness.scene.importers.companion import Companion, JointWish
 from tests.robot_files import BALL, imported, joint, mjcf, row
 
 pytest.importorskip("mujoco")

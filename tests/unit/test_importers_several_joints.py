@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.intake.refusal import RobotError
-from harness.scene.importers import stand_ins
-from harness.scene.importers.companion import Companion, Massless
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene.importers import stand_ins
+from plumbline.harness.scene.importers.companion import Companion, Massless
 from tests.joint_space import JointSpace
 from tests.robot_files import imported, mjcf, row
 

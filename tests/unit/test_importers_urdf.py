@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.intake.refusal import RobotError
-from harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
-from harness.scene.importers.companion import Companion, Drives, JointWish, Massless
-from harness.scene.importers.imported import Imported
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
+from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish, Massless
+from plumbline.harness.scene.importers.imported import Imported
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
 
 
@@ -35,7 +35,7 @@ def test_a_joint_stands_where_it_says_about_a_unit_axis_with_its_range_damping_a
 def test_how_the_root_is_held_has_to_be_said(tmp_path: Path) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(urdf(base=INERTIAL))
-    from harness.scene.importers.reading import read
+    from plumbline.harness.scene.importers.reading import read
 
     with pytest.raises(RobotError, match=r"root 'base' is held.*--root fixed or --root floating"):
         read(path)
@@ -48,7 +48,7 @@ def test_a_root_called_world_is_fixed_without_a_word_and_takes_no_name_of_ours(t
     text = urdf().replace('"base"', '"world"')
     path = tmp_path / "robot.urdf"
     path.write_text(text)
-    from harness.scene.importers.reading import read
+    from plumbline.harness.scene.importers.reading import read
 
     assert read(path).scene.joints[0].parent == "world"
     shaped = text.replace(
@@ -335,7 +335,7 @@ def test_elements_of_dialects_are_left_out_and_counted(tmp_path: Path) -> None:
 
 
 def test_base_and_velocities_of_the_start_reach_every_body(tmp_path: Path) -> None:
-    from harness.scene.importers.companion import Base
+    from plumbline.harness.scene.importers.companion import Base
 
     arm = INERTIAL.replace("<mass", '<origin xyz="0 0 0.5"/><mass')
     told = Companion(

@@ -10,13 +10,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness.case.scene_file import own_case
-from harness.intake.allowance import VARIABLE, Allowance, AllowanceError, allowance, allowing, beyond
-from harness.intake.safe_text import quoted, readable
-from harness.store.journal import StoreError
-from harness.store.store import Store
-from harness.study.catalogue import describe_case
-from harness.study.stored_study import experiments_of
+from plumbline.harness.case.scene_file import own_case
+from plumbline.harness.intake.allowance import VARIABLE, Allowance, AllowanceError, allowance, allowing, beyond
+from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.catalogue import describe_case
+from plumbline.harness.study.stored_study import experiments_of
 from tests.run_folder import write_run_folder
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from harness.run.interrupt import listen, stop_if_asked
+from plumbline.harness.run.interrupt import listen, stop_if_asked
 
 
 @pytest.fixture(autouse=True)

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter.joint_reactions import turned_back
-from harness.conformance.runs import built
-from harness.scene import WORLD, Body, Drive, Limits, Prismatic, Revolute, Scene, axis_angle
-from harness.trajectory import Floats, State
-from harness.trajectory.joint_states import JointStates
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.adapter.joint_reactions import turned_back
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.scene import WORLD, Body, Drive, Limits, Prismatic, Revolute, Scene, axis_angle
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.joint_states import JointStates
+from plumbline.harness.trajectory.kinematics import angle_between
 from tests.conformance.engines import adapter
 
 ENGINES = ["mujoco", "bullet", "dart", "reference"]

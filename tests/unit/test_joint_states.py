@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.adapter.joints import joints_of
-from harness.adapter.what_comes_out import Answering, BrokenContract
-from harness.conformance.runs import built, record
-from harness.scene import WORLD, Ball, Body, Distance, Prismatic, Revolute, Scene, Spring, axis_angle
-from harness.trajectory import State
-from harness.trajectory.joint_states import JointStates, joint_states
+from plumbline.harness.adapter.joints import joints_of
+from plumbline.harness.adapter.what_comes_out import Answering, BrokenContract
+from plumbline.harness.conformance.runs import built, record
+from plumbline.harness.scene import WORLD, Ball, Body, Distance, Prismatic, Revolute, Scene, Spring, axis_angle
+from plumbline.harness.trajectory import State
+from plumbline.harness.trajectory.joint_states import JointStates, joint_states
 from tests.conformance.engines import adapter
 
 PIN = Revolute(name="pin", parent=WORLD, child="a", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 0.0, 1.0), position=0.25)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.store import disk
-from harness.store.journal import Journal, StoreError, read_journal, read_written
-from harness.store.record import Measurement, Record, Sample, Timing
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import Journal, StoreError, read_journal, read_written
+from plumbline.harness.store.record import Measurement, Record, Sample, Timing
 
 
 def record(name: str) -> Record:

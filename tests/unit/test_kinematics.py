@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.scene import WORLD, Body, Distance, Prismatic, Revolute, Scene, axis_angle, multiply, rotation_matrix
-from harness.trajectory import Trajectory
-from harness.trajectory.kinematics import angle_between, joint_coordinate, product, rotate, rotate_back
+from plumbline.harness.scene import WORLD, Body, Distance, Prismatic, Revolute, Scene, axis_angle, multiply, rotation_matrix
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between, joint_coordinate, product, rotate, rotate_back
 
 unit = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(c * c for c in q) > 0.01)
 

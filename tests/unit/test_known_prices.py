@@ -10,8 +10,8 @@ import json
 import numpy as np
 import pytest
 
-from harness.findings.tables.orders import convergences
-from harness.statistics.order import fit_order
+from plumbline.harness.findings.tables.orders import convergences
+from plumbline.harness.statistics.order import fit_order
 from tests.known_prices import CASE, LADDER, LAWS, KnownPrices
 
 CLOSE = 0.03

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from harness.findings.leads import axis_leads, leaders, pair_leads, reaches
-from harness.findings.limits_found import Hold, Search, Signs
-from harness.findings.prices import Prices
+from plumbline.harness.findings.leads import axis_leads, leaders, pair_leads, reaches
+from plumbline.harness.findings.limits_found import Hold, Search, Signs
+from plumbline.harness.findings.prices import Prices
 from tests.unit.test_prices import Priced, Told
 
 STEP = 0.01

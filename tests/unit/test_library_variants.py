@@ -8,16 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from harness.findings.tables.determinism import Agreement, agreements, broken
-from harness.run import campaign, fork_servers
-from harness.run.campaign import carry_out
-from harness.run.fork_servers import context, end_varied, start_apart
-from harness.run.isolated import run_isolated
-from harness.store.store import Store
-from harness.study import library_variants, plugins, study
-from harness.study.experiment import Experiment
-from harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
-from harness.study.study import Study, load_study
+from plumbline.harness.findings.tables.determinism import Agreement, agreements, broken
+from plumbline.harness.run import campaign, fork_servers
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.fork_servers import context, end_varied, start_apart
+from plumbline.harness.run.isolated import run_isolated
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import library_variants, plugins, study
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
+from plumbline.harness.study.study import Study, load_study
 from tests.conftest import PLUGINS
 from tests.light_servers import light_servers
 from tests.told_by_processes import show_libraries
@@ -130,7 +130,7 @@ def carried_out(folder: Path) -> dict[str, Agreement]:
 
 def test_a_row_says_whether_bits_survive_a_variable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The engine reads a variable of its own; what the user has set stays as it is, until a run that finds it unset."""
-    from reports.pages.determinism import PAGE
+    from plumbline.reports.pages.determinism import PAGE
 
     monkeypatch.syspath_prepend(str(PLUGINS))
     for name in ("SWAYED", "PYTHONHOME"):

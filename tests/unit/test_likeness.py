@@ -5,15 +5,15 @@ from typing import Any
 
 import pytest
 
-from adapters.reference import ADAPTER
-from harness.adapter import Settings
-from harness.adapter.promised_bits import BITS, OF_ONE_MACHINE, only_here
-from harness.findings.likeness import Likeness, likeness
-from harness.store.record import Measurement, Record
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.reproduce import trial_of
-from harness.trial.accuracy import outcome
+from plumbline.adapters.reference import ADAPTER
+from plumbline.harness.adapter import Settings
+from plumbline.harness.adapter.promised_bits import BITS, OF_ONE_MACHINE, only_here
+from plumbline.harness.findings.likeness import Likeness, likeness
+from plumbline.harness.store.record import Measurement, Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.reproduce import trial_of
+from plumbline.harness.trial.accuracy import outcome
 from tests.run_folder import write_run_folder
 
 

@@ -8,22 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Unsupported
-from harness.case import Axis, Case, Check
-from harness.case.starts import TOLERANCE, member
-from harness.metric import Metric, NotMeasurable
-from harness.metrics.divergence import divergence
-from harness.scene import Body, Effect, PlacedShape, Scene, Sphere
-from harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
-from harness.search.remedies import remedied
-from harness.store.record import Record
-from harness.study.axes import axis_of
-from harness.study.experiment import Experiment, Limit, StudyError
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trajectory import State
-from harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, endure
-from harness.trial.idle_knobs import idle_turns, is_surveyed
+from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Unsupported
+from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case.starts import TOLERANCE, member
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere
+from plumbline.harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
+from plumbline.harness.search.remedies import remedied
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.axes import axis_of
+from plumbline.harness.study.experiment import Experiment, Limit, StudyError
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import State
+from plumbline.harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, endure
+from plumbline.harness.trial.idle_knobs import idle_turns, is_surveyed
 
 EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
 """Ends of the axis; starts break up to so much below the limit, each by its own."""

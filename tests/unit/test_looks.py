@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.intake.import_wishes import Wishes
-from harness.scene import Box, Camera, TriangleMesh
-from harness.scene.importers.companion import Companion
-from harness.scene.importers.looks import FACES, coarse
-from harness.scene.importers.meshes import Mesh
-from harness.scene.importers.reading import read
-from harness.store.imported_scenes import keep, looks_of, unsound
-from reports.recordings.runs import dressed
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.scene import Box, Camera, TriangleMesh
+from plumbline.harness.scene.importers.companion import Companion
+from plumbline.harness.scene.importers.looks import FACES, coarse
+from plumbline.harness.scene.importers.meshes import Mesh
+from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.store.imported_scenes import keep, looks_of, unsound
+from plumbline.reports.recordings.runs import dressed
 from tests.robot_files import INERTIAL, imported, row, urdf
 
 VISUAL = (

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.adapter import Unsupported
-from harness.adapter.mass_points import with_inertia
-from harness.conformance.runs import built
-from harness.intake.refusal import RobotError
-from harness.scene import (
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.mass_points import with_inertia
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -25,7 +25,7 @@ from harness.scene import (
     box_inertia,
     principal_inertia,
 )
-from harness.study import plugins
+from plumbline.harness.study import plugins
 from tests.robot_files import imported, urdf
 
 NOTHING = principal_inertia(0.0, 0.0, 0.0)
@@ -40,7 +40,7 @@ def scene(*joints: Joint, point: Body = POINT, brick: Body = BRICK) -> Scene:
 
 def together(told: Scene) -> np.ndarray:
     """The inertia of both bodies as one, about the origin of W, along its axes [kg m2]."""
-    from harness.scene import rotation_matrix
+    from plumbline.harness.scene import rotation_matrix
 
     total = np.zeros((3, 3))
     for body in told.bodies:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.adapter import Settings
-from harness.run import isolated, memory_watch
-from harness.run.memory_watch import MemoryWatch, kills_for_memory
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Settings
+from plumbline.harness.run import isolated, memory_watch
+from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
 
 TRIAL = Trial(
     trial="t",

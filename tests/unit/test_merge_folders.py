@@ -7,16 +7,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from harness.cli.main import main
-from harness.run.campaign import carry_out
-from harness.run.merge_folders import conflicts, merge_folders
-from harness.run.verify import problems
-from harness.store.journal import FolderTaken, Journal, read_written
-from harness.store.record import Record, Timing
-from harness.store.store import Store, write_json, write_tables
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
+from plumbline.harness.cli.main import main
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.merge_folders import conflicts, merge_folders
+from plumbline.harness.run.verify import problems
+from plumbline.harness.store.journal import FolderTaken, Journal, read_written
+from plumbline.harness.store.record import Record, Timing
+from plumbline.harness.store.store import Store, write_json, write_tables
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
 
 CASES = ("flight_box", "flight_projectile")
 STUDY = Study(

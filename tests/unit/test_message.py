@@ -8,9 +8,9 @@ from multiprocessing.connection import Connection
 import numpy as np
 import pytest
 
-from harness.intake.safe_text import readable
-from harness.run.message import LONGEST, BrokenMessage, Inbox, read_sample, send
-from harness.store.record import Sample
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.run.message import LONGEST, BrokenMessage, Inbox, read_sample, send
+from plumbline.harness.store.record import Sample
 
 SAMPLE = Sample(process=0, block=1, steps=7, cpu=0.1, wall=0.2, canary=0.3, switches=0)
 

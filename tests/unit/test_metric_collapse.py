@@ -6,10 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.collapse import collapse_time, first_break
-from harness.scene import Body, Box, Cylinder, Drive, PlacedShape, Plane, Revolute, Scene, Surface, axis_angle, box_inertia
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.collapse import collapse_time, first_break
+from plumbline.harness.scene import (
+    Body,
+    Box,
+    Cylinder,
+    Drive,
+    PlacedShape,
+    Plane,
+    Revolute,
+    Scene,
+    Surface,
+    axis_angle,
+    box_inertia,
+)
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 HALF, G = (0.1, 0.2, 0.3), 9.81
 CUBE = (PlacedShape(shape=Box(half_extents=HALF)),)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from harness.metrics.collapse import first_break
-from harness.metrics.inscribed_overlap import inscribed_overlap
-from harness.scene import WORLD, Body, PlacedShape, Plane, Prismatic, Revolute, Scene, Sphere, Spring, Surface
-from harness.trajectory import Trajectory
+from plumbline.harness.metrics.collapse import first_break
+from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.scene import WORLD, Body, PlacedShape, Plane, Prismatic, Revolute, Scene, Sphere, Spring, Surface
+from plumbline.harness.trajectory import Trajectory
 
 
 def run(scene: Scene, speed: float) -> Trajectory:

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from harness.metrics.joint_gap import joint_gap_final, joint_gap_max
-from harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
-from harness.metrics.phase import period_error, phase_error
-from harness.scene import (
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.joint_gap import joint_gap_final, joint_gap_max
+from plumbline.harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
+from plumbline.harness.metrics.phase import period_error, phase_error
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -23,7 +23,7 @@ from harness.scene import (
     Spring,
     principal_inertia,
 )
-from harness.trajectory import Trajectory
+from plumbline.harness.trajectory import Trajectory
 
 SPRING = Prismatic(
     name="slide", parent=WORLD, child="mass", anchor_W=(0, 0, 0), axis_W=(1, 0, 0), spring=Spring(stiffness=8.0, rest=0.0)

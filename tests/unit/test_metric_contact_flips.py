@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.contact_flips import contact_flips
-from harness.scene import Body, Scene
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.contact_flips import contact_flips
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 STAGE = Scene(bodies=(Body(name="ground", motion="static"), Body(name="a"), Body(name="b")))
 

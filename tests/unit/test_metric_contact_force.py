@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metric.contact_impulses import impulses_of
-from harness.metrics.contact_force import support_force_error
-from harness.scene import Body, Scene
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metric.contact_impulses import impulses_of
+from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 G = 9.81
 # The wall stands after the boxes, so that it is body B of its contacts.

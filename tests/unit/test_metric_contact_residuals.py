@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import Metric, NotMeasurable
-from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 METRICS = (signorini_residual, cone_residual, dissipation_residual)
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.creep import creep_speed
-from harness.scene import Body, Scene
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.creep import creep_speed
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Trajectory
 
 STAGE = Scene(bodies=(Body(name="held"), Body(name="held_too"), Body(name="slides"), Body(name="ground", motion="static")))
 TIME = np.linspace(1.0, 3.0, 41)

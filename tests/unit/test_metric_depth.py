@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
-from harness.metrics.depth_noise import BANDS, depth_correlation_score, depth_mean_score, depth_spread_score
-from harness.metrics.depth_quantisation import disparity_step_error
-from harness.metrics.pixel_error import pixel_error
-from harness.metrics.range_wrap import range_unwrapped_share
-from harness.metrics.silhouette import silhouette_iou
-from harness.scene import (
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
+from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
+from plumbline.harness.metrics.depth_noise import BANDS, depth_correlation_score, depth_mean_score, depth_spread_score
+from plumbline.harness.metrics.depth_quantisation import disparity_step_error
+from plumbline.harness.metrics.pixel_error import pixel_error
+from plumbline.harness.metrics.range_wrap import range_unwrapped_share
+from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.scene import (
     Body,
     Box,
     Camera,
@@ -29,10 +29,10 @@ from harness.scene import (
     TimeOfFlightNoise,
     axis_angle,
 )
-from harness.sensors.depth_camera import answer
-from harness.sensors.seeds import generator
-from harness.sensors.true_frames import true_frames, true_sight
-from harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.sensors.depth_camera import answer
+from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.trajectory import Floats, State, Trajectory
 
 FALSE_ALARM = 5.0
 STEREO = StereoNoise(baseline=0.2, disparity_sigma=0.1, disparity_step=0.125, missing=0.05)

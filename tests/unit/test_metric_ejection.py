@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.ejection import ejection_speed
-from harness.scene import Body, Scene
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.ejection import ejection_speed
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Trajectory
 
 G = 9.81
 STAGE = Scene(bodies=(Body(name="ground", motion="static"), Body(name="a", p_WB=(0.0, 0.0, 0.3))))

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from cases.stack_card_house import scene
-from harness.metric import NotMeasurable
-from harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
-from harness.scene import Body, Scene
-from harness.trajectory import Trajectory
+from plumbline.cases.stack_card_house import scene
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Trajectory
 
 METRICS = (frame_friction_error, frame_standing_time)
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import Metric, NotMeasurable
-from harness.metrics.containment import escaped_share
-from harness.metrics.energy import energy_gain_max, energy_growth_rate
-from harness.metrics.inscribed_overlap import inscribed_overlap
-from harness.metrics.passage import (
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.metrics.containment import escaped_share
+from plumbline.harness.metrics.energy import energy_gain_max, energy_growth_rate
+from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.passage import (
     lateral_kick,
     passage_probability,
     passage_probability_high,
@@ -17,10 +17,10 @@ from harness.metrics.passage import (
     rest_speed,
     sink_depth,
 )
-from harness.metrics.row import last_share_error, touching_last_share
-from harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
-from harness.statistics.proportion import wilson_interval
-from harness.trajectory import Trajectory
+from plumbline.harness.metrics.row import last_share_error, touching_last_share
+from plumbline.harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
+from plumbline.harness.statistics.proportion import wilson_interval
+from plumbline.harness.trajectory import Trajectory
 
 TIME = np.linspace(0.0, 1.0, 11)
 
@@ -261,7 +261,7 @@ def test_a_rod_is_judged_by_the_way_of_its_posts_through_more_than_a_turn(turned
     def turning(angle: float) -> Trajectory:
         run = still(scene)
         for k, part in enumerate(np.linspace(0.0, angle, len(TIME))):
-            from harness.scene import multiply
+            from plumbline.harness.scene import multiply
 
             run.q_WB[k, 0] = multiply(axis_angle((0.0, 0.0, 1.0), float(part)), rod.q_WB)
         run.w_WB[-1] = 0.0

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases import sensor_imu_readout
-from cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTING, RATE, SPIN_UP, G
-from harness.metric import NotMeasurable
-from harness.metrics.imu_readout import inertial_readout_error
-from harness.scene import AxisNoise
-from harness.sensors.imu_errors import read_out, sensed
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.cases import sensor_imu_readout
+from plumbline.cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTING, RATE, SPIN_UP, G
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.imu_readout import inertial_readout_error
+from plumbline.harness.scene import AxisNoise
+from plumbline.harness.sensors.imu_errors import read_out, sensed
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 CASE = sensor_imu_readout.CASE
 SCENE = CASE.scene(**CASE.parameters)

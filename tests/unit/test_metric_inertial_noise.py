@@ -6,14 +6,21 @@ from functools import cache
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.allan import SLOPES, accelerometer_allan_score, gyroscope_allan_score, octaves, slope_bound, windows
-from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from harness.metrics.noise_bias import inertial_bias_score, variance_of_mean
-from harness.metrics.noise_independence import inertial_correlation_score
-from harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
-from harness.sensors.imu_noise import axis_noise, three_axes
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.allan import (
+    SLOPES,
+    accelerometer_allan_score,
+    gyroscope_allan_score,
+    octaves,
+    slope_bound,
+    windows,
+)
+from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.noise_bias import inertial_bias_score, variance_of_mean
+from plumbline.harness.metrics.noise_independence import inertial_correlation_score
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
+from plumbline.harness.sensors.imu_noise import axis_noise, three_axes
+from plumbline.harness.trajectory import Floats, Trajectory
 
 RATE, COUNT = 120.0, 12_000
 LAW = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)

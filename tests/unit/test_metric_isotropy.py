@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.isotropy import heading_error, polar_spread
-from harness.scene import Body, Scene
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.isotropy import heading_error, polar_spread
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Trajectory
 
 
 def stage(azimuths: list[float]) -> Scene:

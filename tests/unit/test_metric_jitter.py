@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
-from harness.scene import Body, Scene
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Trajectory
 
 METRICS = (rms_speed, rms_spin, rms_second_difference, height_spread, rest_drift)
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from cases import flight_projectile, joint_conical_pendulum, joint_limits, joint_long_run, joint_pendulum
-from harness.case import Case
-from harness.metric import NotMeasurable
-from harness.metrics.energy import energy_growth_rate
-from harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
-from harness.metrics.radius import radius_error_final, radius_error_max
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases import flight_projectile, joint_conical_pendulum, joint_limits, joint_long_run, joint_pendulum
+from plumbline.harness.case import Case
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.energy import energy_growth_rate
+from plumbline.harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
+from plumbline.harness.metrics.radius import radius_error_final, radius_error_max
+from plumbline.harness.trajectory import Floats, Trajectory
 
 
 def _at(case: Case, time: Floats, **parameters: object) -> Trajectory:

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.load_split import load_shares, load_split_error
-from harness.scene import Body, Scene
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.load_split import load_shares, load_split_error
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 G = 9.81
 # The load stands between its supports, so that it is body A of one contact and body B of the other.

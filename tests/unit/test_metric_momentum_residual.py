@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.momentum_residual import momentum_residual
-from harness.scene import WORLD, Ball, Body, Scene
-from harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.momentum_residual import momentum_residual
+from plumbline.harness.scene import WORLD, Ball, Body, Scene
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 DT, MASS, G = 0.01, 2.0, 9.81
 STAGE = Scene(bodies=(Body(name="ground", motion="static"), Body(name="ball", mass=MASS)))

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.overhang import harmonic_overhang, overhang_limit_error
-from harness.scene import Body, Box, PlacedShape, Scene, Surface
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.overhang import harmonic_overhang, overhang_limit_error
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface
+from plumbline.harness.trajectory import Trajectory
 
 HALF, N = (0.25, 0.1, 0.05), 2
 FACTORS = (0.5, 0.9, 1.2, 1.5)

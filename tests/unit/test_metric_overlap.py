@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.stack_pile import RADIUS, expected, scene
-from cases.stack_tower import scene as tower
-from harness.metric import NotMeasurable
-from harness.metrics.overlap import overlap
-from harness.trajectory import Trajectory
+from plumbline.cases.stack_pile import RADIUS, expected, scene
+from plumbline.cases.stack_tower import scene as tower
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.overlap import overlap
+from plumbline.harness.trajectory import Trajectory
 
 FIRST = 5  # after the floor and four walls
 ROUNDING = 1e-15  # a few roundings of coordinates below 1 m

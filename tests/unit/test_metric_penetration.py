@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.penetration import penetration, reported_penetration
-from harness.scene import (
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.penetration import penetration, reported_penetration
+from plumbline.harness.scene import (
     Body,
     Box,
     Cylinder,
@@ -22,7 +22,7 @@ from harness.scene import (
     box_inertia,
     sphere_inertia,
 )
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 HALF, RADIUS = (0.1, 0.1, 0.1), 0.1
 BOX = PlacedShape(shape=Box(half_extents=HALF))

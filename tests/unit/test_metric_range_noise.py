@@ -5,24 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.dropout import dropout_score
-from harness.metrics.range_error import (
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.dropout import dropout_score
+from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
     range_error_median,
     range_error_rms,
     range_false_return_share,
 )
-from harness.metrics.range_noise import (
+from plumbline.harness.metrics.range_noise import (
     range_correlation_score,
     range_distribution_distance,
     range_mean_score,
     range_spread_score,
 )
-from harness.scene import Body, Lidar, LidarNoise, Scene
-from harness.sensors.lidar_noise import noisy
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.scene import Body, Lidar, LidarNoise, Scene
+from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.trajectory import Floats, Trajectory
 
 LAW = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05)
 SENSOR = Lidar(name="l", body="b", rate=10.0, channels=16, columns=60, noise=LAW)

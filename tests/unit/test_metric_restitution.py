@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.restitution import (
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.restitution import (
     bounce_gain,
     bounce_height_error,
     bouncing_time_error,
@@ -15,8 +15,8 @@ from harness.metrics.restitution import (
     later_restitution_error,
     restitution_error,
 )
-from harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
-from harness.trajectory import Floats, Trajectory
+from plumbline.harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G, R, H = 9.81, 0.2, 0.8
 

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cases import sensor_streams
-from harness.metric import NotMeasurable
-from harness.metric.inertial_residual import inertial_residual
-from harness.metrics.gyroscope_attitude import gyroscope_attitude_error
-from harness.metrics.inertial_lag import accelerometer_lag_error, delay, gyroscope_lag_error
-from harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
-from harness.metrics.noise_independence import inertial_correlation_score
-from harness.metrics.noise_spectrum import difference_spectrum, inertial_spectrum_score
-from harness.metrics.stream_stamps import time_stamp_error
-from harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
-from harness.sensors.imu_errors import read_out, sensed
-from harness.sensors.imu_noise import three_axes
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases import sensor_streams
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
+from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, delay, gyroscope_lag_error
+from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
+from plumbline.harness.metrics.noise_independence import inertial_correlation_score
+from plumbline.harness.metrics.noise_spectrum import difference_spectrum, inertial_spectrum_score
+from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
+from plumbline.harness.sensors.imu_errors import read_out, sensed
+from plumbline.harness.sensors.imu_noise import three_axes
+from plumbline.harness.trajectory import Floats, Trajectory
 
 RATE, COUNT = 100.0, 20_000
 LAW = AxisNoise(density=2e-3, bias=0.1, random_walk=1e-3, misalignment=(0.02, -0.01, 0.03), scale_error=5e-3)

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
-from harness.scene import Body, Scene
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Trajectory
 
 STAGE = Scene(
     bodies=(Body(name="a"), Body(name="b", p_WB=(1.0, 0.0, 0.0)), Body(name="wall", motion="static")), gravity=(0, 0, 0)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import Metric, NotMeasurable
-from harness.metrics import angular_velocity, attitude, divergence, position, velocity
-from harness.scene import Body, Scene
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import product
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.metrics import angular_velocity, attitude, divergence, position, velocity
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import product
 
 SCENE = Scene(bodies=(Body(name="a"), Body(name="b"), Body(name="rock", motion="static")))
 METRICS = {

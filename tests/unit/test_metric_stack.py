@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
-from harness.scene import Body, Scene, axis_angle, principal_inertia
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
+from plumbline.harness.scene import Body, Scene, axis_angle, principal_inertia
+from plumbline.harness.trajectory import Trajectory
 
 METRICS = (stack_height_error, standing_height, lean, residual_kinetic_energy)
 

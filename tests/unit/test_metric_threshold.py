@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
-from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
-from harness.trajectory import Trajectory
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
+from plumbline.harness.trajectory import Trajectory
 
 MU, G, T = 0.6, 9.81, 2.0
 SHAPE = (PlacedShape(shape=Box(half_extents=(0.1, 0.1, 0.1))),)

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from harness.metric import NotMeasurable
-from harness.metrics.tipping import tipping_angle_error, wrong_fates
-from harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
-from harness.trajectory import Trajectory
-from harness.trajectory.kinematics import product
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.tipping import tipping_angle_error, wrong_fates
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.kinematics import product
 
 METRICS = (wrong_fates, tipping_angle_error)
 

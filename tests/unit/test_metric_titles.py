@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.metric.titles import metric_title
+from plumbline.harness.metric.titles import metric_title
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.metric import Metric, NotMeasurable
-from harness.metrics.energy import held_energy_gain_max
-from harness.metrics.foot_slip import foot_slip
-from harness.metrics.pose import pose_error_max, pose_error_rms
-from harness.metrics.vibration import vibration_frequency, vibration_rms
-from harness.scene import Body, Drive, Revolute, Scene
-from harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.metrics.energy import held_energy_gain_max
+from plumbline.harness.metrics.foot_slip import foot_slip
+from plumbline.harness.metrics.pose import pose_error_max, pose_error_rms
+from plumbline.harness.metrics.vibration import vibration_frequency, vibration_rms
+from plumbline.harness.scene import Body, Drive, Revolute, Scene
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 STIFFNESS, G = 50.0, 9.81
 ARM = Revolute(

@@ -8,18 +8,18 @@ from typing import Any, cast
 
 import pytest
 
-from harness.adapter import Notice, Settings, Simulation
-from harness.adapter.notice import as_notices
-from harness.adapter.what_comes_out import Answering, BrokenContract
-from harness.conformance import CHECKS
-from harness.scene import Body, Effect, Scene
-from harness.store.journal import Journal, read_journal
-from harness.store.notices import StoredNotice
-from harness.store.record import Record
-from harness.store.store import Store, write_tables
-from harness.study import plugins
-from harness.study.study import Experiment, Trial
-from harness.trial.accuracy import run_trial
+from plumbline.harness.adapter import Notice, Settings, Simulation
+from plumbline.harness.adapter.notice import as_notices
+from plumbline.harness.adapter.what_comes_out import Answering, BrokenContract
+from plumbline.harness.conformance import CHECKS
+from plumbline.harness.scene import Body, Effect, Scene
+from plumbline.harness.store.journal import Journal, read_journal
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.store import Store, write_tables
+from plumbline.harness.study import plugins
+from plumbline.harness.study.study import Experiment, Trial
+from plumbline.harness.trial.accuracy import run_trial
 from tests.planted_faults.planting import plant
 
 SURPLUS = StoredNotice("gyroscopic (no switch)", "surplus", "gyroscopic")

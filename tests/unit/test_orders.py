@@ -10,17 +10,17 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from harness.adapter import Adapter, Settings
-from harness.cli.main import main
-from harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
-from harness.store.journal import Journal
-from harness.store.record import Measurement, Record
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.catalogue import describe_case, describe_engine
-from harness.study.experiment import Experiment
-from harness.study.study import Study
-from harness.trial.accuracy import run_trial
+from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.record import Measurement, Record
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.catalogue import describe_case, describe_engine
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
+from plumbline.harness.trial.accuracy import run_trial
 from tests.links import texts_of
 from tests.planted_faults.planting import Wrapped, plant
 from tests.run_folder import write_run_folder

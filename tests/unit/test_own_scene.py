@@ -10,27 +10,27 @@ from typing import Any
 
 import pytest
 
-from harness.case.own_titles import title_of
-from harness.case.scene_file import own_case
-from harness.cli.own_scene import closing_count, closing_words
-from harness.findings import tables
-from harness.findings.agreement import agreements, balances, errors_of, outlooks
-from harness.findings.prices import Prices
-from harness.findings.selection import Wish, choose
-from harness.findings.selection.evidence import DECADES
-from harness.findings.selection.words import headline
-from harness.run.campaign import carry_out
-from harness.scene import Body, Scene, sphere_inertia
-from harness.scene.file import dump_toml
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.experiment import Refinement
-from harness.study.own_scene import study_of
-from harness.study.study import Study
-from reports import build, write_recordings
-from reports.html import report as html
-from reports.page import pages
-from reports.pages.scene import PAGE
+from plumbline.harness.case.own_titles import title_of
+from plumbline.harness.case.scene_file import own_case
+from plumbline.harness.cli.own_scene import closing_count, closing_words
+from plumbline.harness.findings import tables
+from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
+from plumbline.harness.findings.prices import Prices
+from plumbline.harness.findings.selection import Wish, choose
+from plumbline.harness.findings.selection.evidence import DECADES
+from plumbline.harness.findings.selection.words import headline
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Refinement
+from plumbline.harness.study.own_scene import study_of
+from plumbline.harness.study.study import Study
+from plumbline.reports import build, write_recordings
+from plumbline.reports.html import report as html
+from plumbline.reports.page import pages
+from plumbline.reports.pages.scene import PAGE
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling

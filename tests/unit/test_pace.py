@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Feature, Settings, SettingsError, Unsupported
-from harness.case.forces import Control, Controlled
-from harness.metric import Metric, NotMeasurable
-from harness.scene import Body, Scene
-from harness.study import plugins
-from harness.study.experiment import StudyError, Variant
-from harness.study.study import load_study
-from harness.study.trial import Trial
-from harness.trajectory import State, Trajectory
-from harness.trajectory.pace import PACES, Pace
-from harness.trial.accuracy import answer_of, run_trial
-from harness.trial.paced import paced
-from harness.trial.simulate import simulate
+from plumbline.harness.adapter import Feature, Settings, SettingsError, Unsupported
+from plumbline.harness.case.forces import Control, Controlled
+from plumbline.harness.metric import Metric, NotMeasurable
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import StudyError, Variant
+from plumbline.harness.study.study import load_study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import State, Trajectory
+from plumbline.harness.trajectory.pace import PACES, Pace
+from plumbline.harness.trial.accuracy import answer_of, run_trial
+from plumbline.harness.trial.paced import paced
+from plumbline.harness.trial.simulate import simulate
 
 DT, G = 1 / 240, 9.81
 FALL = plugins.case("flight_projectile")

@@ -9,20 +9,20 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from click.testing import CliRunner
-from harness.study.refinement import Refinement
+from plumbline.harness.study.refinement import Refinement
 
-from harness.case.alteration import EVERYTHING
-from harness.cli.main import main
-from harness.findings import tables
-from harness.run.campaign import carry_out
-from harness.scene import Body, Scene, sphere_inertia
-from harness.scene.file import dump_toml
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.own_scene import study_of
-from harness.study.study import load_study
-from reports.html import report as html
-from reports.page import Page, pages
+from plumbline.harness.case.alteration import EVERYTHING
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings import tables
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.own_scene import study_of
+from plumbline.harness.study.study import load_study
+from plumbline.reports.html import report as html
+from plumbline.reports.page import Page, pages
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.run_folder import write_run_folder

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.listing import _latex_number
-from harness.intake.safe_text import latex_cell
-from harness.store.store import Store
-from reports.words.citation import citation, run_digest
+from plumbline.harness.cli.listing import _latex_number
+from plumbline.harness.intake.safe_text import latex_cell
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.citation import citation, run_digest
 from tests.conftest import Command
 from tests.run_folder import write_run_folder
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from harness.findings.parameter_words import axis_title, called, said
-from harness.study import plugins
+from plumbline.harness.findings.parameter_words import axis_title, called, said
+from plumbline.harness.study import plugins
 
 CASES = plugins.cases()
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from harness.cli.main import main
-from harness.intake.import_wishes import Wishes
-from harness.scene.importers.poses import IDENTITY, Array, screw
-from harness.scene.parity.comparison import compare
-from harness.scene.parity.consequence import joint_changed
-from harness.scene.parity.difference import Difference
-from harness.scene.parity.facts import RobotFacts
-from harness.scene.parity.motion import Configuration, dynamics, passive
-from harness.scene.parity.stated import facts_of, pair_of
+from plumbline.harness.cli.main import main
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, screw
+from plumbline.harness.scene.parity.comparison import compare
+from plumbline.harness.scene.parity.consequence import joint_changed
+from plumbline.harness.scene.parity.difference import Difference
+from plumbline.harness.scene.parity.facts import RobotFacts
+from plumbline.harness.scene.parity.motion import Configuration, dynamics, passive
+from plumbline.harness.scene.parity.stated import facts_of, pair_of
 from tests.passive_motion import after
 from tests.two_formats import MJCF, URDF
 

@@ -5,14 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.intake.import_wishes import Wishes
-from harness.intake.refusal import RobotError
-from harness.scene.parity.comparison import compare, renamed
-from harness.scene.parity.difference import Difference
-from harness.scene.parity.motion import Configuration
-from harness.scene.parity.parting import DT, PARTED, motion_of, parting
-from harness.scene.parity.stated import facts_of
-from harness.study import plugins
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene.parity.comparison import compare, renamed
+from plumbline.harness.scene.parity.difference import Difference
+from plumbline.harness.scene.parity.motion import Configuration
+from plumbline.harness.scene.parity.parting import DT, PARTED, motion_of, parting
+from plumbline.harness.scene.parity.stated import facts_of
+from plumbline.harness.study import plugins
 from tests.planted_robots import MJCF, URDF
 from tests.two_formats import MJCF as ARM
 

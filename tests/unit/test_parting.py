@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from harness.scene import Ball, Body, Scene, axis_angle, box_inertia, sphere_inertia
-from harness.trajectory import Trajectory
-from harness.trajectory.parting import apart, common, displaced, extent, length, offsets
+from plumbline.harness.scene import Ball, Body, Scene, axis_angle, box_inertia, sphere_inertia
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.parting import apart, common, displaced, extent, length, offsets
 
 
 def two() -> Scene:

@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import engine
-from harness.adapter import Feature
-from harness.adapter.features import features_of
-from harness.case.commands import acting, velocities_of
-from harness.case.forces import Control, Controlled
-from harness.case.symmetries import in_motion, moved, scaled, turned
-from harness.conformance.runs import built
-from harness.metric import NotMeasurable
-from harness.metrics.energy import energy_change
-from harness.metrics.momentum import momentum_drift_max
-from harness.scene import (
+from plumbline import engine
+from plumbline.harness.adapter import Feature
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.case.commands import acting, velocities_of
+from plumbline.harness.case.forces import Control, Controlled
+from plumbline.harness.case.symmetries import in_motion, moved, scaled, turned
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.energy import energy_change
+from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,
@@ -30,8 +30,8 @@ from harness.scene import (
     Turn,
     axis_angle,
 )
-from harness.scene.file import dump_json, dump_toml, parse, schema
-from harness.trajectory import State, Trajectory
+from plumbline.harness.scene.file import dump_json, dump_toml, parse, schema
+from plumbline.harness.trajectory import State, Trajectory
 from tests.conformance.engines import adapter
 
 WAVE = Sinusoid(amplitude=0.2, frequency=1.5, phase=0.7)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from harness.findings.tables import price
+from plumbline.harness.findings.tables import price
 from tests.known_prices import LAWS, KnownPrices
 
 CLOSE = 0.03

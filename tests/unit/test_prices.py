@@ -10,17 +10,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.findings.prices import Prices, interval, medians
-from harness.findings.tables.price import brief
-from harness.findings.tables.price import sentences as price_sentences
-from harness.findings.tables.profile import FACTOR, Scene, hinges, profile, sentences, without
-from harness.findings.tables.profile import rows as profile_rows
-from harness.findings.tables.steps import largest_steps
-from harness.search.front import spread
-from harness.statistics.pareto import price
-from harness.statistics.ratio import ratio
-from harness.store.store import Store
-from reports.charts.work_precision import drawn
+from plumbline.harness.findings.prices import Prices, interval, medians
+from plumbline.harness.findings.tables.price import brief
+from plumbline.harness.findings.tables.price import sentences as price_sentences
+from plumbline.harness.findings.tables.profile import FACTOR, Scene, hinges, profile, sentences, without
+from plumbline.harness.findings.tables.profile import rows as profile_rows
+from plumbline.harness.findings.tables.steps import largest_steps
+from plumbline.harness.search.front import spread
+from plumbline.harness.statistics.pareto import price
+from plumbline.harness.statistics.ratio import ratio
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.work_precision import drawn
 from tests.run_folder import row, untimed
 
 Told = tuple[str, str, str, float, float, float | None]

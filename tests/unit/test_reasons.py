@@ -5,11 +5,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness.store.notices import StoredNotice
-from harness.store.record import Measurement
-from harness.store.store import Store
-from reports.tables.trial_results import answers
-from reports.words.reasons import notices, reasons
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import Measurement
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.trial_results import answers
+from plumbline.reports.words.reasons import notices, reasons
 from tests.recorded_folder import Folder, record
 from tests.run_folder import write_run_folder
 

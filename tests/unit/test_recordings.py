@@ -9,24 +9,24 @@ import numpy as np
 import pytest
 from rerun.components import FillMode
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Body,
     Imu,
     Lidar,
     Scene,
     Sphere,
 )
-from harness.store.store import Store
-from harness.trajectory import Contacts, Trajectory
-from reports import write_recordings
-from reports.charts.palette import ENGINES
-from reports.recordings.blueprint import layout
-from reports.recordings.camera import framed, framing
-from reports.recordings.rotation import angle, compose
-from reports.recordings.runs import stage_of
-from reports.recordings.shapes import CROWD, OVERLAID
-from reports.recordings.truth import truth_at
-from reports.recordings.viewer import viewer_command
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Contacts, Trajectory
+from plumbline.reports import write_recordings
+from plumbline.reports.charts.palette import ENGINES
+from plumbline.reports.recordings.blueprint import layout
+from plumbline.reports.recordings.camera import framed, framing
+from plumbline.reports.recordings.rotation import angle, compose
+from plumbline.reports.recordings.runs import stage_of
+from plumbline.reports.recordings.shapes import CROWD, OVERLAID
+from plumbline.reports.recordings.truth import truth_at
+from plumbline.reports.recordings.viewer import viewer_command
 from tests.recorded_folder import CORNERS, LAW, QUARTER, TIMES, Folder, Read, placed, record, rising, zoo
 
 

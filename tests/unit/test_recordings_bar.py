@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 import rerun as rr
 
-from harness.adapter import Simulation, Unsupported
-from harness.adapter.what_comes_out import Answering
-from harness.case import Case
-from harness.case.commands import acting
-from harness.case.forces import Controlled
-from harness.scene.file import dump_json
-from harness.study import plugins
-from harness.trajectory import Trajectory
-from harness.trajectory.pace import Pace
-from harness.trial.simulate import simulate
-from reports.recordings.bodies import log_moving, poses, sharing
-from reports.recordings.pivot import FAR, ROUNDING
-from reports.recordings.rotation import Floats, compose
-from reports.recordings.sampling import at_instants, shown
-from reports.recordings.shapes import Batch, Paint
+from plumbline.harness.adapter import Simulation, Unsupported
+from plumbline.harness.adapter.what_comes_out import Answering
+from plumbline.harness.case import Case
+from plumbline.harness.case.commands import acting
+from plumbline.harness.case.forces import Controlled
+from plumbline.harness.scene.file import dump_json
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.simulate import simulate
+from plumbline.reports.recordings.bodies import log_moving, poses, sharing
+from plumbline.reports.recordings.pivot import FAR, ROUNDING
+from plumbline.reports.recordings.rotation import Floats, compose
+from plumbline.reports.recordings.sampling import at_instants, shown
+from plumbline.reports.recordings.shapes import Batch, Paint
 from tests.recorded_folder import Read
 
 CASES = plugins.cases()

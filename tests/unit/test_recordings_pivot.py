@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reports.recordings.pivot import ROUNDING, pivot_of
-from reports.recordings.rotation import Floats, rotate
+from plumbline.reports.recordings.pivot import ROUNDING, pivot_of
+from plumbline.reports.recordings.rotation import Floats, rotate
 
 TIME = np.linspace(0.0, 2.0, 241)
 P, ARM = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -0.4])

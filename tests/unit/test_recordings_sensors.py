@@ -10,16 +10,16 @@ import pytest
 import rerun.blueprint as rrb
 from PIL import Image
 
-from harness.store.store import Store
-from reports import write_recordings
-from reports.recordings.blueprint import layout
-from reports.recordings.camera import framing
-from reports.recordings.cameras import MOST_PIXELS, shown_frames
-from reports.recordings.pixels import srgb
-from reports.recordings.runs import stage_of
-from reports.recordings.scans import beams, lit
-from reports.recordings.sensors import sensed
-from reports.recordings.viewer import viewer_command
+from plumbline.harness.store.store import Store
+from plumbline.reports import write_recordings
+from plumbline.reports.recordings.blueprint import layout
+from plumbline.reports.recordings.camera import framing
+from plumbline.reports.recordings.cameras import MOST_PIXELS, shown_frames
+from plumbline.reports.recordings.pixels import srgb
+from plumbline.reports.recordings.runs import stage_of
+from plumbline.reports.recordings.scans import beams, lit
+from plumbline.reports.recordings.sensors import sensed
+from plumbline.reports.recordings.viewer import viewer_command
 from tests.recorded_folder import Read
 from tests.sensor_folder import CASE, PIXELS, sensing, swinging, write_sensor_folder
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import rerun as rr
 
-from harness.scene import Body, Box, Scene, Sphere
-from harness.store.store import Store
-from harness.trajectory import Trajectory
-from reports.recordings.bodies import log_moving, sharing
-from reports.recordings.runs import stage_of
-from reports.recordings.sampling import FRAMES, WATCH, extremes, shown
-from reports.recordings.shapes import Paint
+from plumbline.harness.scene import Body, Box, Scene, Sphere
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Trajectory
+from plumbline.reports.recordings.bodies import log_moving, sharing
+from plumbline.reports.recordings.runs import stage_of
+from plumbline.reports.recordings.sampling import FRAMES, WATCH, extremes, shown
+from plumbline.reports.recordings.shapes import Paint
 from tests.recorded_folder import LAW, Folder, Read, placed, record
 
 DT, BYTES = 1 / 240, 40.0

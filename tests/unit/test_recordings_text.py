@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.store.journal import StoreError
-from reports import open_viewer, recording_of
+from plumbline.harness.store.journal import StoreError
+from plumbline.reports import open_viewer, recording_of
 from tests.recorded_folder import Folder, Read, record, rising, zoo
 
 STATUSES = ("passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted")

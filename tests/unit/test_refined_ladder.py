@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Adapter, Feature, Settings, Simulation
-from harness.case import Case
-from harness.case.alteration import Alteration
-from harness.case.starts import perturbed
-from harness.scene import Body, Scene, sphere_inertia
-from harness.search.refined_ladder import next_trials, start_name
-from harness.store.record import Record
-from harness.study.experiment import Experiment, Refinement
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
+from plumbline.harness.case import Case
+from plumbline.harness.case.alteration import Alteration
+from plumbline.harness.case.starts import perturbed
+from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.search.refined_ladder import next_trials, start_name
+from plumbline.harness.store.record import Record
+from plumbline.harness.study.experiment import Experiment, Refinement
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 SCENE = Scene(bodies=(Body(name="ball", inertia=sphere_inertia(1.0, 0.1)),))
 CASE = Case(

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from harness.case.alteration import AS_IT_IS
-from harness.run.progress import in_words
-from harness.run.remaining_time import RemainingTime
-from harness.study.experiment import Experiment, Limit
+from plumbline.harness.case.alteration import AS_IT_IS
+from plumbline.harness.run.progress import in_words
+from plumbline.harness.run.remaining_time import RemainingTime
+from plumbline.harness.study.experiment import Experiment, Limit
 
 CASES: Any = {name: SimpleNamespace(duration=1.0, rays=None) for name in "xyz"}
 PLAIN = Experiment(name="plain", timing=False)

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.journal import StoreError
-from harness.store.store import Store
-from harness.study.reproduce import trial_of
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.reproduce import trial_of
 from tests.run_folder import write_run_folder
 
 STUDY = """name = "quick"

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from harness.scene import Body, Scene, Sphere
+from plumbline.harness.scene import Body, Scene, Sphere
 from tests.links import dangling, files_of
 from tests.recorded_folder import Folder, placed, record, rising
 from tests.run_folder import row, write_run_folder

@@ -10,14 +10,14 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
-from harness.store.store import Store
-from reports.charts.compact import SCRIPTED, shown_rows
-from reports.charts.errors import across_cases, error_by_step
-from reports.charts.figure import POINTS, Figure, thin
-from reports.charts.marks import decades
-from reports.charts.palette import ENGINES
-from reports.charts.points import points
-from reports.tables.trial_results import answers, at_own_step
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.compact import SCRIPTED, shown_rows
+from plumbline.reports.charts.errors import across_cases, error_by_step
+from plumbline.reports.charts.figure import POINTS, Figure, thin
+from plumbline.reports.charts.marks import decades
+from plumbline.reports.charts.palette import ENGINES
+from plumbline.reports.charts.points import points
+from plumbline.reports.tables.trial_results import answers, at_own_step
 from tests.charts import specs
 from tests.run_folder import BAD_CASE, CASES, write_run_folder
 

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from harness.store.store import Store
-from reports.tables.limit_table import lines
-from reports.tables.price_list import price_list
-from reports.tables.summary import sentences
-from reports.words import disputes
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.limit_table import lines
+from plumbline.reports.tables.price_list import price_list
+from plumbline.reports.tables.summary import sentences
+from plumbline.reports.words import disputes
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.unit.test_prices import Priced, ladder

@@ -5,7 +5,7 @@ from typing import Any
 import altair as alt
 import pytest
 
-from reports.charts.grammar import Chart, channel, chart, fixed, layered
+from plumbline.reports.charts.grammar import Chart, channel, chart, fixed, layered
 
 ROWS: list[dict[str, Any]] = [{"a": 1.0, "b": 2.0, "top": 3.0, "who": "x"}, {"a": 2.0, "b": None, "top": 4.0, "who": "y"}]
 LOG: dict[str, Any] = {"type": "log", "nice": False, "padding": 14}

@@ -12,14 +12,14 @@ from threading import Event
 import pandas as pd
 import pytest
 
-import reports
-from harness.case.alteration import EVERYTHING
-from harness.findings.vendor.shelf import shelf
-from harness.store.journal import StoreError
-from harness.store.store import Store
-from reports.html import report as html
-from reports.html.policy import guarded
-from reports.page import Page, Rendered, pages
+from plumbline import reports
+from plumbline.harness.case.alteration import EVERYTHING
+from plumbline.harness.findings.vendor.shelf import shelf
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from plumbline.reports.html import report as html
+from plumbline.reports.html.policy import guarded
+from plumbline.reports.page import Page, Rendered, pages
 from tests.links import texts_of
 from tests.recorded_folder import Folder, record
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
@@ -242,7 +242,7 @@ def test_a_run_that_was_stopped_before_its_first_trial_has_a_report(tmp_path: Pa
 
 
 def test_importing_reports_loads_no_chart_library() -> None:
-    code = "import reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
+    code = "from plumbline import reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(reports.__file__).parents[1]).returncode == 0
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.charts.palette import BACKGROUNDS, ENGINES, SPARE, looks
+from plumbline.reports.charts.palette import BACKGROUNDS, ENGINES, SPARE, looks
 
 
 def luminance(colour: str) -> float:

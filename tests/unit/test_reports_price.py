@@ -9,20 +9,20 @@ from typing import Any
 import pytest
 from markupsafe import escape
 
-from harness.findings.priced import priced
-from harness.findings.tables.profile import FACTOR, TIME, profile
-from harness.findings.tables.steps import Step
-from harness.store.store import Store
-from reports.charts.figure import Figure
-from reports.charts.largest_steps import survival
-from reports.charts.performance_profile import profile_chart
-from reports.charts.work_precision import miniatures, work_precision
-from reports.pages import index
-from reports.pages.price import PAGE
-from reports.tables.failures import failing
-from reports.tables.price_list import Line, heat, price_list, wins
-from reports.tables.priced_scenes import scenes
-from reports.words.text import duration, power
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.tables.profile import FACTOR, TIME, profile
+from plumbline.harness.findings.tables.steps import Step
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.largest_steps import survival
+from plumbline.reports.charts.performance_profile import profile_chart
+from plumbline.reports.charts.work_precision import miniatures, work_precision
+from plumbline.reports.pages import index
+from plumbline.reports.pages.price import PAGE
+from plumbline.reports.tables.failures import failing
+from plumbline.reports.tables.price_list import Line, heat, price_list, wins
+from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.words.text import duration, power
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
 from tests.unit.test_prices import Priced, Told, ladder

@@ -3,10 +3,10 @@
 from dataclasses import replace
 from typing import Any
 
-from harness.findings.leads import Lead
-from harness.findings.limits_found import Search, Signs
-from harness.store.notices import StoredNotice
-from reports.tables.limit_table import cell, standings
+from plumbline.harness.findings.leads import Lead
+from plumbline.harness.findings.limits_found import Search, Signs
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.reports.tables.limit_table import cell, standings
 
 BROKEN: Any = Search(
     experiment="axes",

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.store import Store
-from reports.charts.step_costs import growths
-from reports.pages.scaling import render
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.step_costs import growths
+from plumbline.reports.pages.scaling import render
 from tests.charts import checked
 from tests.links import texts_of
 from tests.run_folder import write_run_folder

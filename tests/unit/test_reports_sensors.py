@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.store.store import Store
-from reports.pages.sensors import PAGE
-from reports.recordings.pixels import BEYOND, INVALID, data_uri, shaded, srgb
+from plumbline.harness.store.store import Store
+from plumbline.reports.pages.sensors import PAGE
+from plumbline.reports.recordings.pixels import BEYOND, INVALID, data_uri, shaded, srgb
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.sensor_folder import write_sensor_folder

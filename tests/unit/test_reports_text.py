@@ -6,9 +6,20 @@ import math
 
 import pytest
 
-from harness.intake.safe_text import csv_cell
-from reports.html.template import cite
-from reports.words.text import amount, formula, join_words, knobs, plural, powers, settings_text, slug, unit_text, visible
+from plumbline.harness.intake.safe_text import csv_cell
+from plumbline.reports.html.template import cite
+from plumbline.reports.words.text import (
+    amount,
+    formula,
+    join_words,
+    knobs,
+    plural,
+    powers,
+    settings_text,
+    slug,
+    unit_text,
+    visible,
+)
 from tests.run_folder import HOSTILE
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.html import vega
+from plumbline.reports.html import vega
 
 
 @pytest.fixture

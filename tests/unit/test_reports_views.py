@@ -8,14 +8,14 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from harness.store.record import Status
-from harness.store.store import Store
-from reports.tables.engine_summary import glances
-from reports.tables.summary import sentences
-from reports.tables.trial_results import answers, at_own_step
-from reports.tables.verdicts import totals, verdicts
-from reports.words.catalogue import cases, engines, families, tracks
-from reports.words.status import STATUSES, outcome, worst
+from plumbline.harness.store.record import Status
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.engine_summary import glances
+from plumbline.reports.tables.summary import sentences
+from plumbline.reports.tables.trial_results import answers, at_own_step
+from plumbline.reports.tables.verdicts import totals, verdicts
+from plumbline.reports.words.catalogue import cases, engines, families, tracks
+from plumbline.reports.words.status import STATUSES, outcome, worst
 from tests.run_folder import BAD_CASE, HOSTILE, row, write_run_folder
 
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from harness.findings.tables import limits
-from harness.store.store import Store
-from reports.tables.reference_leads import NO_REASON, leads
-from reports.tables.summary import sentences
-from reports.words.catalogue import ours
+from plumbline.harness.findings.tables import limits
+from plumbline.harness.store.store import Store
+from plumbline.reports.tables.reference_leads import NO_REASON, leads
+from plumbline.reports.tables.summary import sentences
+from plumbline.reports.words.catalogue import ours
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 

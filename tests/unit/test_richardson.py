@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from harness.statistics.camps import camps
-from harness.statistics.convergence import Convergence, convergence, horizon, slopes
-from harness.statistics.richardson import extrapolate, limit, observed_order
-from harness.statistics.student import mean_of
+from plumbline.harness.statistics.camps import camps
+from plumbline.harness.statistics.convergence import Convergence, convergence, horizon, slopes
+from plumbline.harness.statistics.richardson import extrapolate, limit, observed_order
+from plumbline.harness.statistics.student import mean_of
 
 TIME = np.arange(101) / 50
 STEPS = [1 / 240 / 2**k for k in range(5)]

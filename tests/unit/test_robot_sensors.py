@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.case.scene_file import own_case
-from harness.intake.refusal import RobotError
-from harness.metric import NotMeasurable
-from harness.metrics.own_readings import gyroscope_off_motion, range_off_geometry
-from harness.scene import (
+from plumbline.harness.case.scene_file import own_case
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.own_readings import gyroscope_off_motion, range_off_geometry
+from plumbline.harness.scene import (
     Body,
     Box,
     Camera,
@@ -25,15 +25,15 @@ from harness.scene import (
     rotate,
     rotation_matrix,
 )
-from harness.scene.file import dump_toml
-from harness.scene.importers.companion import Cameras, Companion
-from harness.scene.importers.imported import Imported
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.trial import Trial
-from harness.trajectory import Trajectory
-from harness.trajectory.pace import Pace
-from harness.trial.accuracy import _stepped
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.importers.companion import Cameras, Companion
+from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.accuracy import _stepped
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")

@@ -5,14 +5,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cases import stand_humanoid, stand_quadruped
-from harness.case import Case
-from harness.props.robots.humanoid import FOOT, MASS, STATURE, humanoid
-from harness.props.robots.quadruped import LEG, quadruped
-from harness.props.robots.robot import Robot, bearing, copy_of, loads
-from harness.scene import EARTH_GRAVITY, Body, Box, Revolute, Scene, Sphere, Vector3, rotate
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import joint_coordinate, joint_rate
+from plumbline.cases import stand_humanoid, stand_quadruped
+from plumbline.harness.case import Case
+from plumbline.harness.props.robots.humanoid import FOOT, MASS, STATURE, humanoid
+from plumbline.harness.props.robots.quadruped import LEG, quadruped
+from plumbline.harness.props.robots.robot import Robot, bearing, copy_of, loads
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Revolute, Scene, Sphere, Vector3, rotate
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import joint_coordinate, joint_rate
 
 MACHINES = [quadruped(), humanoid()]
 BOTH = pytest.mark.parametrize("machine", MACHINES, ids=["quadruped", "humanoid"])

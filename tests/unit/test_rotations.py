@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from harness.adapter.rotations import conjugate, matrix, principal_frame, products
-from harness.scene import Body, multiply
+from plumbline.harness.adapter.rotations import conjugate, matrix, principal_frame, products
+from plumbline.harness.scene import Body, multiply
 
 
 def test_a_principal_frame_gives_the_tensor_back() -> None:

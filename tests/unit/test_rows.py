@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from harness.store.rows import records
+from plumbline.harness.store.rows import records
 
 
 def test_rows_are_those_of_to_dict_in_value_and_in_kind() -> None:

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.findings.costs import TELLING, Cost, no_worse
-from harness.findings.tables.scaling import COLUMNS, Scaling, brief
-from harness.statistics.ratio import ratio
-from harness.store.journal import Journal
-from harness.store.record import Measurement, Record, Sample, Timing
-from harness.store.store import Store
+from plumbline.harness.findings.costs import TELLING, Cost, no_worse
+from plumbline.harness.findings.tables.scaling import COLUMNS, Scaling, brief
+from plumbline.harness.statistics.ratio import ratio
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.record import Measurement, Record, Sample, Timing
+from plumbline.harness.store.store import Store
 
 SIZES = (10, 100, 1000, 10_000)
 EXPONENT = 1.25

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from pydantic import ValidationError
 
-from harness.scene import (
+from plumbline.harness.scene import (
     WORLD,
     Body,
     Box,
@@ -34,7 +34,7 @@ from harness.scene import (
     principal_inertia,
     sphere_inertia,
 )
-from harness.scene.file import dump_json, dump_toml, parse
+from plumbline.harness.scene.file import dump_json, dump_toml, parse
 
 ROUND = (PlacedShape(shape=Sphere(radius=0.1)),)
 BALL = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), collision=ROUND, material="rubber")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from harness.scene import Ball, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface
-from harness.scene.file import dump_toml, parse
+from plumbline.harness.scene import Ball, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface
+from plumbline.harness.scene.file import dump_toml, parse
 
 BALL = (PlacedShape(shape=Sphere(radius=0.1)),)
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from harness.scene import Camera, DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from plumbline.harness.scene import Camera, DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 
 PLACE: dict[str, Any] = {"name": "eye", "body": "b", "rate": 10.0}
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.store.arrays import read_arrays, write_arrays
-from harness.store.seal import Damaged, check_seal, sealed_archive, sealed_json, sealed_toml
+from plumbline.harness.store.arrays import read_arrays, write_arrays
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_archive, sealed_json, sealed_toml
 
 
 def files(folder: Path) -> dict[Path, bytes]:

@@ -7,13 +7,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
-from harness.findings.selection.choose import EXPRESSED
-from harness.findings.selection.doubt import Turn
-from harness.findings.selection.words import headline, turn_sentences
-from harness.store.store import Store
-from harness.study.plugins import names
-from reports.pages import index, select
+from plumbline.harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
+from plumbline.harness.findings.selection.choose import EXPRESSED
+from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.words import headline, turn_sentences
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.plugins import names
+from plumbline.reports.pages import index, select
 from tests.conftest import Command
 from tests.run_folder import CASES
 from tests.selection_folder import Made, write_selection_folder

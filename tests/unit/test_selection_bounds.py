@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from harness.findings.selection import Answer, Wish, choose
-from harness.findings.selection.evidence import Datum
-from harness.findings.selection.words import undecided_sentence
-from harness.store.store import Store
+from plumbline.harness.findings.selection import Answer, Wish, choose
+from plumbline.harness.findings.selection.evidence import Datum
+from plumbline.harness.findings.selection.words import undecided_sentence
+from plumbline.harness.store.store import Store
 from tests.run_folder import LADDER
 from tests.selection_folder import Made, write_selection_folder
 

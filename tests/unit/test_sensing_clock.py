@@ -5,16 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Settings
-from harness.case import Clocks
-from harness.scene import Body, Imu, Lidar, Scene
-from harness.study import plugins
-from harness.study.experiment import Experiment, StudyError
-from harness.study.study import Study
-from harness.study.trial import Trial
-from harness.trajectory import Hits, State
-from harness.trial.bench import Bench
-from harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
+from plumbline.harness.adapter import Settings
+from plumbline.harness.case import Clocks
+from plumbline.harness.scene import Body, Imu, Lidar, Scene
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment, StudyError
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory import Hits, State
+from plumbline.harness.trial.bench import Bench
+from plumbline.harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
 
 DT = 1 / 240
 

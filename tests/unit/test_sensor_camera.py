@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import root
 from scipy.spatial import ConvexHull
 
-from harness.adapter import Unsupported
-from harness.scene import (
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import (
     Body,
     Box,
     Camera,
@@ -22,13 +22,13 @@ from harness.scene import (
     Sphere,
     axis_angle,
 )
-from harness.sensors import pictures
-from harness.sensors.lens import RESIDUAL, distort, undistort
-from harness.sensors.pinhole import intrinsics, pixel_centres, pixel_rays, project, unproject
-from harness.sensors.recorder import SensorRecorder
-from harness.sensors.true_frames import true_frames, true_sight
-from harness.trajectory import Floats, Image, State
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.sensors import pictures
+from plumbline.harness.sensors.lens import RESIDUAL, distort, undistort
+from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres, pixel_rays, project, unproject
+from plumbline.harness.sensors.recorder import SensorRecorder
+from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.trajectory import Floats, Image, State
+from plumbline.harness.trajectory.kinematics import rotate
 
 CAMERA = Camera(
     name="c", body="world", rate=10.0, width=640, height=480, focal_x=500.0, focal_y=520.0, centre_x=311.0, centre_y=247.0

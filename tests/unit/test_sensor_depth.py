@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Unsupported
-from harness.scene import (
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import (
     Appearance,
     Body,
     Box,
@@ -23,15 +23,15 @@ from harness.scene import (
     TimeOfFlightNoise,
     axis_angle,
 )
-from harness.sensors import time_of_flight
-from harness.sensors.depth_camera import answer, lost, picture_camera
-from harness.sensors.rays import first_hits
-from harness.sensors.recorder import SensorRecorder
-from harness.sensors.returned_light import signal, sunlight
-from harness.sensors.second_view import in_view_of
-from harness.sensors.sight import Sight
-from harness.sensors.true_frames import true_frames, true_sight
-from harness.trajectory import Floats, Hits, Image, State
+from plumbline.harness.sensors import time_of_flight
+from plumbline.harness.sensors.depth_camera import answer, lost, picture_camera
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.recorder import SensorRecorder
+from plumbline.harness.sensors.returned_light import signal, sunlight
+from plumbline.harness.sensors.second_view import in_view_of
+from plumbline.harness.sensors.sight import Sight
+from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.trajectory import Floats, Hits, Image, State
 
 WIDTH, HEIGHT, FOCAL = 80, 60, 60.0
 CAMERA = DepthCamera(

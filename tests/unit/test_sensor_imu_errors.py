@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
-from harness.sensors.imu_errors import read_out, sensed
-from harness.sensors.recorder import SensorRecorder, steps_of_latency
-from harness.trajectory import Floats, State
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
+from plumbline.harness.sensors.imu_errors import read_out, sensed
+from plumbline.harness.sensors.recorder import SensorRecorder, steps_of_latency
+from plumbline.harness.trajectory import Floats, State
 
 BODY = Body(name="b")
 SENSOR = Imu(name="imu", body="b", rate=100.0)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.metrics.allan import expected_variance, overlapping_variance
-from harness.metrics.noise_distribution import histogram_score
-from harness.scene import AxisNoise, LidarNoise
-from harness.sensors.imu_noise import axis_noise
-from harness.sensors.lidar_noise import noisy
-from harness.trajectory import Floats
+from plumbline.harness.metrics.allan import expected_variance, overlapping_variance
+from plumbline.harness.metrics.noise_distribution import histogram_score
+from plumbline.harness.scene import AxisNoise, LidarNoise
+from plumbline.harness.sensors.imu_noise import axis_noise
+from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.trajectory import Floats
 
 INTERVAL = 0.01
 MANY = pytest.mark.parametrize("count", [250_000, pytest.param(1_000_000, marks=pytest.mark.slow)])

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.metrics.allan import expected_variance, overlapping_variance
-from harness.scene import AxisNoise, LidarNoise
-from harness.sensors.imu_noise import MARKOV_PEAK, axis_noise, three_axes
-from harness.sensors.lidar_noise import noisy
-from harness.sensors.seeds import generator
+from plumbline.harness.metrics.allan import expected_variance, overlapping_variance
+from plumbline.harness.scene import AxisNoise, LidarNoise
+from plumbline.harness.sensors.imu_noise import MARKOV_PEAK, axis_noise, three_axes
+from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.sensors.seeds import generator
 
 LAW = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)
 

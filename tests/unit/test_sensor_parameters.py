@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from harness.scene import AxisNoise, Imu, Lidar, LidarNoise
+from plumbline.harness.scene import AxisNoise, Imu, Lidar, LidarNoise
 
 NAN, INF = float("nan"), float("inf")
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -20,8 +20,8 @@ from harness.scene import (
     TriangleMesh,
     axis_angle,
 )
-from harness.sensors.rays import first_hits
-from harness.trajectory import Floats, State
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.trajectory import Floats, State
 
 
 def _distance(shape: Shape, p: Floats) -> Floats:
@@ -85,7 +85,7 @@ def test_rays_hit_where_the_signed_distance_vanishes(shape: Shape, seed: int) ->
     origin_S = origin_S[_distance(shape, origin_S) > 0.1]
     aim_S = rng.uniform(-0.9, 0.9, size=origin_S.shape) - origin_S
     aim_S /= np.linalg.norm(aim_S, axis=1, keepdims=True)
-    from harness.trajectory.kinematics import rotate
+    from plumbline.harness.trajectory.kinematics import rotate
 
     turn = np.broadcast_to(np.array(q_WB), (len(origin_S), 4))
     hits = first_hits(scene, State.initial(scene), rotate(turn, origin_S) + np.array(p_WB), rotate(turn, aim_S), 20.0)

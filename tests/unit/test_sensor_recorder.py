@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.adapter import Unsupported
-from harness.scene import Body, Box, Camera, Effect, Imu, Lidar, PlacedShape, Plane, Scene, Sphere, axis_angle
-from harness.sensors import lidar as scanning
-from harness.sensors import recorder
-from harness.sensors.lidar import LidarReader
-from harness.sensors.rays import first_hits
-from harness.sensors.recorder import SensorRecorder
-from harness.trajectory import Floats, Hits, Image, State, Trajectory
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Body, Box, Camera, Effect, Imu, Lidar, PlacedShape, Plane, Scene, Sphere, axis_angle
+from plumbline.harness.sensors import lidar as scanning
+from plumbline.harness.sensors import recorder
+from plumbline.harness.sensors.lidar import LidarReader
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.recorder import SensorRecorder
+from plumbline.harness.trajectory import Floats, Hits, Image, State, Trajectory
 
 
 class Playback:
@@ -106,7 +106,7 @@ def test_angular_velocity_is_given_in_the_frame_of_the_sensor() -> None:
     q_WB, q_BS = axis_angle((1, 2, 3), 0.8), axis_angle((0, 1, 0), 0.3)
     scene = Scene(bodies=(BODY,), sensors=(replace(SENSOR, q_BS=q_BS),))
     streams = _record(scene, lambda _t: {"q_WB": q_WB, "w_WB": (0.1, 0.2, 0.3)}, 0.01, 2)
-    from harness.scene import multiply, rotation_matrix
+    from plumbline.harness.scene import multiply, rotation_matrix
 
     expected = np.array(rotation_matrix(multiply(q_WB, q_BS))).T @ (0.1, 0.2, 0.3)
     np.testing.assert_allclose(streams["imu/gyroscope"][0], expected, atol=1e-15)

@@ -6,14 +6,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.scene import Appearance, Body, Box, Lidar, LidarNoise, PlacedShape, Plane, Scene, Sphere, Vector3, axis_angle
-from harness.sensors.beams import SUB_RAYS, beams, spread
-from harness.sensors.lidar import ideal, in_world
-from harness.sensors.lidar_noise import noisy
-from harness.sensors.rays import first_hits
-from harness.sensors.recorder import SensorRecorder
-from harness.sensors.spinning import pose_between
-from harness.trajectory import Floats, Hits, State
+from plumbline.harness.scene import (
+    Appearance,
+    Body,
+    Box,
+    Lidar,
+    LidarNoise,
+    PlacedShape,
+    Plane,
+    Scene,
+    Sphere,
+    Vector3,
+    axis_angle,
+)
+from plumbline.harness.sensors.beams import SUB_RAYS, beams, spread
+from plumbline.harness.sensors.lidar import ideal, in_world
+from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.recorder import SensorRecorder
+from plumbline.harness.sensors.spinning import pose_between
+from plumbline.harness.trajectory import Floats, Hits, State
 
 CARRIER = Body(name="c")
 WALL = Body(name="wall", motion="static", collision=(PlacedShape(shape=Box(half_extents=(0.5, 50, 50))),), p_WB=(10.5, 0, 0))
@@ -258,7 +270,7 @@ def test_what_a_beam_meets_is_nothing_to_the_noise_of_the_others() -> None:
 
 
 def test_a_floor_under_a_mounted_sensor_is_seen_from_the_world() -> None:
-    from harness.scene import WORLD
+    from plumbline.harness.scene import WORLD
 
     up: Vector3 = (0.0, 0.0, 2.0)
     floor = Body(name="f", motion="static", collision=(PlacedShape(shape=Plane()),))

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.findings.sensor_readings.channel import Channel, channels, rays_of
-from harness.findings.sensor_readings.depth import depth_sigma
-from harness.findings.sensor_readings.findings import Finding, findings
-from harness.findings.sensor_readings.ideal import ideal_errors
-from harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
-from harness.findings.sensor_readings.lag import lag_of
-from harness.findings.sensor_readings.ranging import range_histogram
-from harness.findings.tables import sensors as table
-from harness.scene import AxisNoise, Camera, DepthCamera, Imu, ImuNoise, Lidar
-from harness.store.store import Store
-from harness.trajectory import Trajectory
+from plumbline.harness.findings.sensor_readings.channel import Channel, channels, rays_of
+from plumbline.harness.findings.sensor_readings.depth import depth_sigma
+from plumbline.harness.findings.sensor_readings.findings import Finding, findings
+from plumbline.harness.findings.sensor_readings.ideal import ideal_errors
+from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
+from plumbline.harness.findings.sensor_readings.lag import lag_of
+from plumbline.harness.findings.sensor_readings.ranging import range_histogram
+from plumbline.harness.findings.tables import sensors as table
+from plumbline.harness.scene import AxisNoise, Camera, DepthCamera, Imu, ImuNoise, Lidar
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Trajectory
 from tests.sensor_folder import BEAMS, CASE, LATENCY, PIXELS, scene, sensing, told, write_sensor_folder
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.run.fork_servers import WORTH_A_SERVER, context, start_apart, start_loaded
+from plumbline.harness.run.fork_servers import WORTH_A_SERVER, context, start_apart, start_loaded
 from tests.light_servers import light_servers
 from tests.told_by_processes import show_place, show_threads, tell
 

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from harness.store.store import Store
-from reports.charts.errors import across_cases, error_by_step
-from reports.charts.marks import HALF, OPEN
-from reports.tables.summary import sentences
-from reports.tables.trial_results import answers, at_own_step
-from reports.words.catalogue import compared_tracks, named_tracks, setting_words
+from plumbline.harness.store.store import Store
+from plumbline.reports.charts.errors import across_cases, error_by_step
+from plumbline.reports.charts.marks import HALF, OPEN
+from plumbline.reports.tables.summary import sentences
+from plumbline.reports.tables.trial_results import answers, at_own_step
+from plumbline.reports.words.catalogue import compared_tracks, named_tracks, setting_words
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.settings_folder import ONE, SEVERAL, write_settings_folder

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Settings
-from harness.search.settings_key import OPTION, key_of
+from plumbline.harness.adapter import Settings
+from plumbline.harness.search.settings_key import OPTION, key_of
 
 PLAIN = Settings(dt=1 / 240, options={"cone": "elliptic", "warm_start": True})
 OTHER: dict[str, Any] = {

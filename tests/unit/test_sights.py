@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from harness.scene import Body, Distance, Joint, Plane, Revolute, Scene, Sphere, Surface
-from harness.store.record import Measurement
-from harness.store.store import Store
-from harness.trajectory import Trajectory
-from reports.html import report as html
-from reports.html.report import write_report
-from reports.page import pages
-from reports.pictures.case_pictures import Sight, sight
-from reports.pictures.motion_chart import labelled
-from reports.recordings.camera import around_held
-from reports.recordings.moment import about, moment_recording
-from reports.recordings.runs import stage_of
+from plumbline.harness.scene import Body, Distance, Joint, Plane, Revolute, Scene, Sphere, Surface
+from plumbline.harness.store.record import Measurement
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Trajectory
+from plumbline.reports.html import report as html
+from plumbline.reports.html.report import write_report
+from plumbline.reports.page import pages
+from plumbline.reports.pictures.case_pictures import Sight, sight
+from plumbline.reports.pictures.motion_chart import labelled
+from plumbline.reports.recordings.camera import around_held
+from plumbline.reports.recordings.moment import about, moment_recording
+from plumbline.reports.recordings.runs import stage_of
 from tests.links import texts_of
 from tests.recorded_folder import Folder, placed, record
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.statistics.order import fit_slope
+from plumbline.harness.statistics.order import fit_slope
 
 TIME = np.linspace(0.0, 1000.0, 4001)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.study import plugins, provenance, sources
+from plumbline.harness.study import plugins, provenance, sources
 
 ROOT = Path(sources.__file__).parents[2]
 
@@ -66,30 +66,33 @@ def test_the_quick_scan_finds_every_import_that_the_parser_finds(tops: tuple[str
 
 
 def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:
-    modules = sources.closure(["cases.impact_bounce"])
+    modules = sources.closure(["plumbline.cases.impact_bounce"])
     assert {
-        "cases.impact_bounce",
-        "harness.metrics.restitution",
-        "harness.case.shared_checks.impact",
-        "harness.scene.scene",
+        "plumbline.cases.impact_bounce",
+        "plumbline.harness.metrics.restitution",
+        "plumbline.harness.case.shared_checks.impact",
+        "plumbline.harness.scene.scene",
     } <= modules
-    assert not {"cases.impact_cradle", "harness.store.journal", "harness.metrics.stack", "engine"} & modules
+    assert (
+        not {"plumbline.cases.impact_cradle", "plumbline.harness.store.journal", "plumbline.harness.metrics.stack", "engine"}
+        & modules
+    )
 
 
 def test_our_adapter_rests_on_the_whole_engine_and_another_on_none_of_it() -> None:
     files = {path.relative_to(ROOT).as_posix() for path in (ROOT / "engine").rglob("*.py")}
-    assert files <= set(sources.file_digests(sources.closure(["adapters.reference"])))
-    assert not any(module.startswith("engine") for module in sources.closure(["adapters.mujoco"]))
+    assert files <= set(sources.file_digests(sources.closure(["plumbline.adapters.reference"])))
+    assert not any(module.startswith("engine") for module in sources.closure(["plumbline.adapters.mujoco"]))
 
 
 def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
     answering = provenance._harness()
     assert {
-        "harness.trial.accuracy",
-        "harness.trial.simulate",
-        "harness.case.alteration",
-        "harness.trial.converged_truth",
-        "harness.trial.truth_cache",
+        "plumbline.harness.trial.accuracy",
+        "plumbline.harness.trial.simulate",
+        "plumbline.harness.case.alteration",
+        "plumbline.harness.trial.converged_truth",
+        "plumbline.harness.trial.truth_cache",
     } <= answering
     assert not any(map(sources.keeps, answering))
 
@@ -129,11 +132,11 @@ def test_a_third_partys_package_is_followed_within_itself(tmp_path: Path, monkey
     package.mkdir()
     (package / "__init__.py").write_text("")
     (package / "engine.py").write_text("from . import parts\nfrom .more import (\n    thing,\n)\nimport numpy\n")
-    (package / "parts.py").write_text('"""\nfrom here on prose\n"""\nfrom harness.scene import Scene\n')
+    (package / "parts.py").write_text('"""\nfrom here on prose\n"""\nfrom plumbline.harness.scene import Scene\n')
     (package / "more.py").write_text("thing = 1\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     modules = sources.closure(["strange.engine"])
-    assert {"strange", "strange.engine", "strange.parts", "strange.more", "harness.scene.scene"} <= modules
+    assert {"strange", "strange.engine", "strange.parts", "strange.more", "plumbline.harness.scene.scene"} <= modules
     before = sources.digest_of(modules)
     (package / "more.py").write_text("thing = 2\n")
     clear()

@@ -2,10 +2,10 @@
 
 import pytest
 
-from harness.findings.steps_taken import step_in_words, substeps_of, substeps_taken, with_substeps
-from harness.findings.tables import price, steps
-from harness.store.store import Store
-from reports.words.text import step
+from plumbline.harness.findings.steps_taken import step_in_words, substeps_of, substeps_taken, with_substeps
+from plumbline.harness.findings.tables import price, steps
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.text import step
 from tests.run_folder import write_run_folder
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from reports.charts.figure import Figure
-from reports.charts.still_legend import BESIDE
+from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.still_legend import BESIDE
 
 NAMES = ["Plumbline reference (ours)", "MuJoCo", "Bullet", "DART"]
 TRACKS = ["default", "tuned"]

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from harness.study import plugins
-from harness.study.experiment import Experiment, StudyError, Variant
-from harness.study.study import Study, call_roll, load_study
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment, StudyError, Variant
+from plumbline.harness.study.study import Study, call_roll, load_study
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 
 def test_every_built_in_study_is_readable() -> None:

@@ -2,10 +2,10 @@
 
 from dataclasses import fields, replace
 
-from harness.adapter import Feature
-from harness.adapter.features import features_of
-from harness.cli.support import support_lines
-from harness.study import plugins
+from plumbline.harness.adapter import Feature
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.cli.support import support_lines
+from plumbline.harness.study import plugins
 
 
 def test_one_scene_runs_or_cannot_with_the_reason() -> None:

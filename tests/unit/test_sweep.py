@@ -7,16 +7,16 @@ from typing import Any
 
 import pytest
 
-from harness.adapter import Adapter, Feature, Settings, Simulation
-from harness.case import Case
-from harness.metrics.position import position_error_max
-from harness.scene import Body, Scene
-from harness.search.front import SCREENING, due_for_clock, next_trials
-from harness.store.record import Measurement, Record
-from harness.study.experiment import Experiment
-from harness.study.one_knob import turned
-from harness.study.study import Study
-from harness.study.trial import Trial
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
+from plumbline.harness.case import Case
+from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.scene import Body, Scene
+from plumbline.harness.search.front import SCREENING, due_for_clock, next_trials
+from plumbline.harness.store.record import Measurement, Record
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.one_knob import turned
+from plumbline.harness.study.study import Study
+from plumbline.harness.study.trial import Trial
 
 CASE = Case(
     name="flight_made",

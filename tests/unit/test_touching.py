@@ -5,11 +5,23 @@ import math
 import numpy as np
 import pytest
 
-from harness.case.starts import PRESSED, TOLERANCE, member
-from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
-from harness.scene.shape import Shape
-from harness.study import plugins
-from harness.trajectory.touching import reach, touches
+from plumbline.harness.case.starts import PRESSED, TOLERANCE, member
+from plumbline.harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    Cylinder,
+    Ellipsoid,
+    PlacedShape,
+    Plane,
+    Scene,
+    Sphere,
+    Surface,
+    axis_angle,
+)
+from plumbline.harness.scene.shape import Shape
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory.touching import reach, touches
 
 RULES = (Surface(static_friction=0.5, kinetic_friction=0.5),)
 FLOOR = Body(name="floor", motion="static", collision=(PlacedShape(shape=Plane()),))

@@ -5,8 +5,8 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.adapter.touching_kinds import touching_kinds
-from harness.scene import Body, PlacedShape, Scene, Sphere, Surface
+from plumbline.harness.adapter.touching_kinds import touching_kinds
+from plumbline.harness.scene import Body, PlacedShape, Scene, Sphere, Surface
 
 MATERIALS = ("ice", "oak", "tin")
 PAIRS = [(a, b) for k, a in enumerate(MATERIALS) for b in MATERIALS[k:]]

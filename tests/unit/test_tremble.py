@@ -14,20 +14,20 @@ import pytest
 import tomli_w
 from pydantic import TypeAdapter
 
-from cases import stand_humanoid
-from harness.adapter import Adapter, Diverged, Feature, Settings
-from harness.findings.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
-from harness.scene import Revolute, Scene
-from harness.store.disk import write_atomically
-from harness.store.journal import Journal
-from harness.store.store import Store
-from harness.study.catalogue import describe_case
-from harness.study.stored_study import Departure, departures_of
-from harness.study.study import Study, load_study
-from harness.trajectory import Contacts, State
-from harness.trial.accuracy import run_trial
-from harness.truths.rest import at_rest
-from reports.pages.tremble import PAGE
+from plumbline.cases import stand_humanoid
+from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings
+from plumbline.harness.findings.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
+from plumbline.harness.scene import Revolute, Scene
+from plumbline.harness.store.disk import write_atomically
+from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.catalogue import describe_case
+from plumbline.harness.study.stored_study import Departure, departures_of
+from plumbline.harness.study.study import Study, load_study
+from plumbline.harness.trajectory import Contacts, State
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.truths.rest import at_rest
+from plumbline.reports.pages.tremble import PAGE
 from tests.run_folder import write_run_folder
 
 BOUND = 1e-3

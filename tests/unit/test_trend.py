@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.statistics.order import Order, falls_short, fit_order
+from plumbline.harness.statistics.order import Order, falls_short, fit_order
 
 LADDER = [1 / 60 / 2**k for k in range(8)]
 

@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from harness.cli.main import main
-from harness.findings.changes import Change
-from harness.history.acknowledged import Acknowledgement
-from harness.history.folder import History
-from harness.history.identity import Named
-from harness.history.night_readings import NightOf, Subject
-from harness.history.price_steps import PriceStep, price_steps
-from harness.history.regressions import Trends, date, read_trends
-from harness.history.series import Series
-from harness.history.soundness import problems_of
-from harness.history.yardsticks import yardsticks
-from harness.store import store
-from harness.store.journal import Written, read_written
-from harness.store.record import Record, digest
-from harness.store.store import write_json
-from harness.trajectory import Floats
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.history.acknowledged import Acknowledgement
+from plumbline.harness.history.folder import History
+from plumbline.harness.history.identity import Named
+from plumbline.harness.history.night_readings import NightOf, Subject
+from plumbline.harness.history.price_steps import PriceStep, price_steps
+from plumbline.harness.history.regressions import Trends, date, read_trends
+from plumbline.harness.history.series import Series
+from plumbline.harness.history.soundness import problems_of
+from plumbline.harness.history.yardsticks import yardsticks
+from plumbline.harness.store import store
+from plumbline.harness.store.journal import Written, read_written
+from plumbline.harness.store.record import Record, digest
+from plumbline.harness.store.store import write_json
+from plumbline.harness.trajectory import Floats
 from tests.synthetic_history import write_history
 from tests.synthetic_nights import NIGHTS, history
 

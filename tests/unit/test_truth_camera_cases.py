@@ -8,28 +8,28 @@ import mpmath
 import numpy as np
 import pytest
 
-from cases import sensor_camera_optics
-from cases.sensor_camera_optics import CASE as OPTICS
-from cases.sensor_camera_optics import HALF_THICKNESS, INDEX, _fresnel, _in_mirror, _in_pane
-from cases.sensor_camera_pinhole import CASE as PINHOLE
-from cases.sensor_depth_noise import BLOCK, FOCAL, PATTERN, PHASE, STEREO, WALL, WIDTH
-from cases.sensor_depth_noise import CASE as NOISE
-from cases.sensor_depth_noise import GRAZING as HALL_GRAZING
-from cases.sensor_depth_plane import CASE as PLANE
-from cases.sensor_depth_plane import GRAZING as PLANE_GRAZING
-from cases.sensor_depth_spheres import BALLS, LONGEST
-from cases.sensor_depth_spheres import CASE as SPHERES
-from harness.case import Case
-from harness.metric import NotMeasurable
-from harness.metrics.colour_error import colour_error_max, colour_error_median
-from harness.scene import DepthCamera
-from harness.sensors.depth_camera import lost
-from harness.sensors.pinhole import intrinsics, pixel_centres
-from harness.sensors.recorder import steps_between_readings
-from harness.sensors.returned_light import signal, sunlight
-from harness.sensors.true_frames import true_frames, true_sight
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline.cases import sensor_camera_optics
+from plumbline.cases.sensor_camera_optics import CASE as OPTICS
+from plumbline.cases.sensor_camera_optics import HALF_THICKNESS, INDEX, _fresnel, _in_mirror, _in_pane
+from plumbline.cases.sensor_camera_pinhole import CASE as PINHOLE
+from plumbline.cases.sensor_depth_noise import BLOCK, FOCAL, PATTERN, PHASE, STEREO, WALL, WIDTH
+from plumbline.cases.sensor_depth_noise import CASE as NOISE
+from plumbline.cases.sensor_depth_noise import GRAZING as HALL_GRAZING
+from plumbline.cases.sensor_depth_plane import CASE as PLANE
+from plumbline.cases.sensor_depth_plane import GRAZING as PLANE_GRAZING
+from plumbline.cases.sensor_depth_spheres import BALLS, LONGEST
+from plumbline.cases.sensor_depth_spheres import CASE as SPHERES
+from plumbline.harness.case import Case
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.colour_error import colour_error_max, colour_error_median
+from plumbline.harness.scene import DepthCamera
+from plumbline.harness.sensors.depth_camera import lost
+from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
+from plumbline.harness.sensors.recorder import steps_between_readings
+from plumbline.harness.sensors.returned_light import signal, sunlight
+from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 
 def _worked_out(case: Case, **parameters: Any) -> Trajectory:

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases import friction_painleve as painleve
-from cases import joint_double_pendulum_chaotic as chaos
-from harness.case import Case, Converged
-from harness.metric import NotMeasurable
-from harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from harness.metrics.impulse import impulse_max
-from harness.metrics.painleve import painleve_coefficient
-from harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.cases import friction_painleve as painleve
+from plumbline.cases import joint_double_pendulum_chaotic as chaos
+from plumbline.harness.case import Case, Converged
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
+from plumbline.harness.metrics.impulse import impulse_max
+from plumbline.harness.metrics.painleve import painleve_coefficient
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 
 def verdicts(case: Case, run: Trajectory, **parameters: Any) -> dict[str, bool]:

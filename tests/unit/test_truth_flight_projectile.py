@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from cases.flight_projectile import CASE
-from harness.adapter import Settings
-from harness.trajectory import Trajectory
+from plumbline.cases.flight_projectile import CASE
+from plumbline.harness.adapter import Settings
+from plumbline.harness.trajectory import Trajectory
 
 speeds = st.floats(-50, 50)
 

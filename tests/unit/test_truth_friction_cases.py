@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from cases import friction_creep, friction_spinning, friction_static_kinetic, friction_wall_pinch
-from harness.case import Case
-from harness.trajectory import State, Trajectory
+from plumbline.cases import friction_creep, friction_spinning, friction_static_kinetic, friction_wall_pinch
+from plumbline.harness.case import Case
+from plumbline.harness.trajectory import State, Trajectory
 
 CASES = [module.CASE for module in (friction_creep, friction_spinning, friction_static_kinetic, friction_wall_pinch)]
 G = 9.81

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.friction_stop import CASE, HALF, expected, scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases.friction_stop import CASE, HALF, expected, scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = 9.81
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.friction_threshold import CASE, HALF, STEEPNESS, expected, scene
-from harness.scene import Box, rotation_matrix
-from harness.trajectory import Trajectory
+from plumbline.cases.friction_threshold import CASE, HALF, STEEPNESS, expected, scene
+from plumbline.harness.scene import Box, rotation_matrix
+from plumbline.harness.trajectory import Trajectory
 
 G = np.array([0.0, 0.0, -9.81])
 

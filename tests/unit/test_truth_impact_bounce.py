@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.impact_bounce import CASE, expected, scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases.impact_bounce import CASE, expected, scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = 9.81
 

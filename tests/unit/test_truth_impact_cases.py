@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases import impact_cradle, impact_gas, impact_momentum, impact_oblique, impact_pairs
-from harness.case import Case
-from harness.scene import Scene, sphere_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import cross
-from harness.truths.coulomb_impact import coulomb_impact
+from plumbline.cases import impact_cradle, impact_gas, impact_momentum, impact_oblique, impact_pairs
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Scene, sphere_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import cross
+from plumbline.harness.truths.coulomb_impact import coulomb_impact
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from cases import joint_conical_pendulum, joint_fourbar, joint_limits, joint_spring
-from harness.case import Case
-from harness.scene import EARTH_GRAVITY, box_inertia
-from harness.trajectory import Floats, Trajectory
-from harness.truths.first_order import first_order_motions, true_motion
+from plumbline.cases import joint_conical_pendulum, joint_fourbar, joint_limits, joint_spring
+from plumbline.harness.case import Case
+from plumbline.harness.scene import EARTH_GRAVITY, box_inertia
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.first_order import first_order_motions, true_motion
 
 G = -EARTH_GRAVITY[2]
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.joint_double_pendulum import CASE
-from harness.case import Converged
-from harness.metrics.energy import energy_drift_max
-from harness.metrics.joint_gap import joint_gap_max
-from harness.trajectory import Floats
-from harness.truths.double_pendulum import INERTIA, LENGTH, MASS, D
+from plumbline.cases.joint_double_pendulum import CASE
+from plumbline.harness.case import Converged
+from plumbline.harness.metrics.energy import energy_drift_max
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, D
 
 
 def _newton_euler(_t: float, y: Floats) -> Floats:

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from cases.joint_pendulum import CASE, RADIUS, period
-from harness.trajectory import Trajectory
+from plumbline.cases.joint_pendulum import CASE, RADIUS, period
+from plumbline.harness.trajectory import Trajectory
 
 
 @settings(max_examples=15, deadline=None)

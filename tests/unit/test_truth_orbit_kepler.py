@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.orbit_kepler import CASE, STRENGTH, eccentric_anomaly, expected, scene, textbook
-from harness.metric import NotMeasurable
-from harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases.orbit_kepler import CASE, STRENGTH, eccentric_anomaly, expected, scene, textbook
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
+from plumbline.harness.trajectory import Floats, Trajectory
 
 DT = 1 / 240
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.rest_jitter import CASE, HALF, expected, scene
-from harness.trajectory import Contacts, Trajectory
+from plumbline.cases.rest_jitter import CASE, HALF, expected, scene
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 G = 9.81
 DT = 1 / 240

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases import (
+from plumbline.cases import (
     friction_backspin,
     friction_roll_incline,
     friction_rolling_resistance,
     friction_slip_to_roll,
     friction_turntable,
 )
-from harness.case import Case
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import angle_between
-from harness.truths.rolling import grip_time, rolling
+from plumbline.harness.case import Case
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between
+from plumbline.harness.truths.rolling import grip_time, rolling
 
 MODULES = (
     friction_backspin,

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases import flight_box, joint_chain, rest_penetration, stack_pile, system_rays
-from harness.case import Case, Converged
-from harness.scene import rotation_matrix
-from harness.trajectory import Contacts, Trajectory
-from harness.truths import double_pendulum
+from plumbline.cases import flight_box, joint_chain, rest_penetration, stack_pile, system_rays
+from plumbline.harness.case import Case, Converged
+from plumbline.harness.scene import rotation_matrix
+from plumbline.harness.trajectory import Contacts, Trajectory
+from plumbline.harness.truths import double_pendulum
 
 G = 9.81
 

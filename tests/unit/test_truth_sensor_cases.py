@@ -4,14 +4,14 @@ import mpmath
 import numpy as np
 import pytest
 
-from cases.sensor_imu_noise import CASE as IMU
-from cases.sensor_imu_noise import RATE
-from cases.sensor_lidar_noise import CASE as LIDAR
-from cases.sensor_lidar_noise import GRAZING, REFLECTIVITY
-from harness.scene import Imu, Lidar, rotation_matrix
-from harness.sensors import lidar as scanning
-from harness.sensors.rays import first_hits
-from harness.trajectory import State, Trajectory
+from plumbline.cases.sensor_imu_noise import CASE as IMU
+from plumbline.cases.sensor_imu_noise import RATE
+from plumbline.cases.sensor_lidar_noise import CASE as LIDAR
+from plumbline.cases.sensor_lidar_noise import GRAZING, REFLECTIVITY
+from plumbline.harness.scene import Imu, Lidar, rotation_matrix
+from plumbline.harness.sensors import lidar as scanning
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.trajectory import State, Trajectory
 
 
 @pytest.mark.parametrize(("spin", "lever"), [(2.0, 0.3), (-7.0, 1.5), (0.01, 0.05)])
@@ -90,8 +90,8 @@ def test_intensity_is_lamberts_cosine_of_the_closed_form_normal() -> None:
 
 @pytest.mark.parametrize("case", [IMU, LIDAR], ids=lambda c: c.name)
 def test_every_step_of_the_ladder_is_a_divisor_of_the_sensors_interval(case: object) -> None:
-    from harness.case import Case
-    from harness.sensors.recorder import steps_between_readings
+    from plumbline.harness.case import Case
+    from plumbline.harness.sensors.recorder import steps_between_readings
 
     assert isinstance(case, Case)
     scene = case.scene(**case.parameters)

@@ -7,7 +7,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from cases import (
+from plumbline.cases import (
     sensor_imu_free_fall,
     sensor_imu_integral,
     sensor_imu_lag,
@@ -18,16 +18,16 @@ from cases import (
     sensor_lidar_shapes,
     sensor_streams,
 )
-from cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
-from harness.case import Case
-from harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
-from harness.scene import Lidar, Scene, rotation_matrix
-from harness.sensors import lidar as scanning
-from harness.sensors.rays import first_hits
-from harness.sensors.recorder import SensorRecorder, steps_between_readings, steps_of_latency
-from harness.trajectory import Floats, State, Trajectory
-from harness.trajectory.kinematics import rotate
+from plumbline.cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
+from plumbline.harness.case import Case
+from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
+from plumbline.harness.scene import Lidar, Scene, rotation_matrix
+from plumbline.harness.sensors import lidar as scanning
+from plumbline.harness.sensors.rays import first_hits
+from plumbline.harness.sensors.recorder import SensorRecorder, steps_between_readings, steps_of_latency
+from plumbline.harness.trajectory import Floats, State, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate
 
 TURNTABLE = sensor_imu_turntable.CASE
 CASES = [

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases import (
+from plumbline.cases import (
     flight_damped,
     flight_projectile,
     joint_conical_pendulum,
@@ -21,8 +21,8 @@ from cases import (
     spin_principal,
     spin_symmetric_top,
 )
-from harness.case import Case, Converged
-from harness.trajectory import State
+from plumbline.harness.case import Case, Converged
+from plumbline.harness.trajectory import State
 
 SMOOTH = (
     flight_damped,

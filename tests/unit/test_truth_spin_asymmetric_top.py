@@ -6,10 +6,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from cases.spin_asymmetric_top import CASE
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import angle_between, cross, rotate
-from harness.truths.free_rotation import body_rates
+from plumbline.cases.spin_asymmetric_top import CASE
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between, cross, rotate
+from plumbline.harness.truths.free_rotation import body_rates
 
 
 def _integrated(moments: tuple[float, float, float], spin: tuple[float, float, float], time: Floats) -> tuple[Floats, Floats]:

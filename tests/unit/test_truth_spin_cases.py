@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases import flight_damped, spin_heavy_top, spin_intermediate_axis, spin_symmetric_top
-from harness.case import Case
-from harness.scene import EARTH_GRAVITY
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import angle_between, rotate, rotate_back
+from plumbline.cases import flight_damped, spin_heavy_top, spin_intermediate_axis, spin_symmetric_top
+from plumbline.harness.case import Case
+from plumbline.harness.scene import EARTH_GRAVITY
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between, rotate, rotate_back
 
 
 def _truth(case: Case, time: Floats, **parameters: object) -> Trajectory:

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from adapters.reference import ADAPTER
-from cases.stack_arch import CASE, DENSITY, DEPTH, FRICTION, THICKNESS, expected, scene, voussoir
-from harness.scene import ConvexHull, Scene, rotate
-from harness.trajectory import Contacts, Floats, State, Trajectory
+from plumbline.adapters.reference import ADAPTER
+from plumbline.cases.stack_arch import CASE, DENSITY, DEPTH, FRICTION, THICKNESS, expected, scene, voussoir
+from plumbline.harness.scene import ConvexHull, Scene, rotate
+from plumbline.harness.trajectory import Contacts, Floats, State, Trajectory
 from tests.limit_analysis import GROUND, Point, stands
 
 NO_SLIDING = 10.0

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cases import stack_heavy_on_two, stack_mass_ratio, stack_overlap_recovery, stack_pyramid
-from harness.case import Case
-from harness.scene import Body, Box, Plane, Scene, Sphere, rotate
-from harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.cases import stack_heavy_on_two, stack_mass_ratio, stack_overlap_recovery, stack_pyramid
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Body, Box, Plane, Scene, Sphere, rotate
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 G = 9.81
 CASES = [m.CASE for m in (stack_mass_ratio, stack_heavy_on_two, stack_pyramid, stack_overlap_recovery)]

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-import engine
-from adapters.reference import ADAPTER
-from cases import stack_bowl
-from cases.stack_bowl import CASE, FLOOR, LEAN, POST, RINGS, SETTLED, THICK, TOP, scene
-from harness.metric import NotMeasurable
-from harness.metrics.energy import energy_rise_max
-from harness.metrics.penetration import penetration
-from harness.metrics.threading import unthreaded
-from harness.scene import EARTH_GRAVITY, Box, TriangleMesh
-from harness.trajectory import Contacts, Floats, Trajectory
-from harness.trajectory.kinematics import rotate_back
+from plumbline import engine
+from plumbline.adapters.reference import ADAPTER
+from plumbline.cases import stack_bowl
+from plumbline.cases.stack_bowl import CASE, FLOOR, LEAN, POST, RINGS, SETTLED, THICK, TOP, scene
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.energy import energy_rise_max
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.threading import unthreaded
+from plumbline.harness.scene import EARTH_GRAVITY, Box, TriangleMesh
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 from tests.conformance.put import put
 from tests.solid_meshes import mass_properties, volume
 

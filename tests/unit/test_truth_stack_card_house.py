@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.stack_card_house import CASE, GRIP, HALF, scene
-from harness.metrics.frames import critical_friction
-from harness.scene import Body, Scene, rotate
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases.stack_card_house import CASE, GRIP, HALF, scene
+from plumbline.harness.metrics.frames import critical_friction
+from plumbline.harness.scene import Body, Scene, rotate
+from plumbline.harness.trajectory import Floats, Trajectory
 from tests.limit_analysis import GROUND, Point, stands
 
 

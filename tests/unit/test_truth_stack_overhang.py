@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.stack_overhang import CASE, FACTORS, scene
-from harness.metrics.overhang import harmonic_overhang
-from harness.scene import Body, Box, Scene
-from harness.trajectory import Trajectory
+from plumbline.cases.stack_overhang import CASE, FACTORS, scene
+from plumbline.harness.metrics.overhang import harmonic_overhang
+from plumbline.harness.scene import Body, Box, Scene
+from plumbline.harness.trajectory import Trajectory
 from tests.limit_analysis import GROUND, Point, stands
 
 

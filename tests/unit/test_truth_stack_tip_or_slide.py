@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.stack_tip_or_slide import CASE, HALF, scene
-from harness.scene import Box, rotate, rotation_matrix
-from harness.trajectory import Trajectory
+from plumbline.cases.stack_tip_or_slide import CASE, HALF, scene
+from plumbline.harness.scene import Box, rotate, rotation_matrix
+from plumbline.harness.trajectory import Trajectory
 from tests.limit_analysis import GROUND, Point, stands
 
 G = 9.81

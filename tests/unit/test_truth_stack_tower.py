@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.stack_tower import CASE, HALF, expected, scene
-from harness.scene import axis_angle
-from harness.trajectory import Contacts, Trajectory
+from plumbline.cases.stack_tower import CASE, HALF, expected, scene
+from plumbline.harness.scene import axis_angle
+from plumbline.harness.trajectory import Contacts, Trajectory
 
 G = 9.81
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases import stand_hit, stand_humanoid, stand_quadruped
-from harness.case import Case
-from harness.props.robots.humanoid import humanoid
-from harness.props.robots.quadruped import quadruped
-from harness.props.robots.robot import bearing, loads
-from harness.scene import EARTH_GRAVITY, Box
-from harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.cases import stand_hit, stand_humanoid, stand_quadruped
+from plumbline.harness.case import Case
+from plumbline.harness.props.robots.humanoid import humanoid
+from plumbline.harness.props.robots.quadruped import quadruped
+from plumbline.harness.props.robots.robot import bearing, loads
+from plumbline.harness.scene import EARTH_GRAVITY, Box
+from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 STANDING = {"stand_quadruped": (stand_quadruped.CASE, quadruped()), "stand_humanoid": (stand_humanoid.CASE, humanoid())}
 G = 9.81

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.system_level_of_detail import (
+from plumbline.cases.system_level_of_detail import (
     CASE,
     ECCENTRICITY,
     HALF,
@@ -20,10 +20,10 @@ from cases.system_level_of_detail import (
     polyhedron,
     scene,
 )
-from harness.metrics.cam_follower import cam_follower_gap
-from harness.scene import EARTH_GRAVITY, ConvexHull
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import rotate
+from plumbline.harness.metrics.cam_follower import cam_follower_gap
+from plumbline.harness.scene import EARTH_GRAVITY, ConvexHull
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate
 
 G = -EARTH_GRAVITY[2]
 TIME = np.arange(round(CASE.duration * 240) + 1) / 240

@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.system_predictability import BUMP, CASE, EXPONENT, JUDGED, RADIUS, REACH, expected, scene, tilts
-from harness.metric import NotMeasurable
-from harness.metrics.balance import exit_time_error_rms, growth_exponent_error, lost_start_share, smallest_followed_start
-from harness.scene import Scene
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases.system_predictability import BUMP, CASE, EXPONENT, JUDGED, RADIUS, REACH, expected, scene, tilts
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.balance import (
+    exit_time_error_rms,
+    growth_exponent_error,
+    lost_start_share,
+    smallest_followed_start,
+)
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import Floats, Trajectory
 
 METRICS = (growth_exponent_error, lost_start_share, smallest_followed_start, exit_time_error_rms)
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cases.system_scaling import CASE, INTERVAL, KINDS, MASS, PUSH, TWIST, control, expected, noise, scene
-from harness.metrics.joint_gap import joint_gap_max
-from harness.trajectory import Floats, State, Trajectory
+from plumbline.cases.system_scaling import CASE, INTERVAL, KINDS, MASS, PUSH, TWIST, control, expected, noise, scene
+from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.trajectory import Floats, State, Trajectory
 
 
 def test_the_flight_obeys_newtons_law_under_the_forces_that_are_told() -> None:

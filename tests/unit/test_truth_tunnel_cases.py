@@ -9,10 +9,10 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 from scipy.stats import kstest
 
-from cases import tunnel_dynamic_pair, tunnel_rod, tunnel_thin_mesh
-from harness.case import Case
-from harness.scene import Effect, TriangleMesh
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases import tunnel_dynamic_pair, tunnel_rod, tunnel_thin_mesh
+from plumbline.harness.case import Case
+from plumbline.harness.scene import Effect, TriangleMesh
+from plumbline.harness.trajectory import Floats, Trajectory
 
 G = 9.81
 

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.stats import kstest
 
-from cases.tunnel_sphere_wall import CASE, RADIUS, expected, scene
-from harness.scene import Box, Effect
-from harness.trajectory import Floats, Trajectory
+from plumbline.cases.tunnel_sphere_wall import CASE, RADIUS, expected, scene
+from plumbline.harness.scene import Box, Effect
+from plumbline.harness.trajectory import Floats, Trajectory
 
 SPEED = float(CASE.parameters["speed"])
 

@@ -10,21 +10,21 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from harness.case.alteration import UNDROPPED, Alteration
-from harness.cli.own_scene import closing_words
-from harness.findings.agreement import Omission, agreements, omissions
-from harness.findings.tables import agreement as table
-from harness.run.campaign import carry_out
-from harness.scene import Revolute
-from harness.scene.importers.companion import Companion, JointWish
-from harness.store.imported_scenes import keep, unsound
-from harness.store.store import Store
-from harness.study import plugins
-from harness.study.experiment import Refinement
-from harness.study.own_scene import study_of
-from harness.study.study import Study
-from reports.pages.scene import PAGE
-from reports.words.text import powers
+from plumbline.harness.case.alteration import UNDROPPED, Alteration
+from plumbline.harness.cli.own_scene import closing_words
+from plumbline.harness.findings.agreement import Omission, agreements, omissions
+from plumbline.harness.findings.tables import agreement as table
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.scene import Revolute
+from plumbline.harness.scene.importers.companion import Companion, JointWish
+from plumbline.harness.store.imported_scenes import keep, unsound
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Refinement
+from plumbline.harness.study.own_scene import study_of
+from plumbline.harness.study.study import Study
+from plumbline.reports.pages.scene import PAGE
+from plumbline.reports.words.text import powers
 from tests.in_process import in_this_process
 from tests.robot_files import imported, mjcf, row
 

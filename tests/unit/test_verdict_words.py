@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from harness.metrics.frames import frame_friction_error
-from harness.metrics.overhang import _stacks, overhang_limit_error
-from harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle, box_inertia
-from harness.study import plugins
-from harness.trajectory import Contacts, Trajectory
+from plumbline.harness.metrics.frames import frame_friction_error
+from plumbline.harness.metrics.overhang import _stacks, overhang_limit_error
+from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle, box_inertia
+from plumbline.harness.study import plugins
+from plumbline.harness.trajectory import Contacts, Trajectory
 from tests.all_metrics import all_metrics
 
 WORDS = re.compile(
@@ -197,7 +197,7 @@ def slid(way: float) -> Callable[[Scene, Trajectory, int], None]:
     """Moves a box down its incline by a way [m]."""
 
     def change(scene: Scene, run: Trajectory, place: int) -> None:
-        from harness.scene import rotate
+        from plumbline.harness.scene import rotate
 
         normal = np.array(rotate(scene.bodies[place].q_WB, (0.0, 0.0, 1.0)))
         pull = np.array(scene.gravity)
@@ -211,7 +211,7 @@ def turned(about: tuple[float, float, float], angle: float) -> Callable[[Scene, 
     """Turns a box about an axis of its own by an angle [rad]."""
 
     def change(scene: Scene, run: Trajectory, place: int) -> None:
-        from harness.scene import multiply
+        from plumbline.harness.scene import multiply
 
         run.q_WB[6:, place] = multiply(scene.bodies[place].q_WB, axis_angle(about, angle))
 

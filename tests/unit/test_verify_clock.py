@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from harness.cli.main import main
-from harness.findings.summary import summaries
-from harness.run.campaign import carry_out
-from harness.store import journal
-from harness.store.journal import Journal, read_written
-from harness.store.record import Clocked, Timing
-from harness.store.store import Store, write_json, write_tables
-from harness.study import plugins
-from harness.study.experiment import Experiment
-from harness.study.study import Study
+from plumbline.harness.cli.main import main
+from plumbline.harness.findings.summary import summaries
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.store import journal
+from plumbline.harness.store.journal import Journal, read_written
+from plumbline.harness.store.record import Clocked, Timing
+from plumbline.harness.store.store import Store, write_json, write_tables
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.study import Study
 
 CASE = "flight_box"
 STUDY = Study(

@@ -14,14 +14,14 @@ from typing import Any
 
 import pytest
 
-import engine
-from adapters.reference.kernels import kernels as of_studies
-from engine.compile.jit import cache_directory
-from engine.options import BROAD_PHASES, FREE_INTEGRATORS
-from harness.adapter import Adapter
-from harness.adapter.kernels import KernelGroup
-from harness.run.warm_up import following
-from harness.study import plugins
+from plumbline import engine
+from plumbline.adapters.reference.kernels import kernels as of_studies
+from plumbline.engine.compile.jit import cache_directory
+from plumbline.engine.options import BROAD_PHASES, FREE_INTEGRATORS
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.adapter.kernels import KernelGroup
+from plumbline.harness.run.warm_up import following
+from plumbline.harness.study import plugins
 from tests.conftest import Command
 from tests.kernels_called import called, entries
 from tests.kernels_on_disk import NAMES, kernels_in, needed_first
@@ -189,7 +189,7 @@ class Terminal(StringIO):
 
 
 def test_on_a_terminal_there_is_a_bar(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from harness.run.warm_up import warm_up
+    from plumbline.harness.run.warm_up import warm_up
 
     monkeypatch.setattr(sys, "stderr", Terminal())
     assert warm_up("disk: compiling", partial(kernels_in, tmp_path), range(3), (), 1) == []
@@ -228,12 +228,12 @@ class Absent:
 
 
 sys.meta_path.insert(0, Absent())
-from harness.cli.main import main
+from plumbline.harness.cli.main import main
 main(["warm", "--first", "--help"], standalone_mode=False)
-import harness.run.warm_up
-from harness.run.progress import Progress
+import plumbline.harness.run.warm_up
+from plumbline.harness.run.progress import Progress
 from rich.progress import Progress as Bar
-from adapters.reference import ADAPTER
+from plumbline.adapters.reference import ADAPTER
 (group,) = [group for group in ADAPTER.kernels().groups if group.names == ("steps.smooth.step_free",)]
 assert not group.is_stored()
 group.compile()

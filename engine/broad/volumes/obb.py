@@ -5,12 +5,12 @@ Source: Gottschalk, Lin, Manocha, OBBTree: A Hierarchical Structure for Rapid In
 Ericson, Real-Time Collision Detection, section 4.4.1.
 """
 
-from engine.broad.volumes.sphere import reaches_through
-from engine.compile.jit import entry, kernel
-from engine.maths.rows import Floats, Ints, Mat, Vec, load3, load9
-from engine.maths.vec import cross, dot, norm, sub
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.broad.volumes.sphere import reaches_through
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load9
+from plumbline.engine.maths.vec import cross, dot, norm, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 PARALLEL = 1e-6
 """Length of the cross product of two edges [1] below which it is left out: the face normals stand for parallel edges."""

@@ -3,11 +3,11 @@
 Source: Ericson, Real-Time Collision Detection, section 4.3.1.
 """
 
-from engine.compile.jit import entry, kernel
-from engine.maths.rows import Floats, Ints, Vec, load3
-from engine.maths.vec import dot, sub
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3
+from plumbline.engine.maths.vec import dot, sub
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 
 @kernel

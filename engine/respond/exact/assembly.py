@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.maths.rows import Floats, Ints, load3, load6, store3
-from engine.maths.vec import axpy, cross, dot, scale, sub, sym_vec
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.rows import Floats, Ints, load3, load6, store3
+from plumbline.engine.maths.vec import axpy, cross, dot, scale, sub, sym_vec
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
 
 VELOCITY, BROUGHT, FRICTION, LIFT, COLUMNS = 0, 3, 6, 7, 8
 """Columns of what is said of a contact: what the law sees at no impulse (3) m/s, the impulse (3) N s that it brings, Coulomb's

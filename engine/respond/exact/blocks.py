@@ -14,7 +14,7 @@ Source: Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapt
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.types import Floats
+from plumbline.engine.maths.types import Floats
 
 FineArray = NDArray[np.longdouble]
 

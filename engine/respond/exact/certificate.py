@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.maths.elementary import hypot
-from engine.maths.rows import Floats
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.elementary import hypot
+from plumbline.engine.maths.rows import Floats
 
 
 @kernel

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import kernel
-from engine.maths.rows import Floats, Ints
+from plumbline.engine.compile.jit import kernel
+from plumbline.engine.maths.rows import Floats, Ints
 
 
 @kernel

@@ -14,12 +14,12 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.maths.elementary import hypot
-from engine.maths.rows import Floats
-from engine.respond.exact.certificate import after, breach
-from engine.respond.exact.elimination import eliminate
-from engine.respond.exact.scaling import scale_problem
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.elementary import hypot
+from plumbline.engine.maths.rows import Floats
+from plumbline.engine.respond.exact.certificate import after, breach
+from plumbline.engine.respond.exact.elimination import eliminate
+from plumbline.engine.respond.exact.scaling import scale_problem
 
 SHORTER = (1.0, 0.5, 0.2, 0.05, 0.01)
 """How much shorter a step may be made."""

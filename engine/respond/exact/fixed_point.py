@@ -17,12 +17,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.types import Floats
-from engine.respond.exact.blocks import FINE, Blocks
-from engine.respond.exact.effort import Effort
-from engine.respond.exact.interior import central_point
-from engine.respond.exact.newton import minimise
-from engine.respond.exact.scaled import Scaled
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.blocks import FINE, Blocks
+from plumbline.engine.respond.exact.effort import Effort
+from plumbline.engine.respond.exact.interior import central_point
+from plumbline.engine.respond.exact.newton import minimise
+from plumbline.engine.respond.exact.scaled import Scaled
 
 DEPTH = 10
 """Earlier iterates that the acceleration looks at."""

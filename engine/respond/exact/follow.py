@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
-from engine.maths.types import Floats
-from engine.respond.exact.cone import inverse_slope, smooth_project
-from engine.respond.exact.effort import FOLLOWED, Effort
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.cone import inverse_slope, smooth_project
+from plumbline.engine.respond.exact.effort import FOLLOWED, Effort
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.respond.exact.joint_kernels import write_joint_rows
-from engine.respond.exact.law import Problem
-from engine.respond.exact.problem import (
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.respond.exact.joint_kernels import write_joint_rows
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.problem import (
     TOUCHING,
     ContactFrames,
     Movers,

@@ -13,9 +13,9 @@ frictional contact mechanics using interior point algorithm, Optim. Methods Soft
 
 import numpy as np
 
-from engine.respond.exact.blocks import FINE, Blocks, FineArray
-from engine.respond.exact.cone import frame_of
-from engine.respond.exact.effort import FINE_MATRIX, Effort
+from plumbline.engine.respond.exact.blocks import FINE, Blocks, FineArray
+from plumbline.engine.respond.exact.cone import frame_of
+from plumbline.engine.respond.exact.effort import FINE_MATRIX, Effort
 
 CLOSE = 0.99
 """Share of the way to the boundary of the cones that a step may take."""

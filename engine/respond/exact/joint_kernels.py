@@ -1,11 +1,11 @@
 """The compiled parts of an exact step that joints add: their rows, and a last look at their gaps."""
 
-from engine.compile.jit import entry
-from engine.constrain.coordinate import bounded_rows
-from engine.constrain.joint_rows import equality_rows
-from engine.constrain.open_joints import open_joint
-from engine.maths.rows import Floats, Ints
-from engine.memory.tables import bodies_of, joints_of, rows_of
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.constrain.coordinate import bounded_rows
+from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.constrain.open_joints import open_joint
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory.tables import bodies_of, joints_of, rows_of
 
 
 @entry

@@ -1,17 +1,17 @@
 """The compiled parts of an exact step: find contacts, kick, drift: the stages of the soft solver, one by one."""
 
-from engine.compile.jit import entry
-from engine.contact.find_contacts import find_contacts
-from engine.integrate import all_bodies
-from engine.integrate.finite_state import is_finite
-from engine.maths.rows import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.carve import floats_of, ints_of
-from engine.memory.status import DIVERGED, DONE
-from engine.memory.tables import bodies_of, contacts_of, joints_of, shapes_of
-from engine.respond.arms import refresh
-from engine.respond.softness import slow_approach
-from engine.respond.substep import approach, sum_impulses
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.contact.find_contacts import find_contacts
+from plumbline.engine.integrate import all_bodies
+from plumbline.engine.integrate.finite_state import is_finite
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.memory.tables import bodies_of, contacts_of, joints_of, shapes_of
+from plumbline.engine.respond.arms import refresh
+from plumbline.engine.respond.softness import slow_approach
+from plumbline.engine.respond.substep import approach, sum_impulses
 
 
 @entry

@@ -11,7 +11,7 @@ result for the Coulomb friction problem, 2013.
 
 from dataclasses import dataclass
 
-from engine.maths.types import Floats
+from plumbline.engine.maths.types import Floats
 
 
 @dataclass(frozen=True, slots=True)

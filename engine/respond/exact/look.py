@@ -2,9 +2,9 @@
 
 import math
 
-from engine.compile.jit import entry, kernel
-from engine.maths.elementary import exp, hypot, log
-from engine.maths.rows import Floats, Ints
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.elementary import exp, hypot, log
+from plumbline.engine.maths.rows import Floats, Ints
 
 MISS, RATE, SIZE, ENDS, ROOM, COLUMNS = 0, 3, 6, 7, 10, 13
 """Of what is said of a contact: F (3), dF / d log w (3), the size of its impulse, F on the ends of its frame (3), and what room

@@ -13,9 +13,9 @@ Source: Fukushima, Luo, Tseng, SIAM J. Optim. 12, 2002; Chen, Sun, Sun, Comput. 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.respond.exact.blocks import FINE, Blocks, FineArray
-from engine.respond.exact.cone import inverse_slope, smooth_project
-from engine.respond.exact.effort import FINE_MATRIX, Effort
+from plumbline.engine.respond.exact.blocks import FINE, Blocks, FineArray
+from plumbline.engine.respond.exact.cone import inverse_slope, smooth_project
+from plumbline.engine.respond.exact.effort import FINE_MATRIX, Effort
 
 NARROWER = 0.3
 """From one width to the next."""

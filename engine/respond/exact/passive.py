@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from engine.maths.types import Floats
-from engine.respond.exact.law import Problem
-from engine.respond.exact.solver import Solution
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.solver import Solution
 
 ROUND_OFF = 1e-10
 """What a group may gain, as a share of the energies that its impulses exchange: ten times the tolerance of a solve."""

@@ -19,10 +19,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.respond.exact.assembly import BROUGHT, COLUMNS, FRICTION, LIFT, VELOCITY, write_closing, write_frames, write_problem
-from engine.respond.exact.law import Problem
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.respond.exact.assembly import (
+    BROUGHT,
+    COLUMNS,
+    FRICTION,
+    LIFT,
+    VELOCITY,
+    write_closing,
+    write_frames,
+    write_problem,
+)
+from plumbline.engine.respond.exact.law import Problem
 
 TOUCHING = 1e-9
 """Gap [m] below which a point touches. Gaps of 1e-12 m, which round-off leaves between jammed bodies, would otherwise

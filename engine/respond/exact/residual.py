@@ -16,9 +16,9 @@ import math
 
 import numpy as np
 
-from engine.maths.types import Floats
-from engine.respond.exact.certificate import largest_breach
-from engine.respond.exact.law import Problem
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.certificate import largest_breach
+from plumbline.engine.respond.exact.law import Problem
 
 
 def relative_residual(problem: Problem, impulse: Floats) -> float:

@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.maths.types import Floats
-from engine.respond.exact.blocks import FineArray, positive_part
-from engine.respond.exact.law import Problem
-from engine.respond.exact.residual import relative_residual
-from engine.respond.exact.scaling import write_scaled
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.blocks import FineArray, positive_part
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.residual import relative_residual
+from plumbline.engine.respond.exact.scaling import write_scaled
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from engine.compile.jit import entry, kernel
-from engine.maths.rows import Floats
+from plumbline.engine.compile.jit import entry, kernel
+from plumbline.engine.maths.rows import Floats
 
 
 @kernel

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
-from engine.maths.types import Floats, Ints
-from engine.respond.exact.cone import spectral
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.respond.exact.cone import spectral
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 

@@ -25,16 +25,16 @@ from typing import TypeAlias
 
 import numpy as np
 
-from engine.maths.types import Floats, Ints
-from engine.respond.exact.effort import UNBOUNDED, Effort
-from engine.respond.exact.finish import finish_from
-from engine.respond.exact.fixed_point import rounds, sliding
-from engine.respond.exact.follow import follow_path
-from engine.respond.exact.law import Problem
-from engine.respond.exact.residual import relative_residual
-from engine.respond.exact.scaled import Scaled, scale_problem
-from engine.respond.exact.settle import OPEN, modes_between, modes_of, settling_step
-from engine.respond.exact.trace import trace_path
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.respond.exact.effort import UNBOUNDED, Effort
+from plumbline.engine.respond.exact.finish import finish_from
+from plumbline.engine.respond.exact.fixed_point import rounds, sliding
+from plumbline.engine.respond.exact.follow import follow_path
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.residual import relative_residual
+from plumbline.engine.respond.exact.scaled import Scaled, scale_problem
+from plumbline.engine.respond.exact.settle import OPEN, modes_between, modes_of, settling_step
+from plumbline.engine.respond.exact.trace import trace_path
 
 Answer: TypeAlias = tuple[Floats, float]
 """The best scaled impulses (k, 3) that a method found, and their residual."""

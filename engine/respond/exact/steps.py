@@ -16,20 +16,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.describe.bodies import Surface
-from engine.describe.errors import NotSupported
-from engine.describe.joints import Joint
-from engine.maths.types import Floats, Ints
-from engine.memory import arena as at
-from engine.memory.status import DIVERGED, DONE
-from engine.options import Options
-from engine.respond.exact.assembly import give_impulses
-from engine.respond.exact.held import assemble_held, give, held_bodies, hold
-from engine.respond.exact.joint_kernels import look_at_joints
-from engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
-from engine.respond.exact.law import Problem
-from engine.respond.exact.passive import without_gain
-from engine.respond.exact.problem import (
+from plumbline.engine.describe.bodies import Surface
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.joints import Joint
+from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.options import Options
+from plumbline.engine.respond.exact.assembly import give_impulses
+from plumbline.engine.respond.exact.held import assemble_held, give, held_bodies, hold
+from plumbline.engine.respond.exact.joint_kernels import look_at_joints
+from plumbline.engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
+from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.passive import without_gain
+from plumbline.engine.respond.exact.problem import (
     ContactFrames,
     assemble_problem,
     closing,
@@ -39,7 +39,7 @@ from engine.respond.exact.problem import (
     relative_velocity,
     time_to_blow,
 )
-from engine.respond.exact.solver import Solution, solve
+from plumbline.engine.respond.exact.solver import Solution, solve
 
 INSTANT = 1e-6
 """Share of a sub-step [1] within which gaps that close do so at once."""

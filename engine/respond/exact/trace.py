@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
-from engine.maths.types import Floats
-from engine.respond.exact.cone import compose, frame_of, root, spectral
-from engine.respond.exact.effort import EXTENDED, TRACED, Effort
-from engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.cone import compose, frame_of, root, spectral
+from plumbline.engine.respond.exact.effort import EXTENDED, TRACED, Effort
+from plumbline.engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
 
 FineArray = NDArray[np.floating]
 

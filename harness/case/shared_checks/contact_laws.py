@@ -5,9 +5,9 @@ solver that iterates: it stops where the cost improves by less than 1e-8 of its 
 a cost is quadratic in its residual, so that forces are known to the root of it.
 """
 
-from harness.case import Check
-from harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from harness.metrics.momentum_residual import momentum_residual
+from plumbline.harness.case import Check
+from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.metrics.momentum_residual import momentum_residual
 
 SOLVED = 1e-4
 """Share by which forces may miss a law that is solved for: the root of 1e-8."""

@@ -7,12 +7,12 @@ g dt T/e (MuJoCo, "Computation", solver parameters: 0.3 mm at 1/240 s and its ow
 makes of the weight, at any step. Neither is an error of the other kind: what both are held to is what a user needs.
 """
 
-from harness.case import Check
-from harness.metrics.collapse import collapse_time
-from harness.metrics.contact_force import support_force_error
-from harness.metrics.jitter import rms_speed
-from harness.metrics.penetration import penetration
-from harness.scene import EARTH_GRAVITY
+from plumbline.harness.case import Check
+from plumbline.harness.metrics.collapse import collapse_time
+from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.scene import EARTH_GRAVITY
 
 G = -EARTH_GRAVITY[2]
 GIVE = 1e-3

@@ -3,15 +3,15 @@
 The measure of a tremble is 0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step.
 """
 
-from harness.case import Check
-from harness.metrics.divergence import divergence
-from harness.metrics.energy import held_energy_gain_max
-from harness.metrics.foot_slip import foot_slip
-from harness.metrics.pose import pose_error_max
-from harness.metrics.stack import standing_height
-from harness.metrics.vibration import vibration_rms
-from harness.props.robots.floor import PRESSED
-from harness.scene import EARTH_GRAVITY
+from plumbline.harness.case import Check
+from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.energy import held_energy_gain_max
+from plumbline.harness.metrics.foot_slip import foot_slip
+from plumbline.harness.metrics.pose import pose_error_max
+from plumbline.harness.metrics.stack import standing_height
+from plumbline.harness.metrics.vibration import vibration_rms
+from plumbline.harness.props.robots.floor import PRESSED
+from plumbline.harness.scene import EARTH_GRAVITY
 
 G = -EARTH_GRAVITY[2]
 SHARE = 0.01

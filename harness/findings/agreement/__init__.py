@@ -1,12 +1,12 @@
 """Where engines end in a scene without a truth: each against itself, then against each other, then what stays defined
 beyond."""
 
-from harness.findings.agreement.errors import Errors, errors_of, ways
-from harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
-from harness.findings.agreement.judgement import judged
-from harness.findings.agreement.omissions import Omission, omission_words, omissions
-from harness.findings.agreement.perturbed_starts import Balance, Outlook, balances, horizon_of, outlooks
-from harness.findings.agreement.values import Agreement, Difference, Side, Word
+from plumbline.harness.findings.agreement.errors import Errors, errors_of, ways
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
+from plumbline.harness.findings.agreement.judgement import judged
+from plumbline.harness.findings.agreement.omissions import Omission, omission_words, omissions
+from plumbline.harness.findings.agreement.perturbed_starts import Balance, Outlook, balances, horizon_of, outlooks
+from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 
 __all__ = [
     "AGREED_TRUTH",

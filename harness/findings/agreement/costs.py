@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
-from harness.findings.agreement.found import agreements
-from harness.findings.agreement.values import Agreement
-from harness.findings.priced import priced
-from harness.findings.prices import PER_SECOND, Price
-from harness.findings.steps_taken import beside
-from harness.findings.variant_of import STEP, in_words
-from harness.store.store import Store
+from plumbline.harness.findings.agreement.found import agreements
+from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.steps_taken import beside
+from plumbline.harness.findings.variant_of import STEP, in_words
+from plumbline.harness.store.store import Store
 
 WITHIN = 1e-2
 """Of the size of what moves; the target of the price list."""

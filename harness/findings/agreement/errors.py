@@ -11,11 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from harness.findings.agreement.found import agreements
-from harness.findings.agreement.values import Agreement, Side
-from harness.store.store import Store
-from harness.trajectory import Floats
-from harness.trajectory.parting import apart, common
+from plumbline.harness.findings.agreement.found import agreements
+from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.parting import apart, common
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.agreement.judgement import judged
-from harness.findings.agreement.values import Agreement, Side
-from harness.scene import Effect, Scene
-from harness.scene.file import parse
-from harness.search.own_limits import ANSWERED, own_limit, rungs_of
-from harness.store.store import Store
-from harness.trajectory.parting import NOTHING, extent
+from plumbline.harness.findings.agreement.judgement import judged
+from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.scene.file import parse
+from plumbline.harness.search.own_limits import ANSWERED, own_limit, rungs_of
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory.parting import NOTHING, extent
 
 AGREED_TRUTH = "agreed limit"
 """What a case says of its truth where engines have to agree on it."""

@@ -17,14 +17,14 @@ from itertools import combinations
 
 import numpy as np
 
-from harness.adapter import Feature
-from harness.adapter.features import features_of
-from harness.findings.agreement.values import Agreement, Difference, Side, Word
-from harness.scene import Scene
-from harness.search.own_limits import OwnLimit
-from harness.statistics.camps import camps
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
+from plumbline.harness.adapter import Feature
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
+from plumbline.harness.scene import Scene
+from plumbline.harness.search.own_limits import OwnLimit
+from plumbline.harness.statistics.camps import camps
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
 ROUNDING = 1e-6
 """Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks

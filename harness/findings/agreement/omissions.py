@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from harness.case.alteration import UNDROPPED
-from harness.findings.agreement.perturbed_starts import horizon_of
-from harness.findings.agreement.values import Agreement
-from harness.findings.steps_taken import step_in_words, substeps_of
-from harness.search.own_limits import ANSWERED
-from harness.store.store import Store
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.case.alteration import UNDROPPED
+from plumbline.harness.findings.agreement.perturbed_starts import horizon_of
+from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.search.own_limits import ANSWERED
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import angle_between
 
 _NAMES = ("time", "p_WB", "q_WB")
 

@@ -12,17 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.agreement.values import Agreement
-from harness.findings.steps_taken import substeps_of
-from harness.scene import Scene
-from harness.scene.file import parse
-from harness.search.own_limits import ANSWERED, TOLERANCE, place_of
-from harness.search.refined_ladder import start_name
-from harness.statistics.student import Mean, mean_of
-from harness.store.store import Store
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import movable, rotate_back
-from harness.trajectory.parting import Extent
+from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.file import parse
+from plumbline.harness.search.own_limits import ANSWERED, TOLERANCE, place_of
+from plumbline.harness.search.refined_ladder import start_name
+from plumbline.harness.statistics.student import Mean, mean_of
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import movable, rotate_back
+from plumbline.harness.trajectory.parting import Extent
 
 LAWS: Mapping[str, str] = {
     "energy_gain_max": "energy won",

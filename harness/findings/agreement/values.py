@@ -5,9 +5,9 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from harness.search.own_limits import OwnLimit
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.parting import Extent
+from plumbline.harness.search.own_limits import OwnLimit
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.parting import Extent
 
 Word: TypeAlias = Literal["agrees", "converges elsewhere", "converges", "does not converge", "diverged", "cannot"]
 """'converges' alone where no limit is agreed that it could stand by or against."""

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook
-from harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook
+from plumbline.harness.findings.agreement.values import Agreement, Side
 
 
 def share(value: float) -> str:

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from harness.findings.changes.matching import Pair, where_of
-from harness.findings.changes.values import Change, Sense
-from harness.findings.prices import LEAST
-from harness.findings.steps_taken import substeps_of
-from harness.store.store import Store
-from harness.trial.ensemble import HELD
+from plumbline.harness.findings.changes.matching import Pair, where_of
+from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.findings.prices import LEAST
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.store.store import Store
+from plumbline.harness.trial.ensemble import HELD
 
 SHARE = 0.01
 """Of the bound, or of the error where that is more: what changes by less decides no verdict; it shows in the third digit."""

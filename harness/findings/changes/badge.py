@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from harness.findings.changes.values import ANSWERS, Changes
+from plumbline.harness.findings.changes.values import ANSWERS, Changes
 
 _LABEL = "plumbline"
 _WIDTH, _PADDING, _HEIGHT = 7, 12, 20

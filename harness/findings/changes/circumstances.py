@@ -5,11 +5,11 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from harness.findings.changes.matching import Pair, requested
-from harness.findings.changes.values import Change, Sense
-from harness.findings.steps_taken import substeps_of
-from harness.store.notices import StoredNotice
-from harness.store.store import Store
+from plumbline.harness.findings.changes.matching import Pair, requested
+from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.store import Store
 
 _MACHINE = ("processor", "cores", "memory_mb", "system", "python")
 

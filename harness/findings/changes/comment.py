@@ -2,9 +2,9 @@
 
 from collections.abc import Collection
 
-from harness.findings.changes.values import Change, Changes
-from harness.findings.changes.words import command, first_line, folded, headline, one_a_side
-from harness.intake.safe_text import LONGEST, markdown_cell, one_line
+from plumbline.harness.findings.changes.values import Change, Changes
+from plumbline.harness.findings.changes.words import command, first_line, folded, headline, one_a_side
+from plumbline.harness.intake.safe_text import LONGEST, markdown_cell, one_line
 
 LONGEST_COMMENT = 60_000
 """Characters: a comment on GitHub holds 65 536, and what posts it may add to it."""

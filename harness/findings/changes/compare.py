@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterator
 
-from harness.findings.changes.answers import answer_changes
-from harness.findings.changes.circumstances import (
+from plumbline.harness.findings.changes.answers import answer_changes
+from plumbline.harness.findings.changes.circumstances import (
     machine_changes,
     setting_changes,
     source_changes,
@@ -11,16 +11,16 @@ from harness.findings.changes.circumstances import (
     version_changes,
     warning_changes,
 )
-from harness.findings.changes.limits import limit_changes
-from harness.findings.changes.matching import matched
-from harness.findings.changes.own_verdicts import own_verdict_changes
-from harness.findings.changes.prices import clocked, price_changes
-from harness.findings.changes.repetitions import repetition_changes
-from harness.findings.changes.values import Change, Changes, Side
-from harness.findings.changes.weights import heaviest_first
-from harness.store.journal import StoreError
-from harness.store.machine_fingerprint import machine_digest
-from harness.store.store import Store
+from plumbline.harness.findings.changes.limits import limit_changes
+from plumbline.harness.findings.changes.matching import matched
+from plumbline.harness.findings.changes.own_verdicts import own_verdict_changes
+from plumbline.harness.findings.changes.prices import clocked, price_changes
+from plumbline.harness.findings.changes.repetitions import repetition_changes
+from plumbline.harness.findings.changes.values import Change, Changes, Side
+from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.machine_fingerprint import machine_digest
+from plumbline.harness.store.store import Store
 
 
 def compare(store_a: Store, store_b: Store) -> Changes:

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from harness.findings.changes.matching import where_of
-from harness.store.machine_fingerprint import machine_digest
-from harness.store.record import digest
-from harness.store.store import Store
+from plumbline.harness.findings.changes.matching import where_of
+from plumbline.harness.store.machine_fingerprint import machine_digest
+from plumbline.harness.store.record import digest
+from plumbline.harness.store.store import Store
 
 _COLUMNS = ["result", "params", "version", "started_at", "duration", "stats_ci_99_a", "stats_ci_99_b", "stats_q_25",
             "stats_q_75", "number", "repeat", "samples", "profile"]  # fmt: skip

@@ -5,13 +5,13 @@ from collections.abc import Callable, Collection
 from dataclasses import asdict
 from typing import Any
 
-from harness.findings.changes.badge import badge
-from harness.findings.changes.comment import comment
-from harness.findings.changes.exchange import asv, bencher
-from harness.findings.changes.junit import junit
-from harness.findings.changes.values import Changes
-from harness.findings.changes.words import command, sentence
-from harness.store.store import Store
+from plumbline.harness.findings.changes.badge import badge
+from plumbline.harness.findings.changes.comment import comment
+from plumbline.harness.findings.changes.exchange import asv, bencher
+from plumbline.harness.findings.changes.junit import junit
+from plumbline.harness.findings.changes.values import Changes
+from plumbline.harness.findings.changes.words import command, sentence
+from plumbline.harness.store.store import Store
 
 
 def flat_rows(changes: Changes) -> list[dict[str, Any]]:

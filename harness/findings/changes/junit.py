@@ -6,10 +6,10 @@ Source: the XML schema that Jenkins and others share: testsuites, testsuite, tes
 from collections.abc import Collection
 from xml.etree import ElementTree
 
-from harness.findings.changes.values import Change, Changes
-from harness.findings.changes.words import command, sentence
-from harness.intake.safe_text import LONGEST_TEXT, readable, visible
-from harness.store.store import Store
+from plumbline.harness.findings.changes.values import Change, Changes
+from plumbline.harness.findings.changes.words import command, sentence
+from plumbline.harness.intake.safe_text import LONGEST_TEXT, readable, visible
+from plumbline.harness.store.store import Store
 
 
 def junit(changes: Changes, store: Store, gated: Collection[str] = ()) -> str:

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable, Iterator
 
-from harness.findings.changes.values import Change, Sense
-from harness.findings.limits_found import Search, searches
-from harness.store.store import Store
+from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.findings.limits_found import Search, searches
+from plumbline.harness.store.store import Store
 
 _ANSWERED = ("limit", "beyond the extreme", "not even the easiest")
 

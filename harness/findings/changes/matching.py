@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-from harness.case.own_titles import OWN
-from harness.findings.variant_of import in_words, other_values
-from harness.store.store import Store
+from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.store.store import Store
 
 _ASKED = (
     "study", "experiment", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",

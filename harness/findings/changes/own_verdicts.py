@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 
-from harness.findings.agreement import Agreement, Side, Word, agreements
-from harness.findings.changes.matching import scene_of
-from harness.findings.changes.values import Change, Sense
-from harness.store.store import Store
+from plumbline.harness.findings.agreement import Agreement, Side, Word, agreements
+from plumbline.harness.findings.changes.matching import scene_of
+from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.store.store import Store
 
 _RANK: dict[Word, int] = {"agrees": 0, "converges elsewhere": 1, "does not converge": 2, "diverged": 3, "cannot": 4}
 """How far a word is from agreement. 'converges' alone is said where nothing is agreed: that is no fault of an engine."""

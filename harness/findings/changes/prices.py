@@ -25,13 +25,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.changes.matching import Pair, where_of
-from harness.findings.changes.values import Beside, Change
-from harness.findings.steps_taken import substeps_of
-from harness.statistics.bootstrap import interval_of_drawn
-from harness.statistics.student import percentile
-from harness.store.store import Store
-from harness.trajectory import Floats, Integers
+from plumbline.harness.findings.changes.matching import Pair, where_of
+from plumbline.harness.findings.changes.values import Beside, Change
+from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.statistics.bootstrap import interval_of_drawn
+from plumbline.harness.statistics.student import percentile
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats, Integers
 
 DRAWS = 400
 """Of the bootstrap: enough for the 2.5th and 97.5th of a hundred to be told from their neighbours."""

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from harness.findings.changes.values import Change
-from harness.findings.tables.determinism import Agreement, agreements
-from harness.store.store import Store
+from plumbline.harness.findings.changes.values import Change
+from plumbline.harness.findings.tables.determinism import Agreement, agreements
+from plumbline.harness.store.store import Store
 
 _SAME, _DIFFERS = "bit-identical", "differs"
 

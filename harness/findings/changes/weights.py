@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from harness.findings.changes.values import Change, Kind, Sense
+from plumbline.harness.findings.changes.values import Change, Kind, Sense
 
 _GRAVITY: tuple[tuple[Kind, Sense], ...] = (
     ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),

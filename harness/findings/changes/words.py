@@ -5,11 +5,11 @@ import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from harness.case.own_titles import OWN
-from harness.findings.changes.values import Change, Changes, Value
-from harness.findings.steps_taken import step_in_words
-from harness.metric.titles import metric_title
-from harness.study.engine_versions import asked
+from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.changes.values import Change, Changes, Value
+from plumbline.harness.findings.steps_taken import step_in_words
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.study.engine_versions import asked
 
 _ORIGINS = {
     "adapter": "the adapter's source",

@@ -1,7 +1,7 @@
 """Which engine, for what is wanted: requirements drop some, evidence ranks the rest, and the rank carries its doubt."""
 
-from harness.findings.selection.choose import Answer, choose
-from harness.findings.selection.preset import Preset, PresetError, preset_names, read_preset
-from harness.findings.selection.wish import CRITERIA, Dropped, Wish
+from plumbline.harness.findings.selection.choose import Answer, choose
+from plumbline.harness.findings.selection.preset import Preset, PresetError, preset_names, read_preset
+from plumbline.harness.findings.selection.wish import CRITERIA, Dropped, Wish
 
 __all__ = ["CRITERIA", "Answer", "Dropped", "Preset", "PresetError", "Wish", "choose", "preset_names", "read_preset"]

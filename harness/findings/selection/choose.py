@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from harness.findings.selection.doubt import Turn, turns
-from harness.findings.selection.evidence import BOUND, Evidence, gather
-from harness.findings.selection.rank import DRAWS, Rank, rank
-from harness.findings.selection.wish import Dropped, Wish
-from harness.store.store import Store
+from plumbline.harness.findings.selection.doubt import Turn, turns
+from plumbline.harness.findings.selection.evidence import BOUND, Evidence, gather
+from plumbline.harness.findings.selection.rank import DRAWS, Rank, rank
+from plumbline.harness.findings.selection.wish import Dropped, Wish
+from plumbline.harness.store.store import Store
 
 EXPRESSED = "a scene that it can express"
 """What is asked of every engine, whatever else is: of the others in a run there is no answer that could be compared."""

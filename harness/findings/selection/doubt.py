@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from harness.findings.selection.evidence import Evidence
-from harness.findings.selection.rank import scores
-from harness.findings.selection.wish import CRITERIA, Wish
+from plumbline.harness.findings.selection.evidence import Evidence
+from plumbline.harness.findings.selection.rank import scores
+from plumbline.harness.findings.selection.wish import CRITERIA, Wish
 
 TIMES = 2.0
 

@@ -12,17 +12,17 @@ from functools import lru_cache
 from statistics import median
 from typing import Any, TypeVar
 
-from harness.findings.agreement import AGREED_TRUTH
-from harness.findings.limits_found import searches_if_described
-from harness.findings.priced import priced
-from harness.findings.prices import PER_SECOND, Price
-from harness.findings.selection.wish import Wish
-from harness.findings.steps_taken import substeps_of, substeps_taken
-from harness.findings.tables.agreement import rows as agreement_rows
-from harness.findings.tables.determinism import agreements as repetitions
-from harness.metric.titles import metric_title
-from harness.store.rows import records
-from harness.store.store import Store
+from plumbline.harness.findings.agreement import AGREED_TRUTH
+from plumbline.harness.findings.limits_found import searches_if_described
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.selection.wish import Wish
+from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
+from plumbline.harness.findings.tables.agreement import rows as agreement_rows
+from plumbline.harness.findings.tables.determinism import agreements as repetitions
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
 
 BOUND = "at most"
 """The verdict on a price that is none: the coarsest step that was run errs less already, so that it is an upper bound."""

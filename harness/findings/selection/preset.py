@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from harness.findings.selection.wish import CRITERIA, Wish
-from harness.intake.mendable import Mendable
+from plumbline.harness.findings.selection.wish import CRITERIA, Wish
+from plumbline.harness.intake.mendable import Mendable
 
 _FOLDER = Path(__file__).parent / "presets"
 

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.selection.evidence import Evidence
-from harness.findings.selection.wish import CRITERIA, Wish
+from plumbline.harness.findings.selection.evidence import Evidence
+from plumbline.harness.findings.selection.wish import CRITERIA, Wish
 
 Floats = NDArray[np.float64]
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 
-from harness.findings.selection.choose import EXPRESSED, Answer
-from harness.findings.selection.doubt import Turn
-from harness.findings.selection.rank import Place
-from harness.findings.selection.wish import Dropped
+from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
+from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.rank import Place
+from plumbline.harness.findings.selection.wish import Dropped
 
 Titled = Callable[[str], str]
 """From a name to what people call it."""

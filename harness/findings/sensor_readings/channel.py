@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
-from harness.trajectory import Floats
+from plumbline.harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
+from plumbline.harness.trajectory import Floats
 
 RAYS = "rays"
 """The type, and the stream, of a case that casts rays of its own, without a sensor."""

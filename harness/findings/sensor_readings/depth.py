@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.sensor_readings.channel import Channel
-from harness.findings.sensor_readings.noise import Noise, lost_share, spread, spread_interval
-from harness.scene import DepthCamera
-from harness.trajectory import Floats
+from plumbline.harness.findings.sensor_readings.channel import Channel
+from plumbline.harness.findings.sensor_readings.noise import Noise, lost_share, spread, spread_interval
+from plumbline.harness.scene import DepthCamera
+from plumbline.harness.trajectory import Floats
 
 BINS, LEAST = 16, 50
 """Stretches of depth of equally many pixels, and the fewest pixels of one."""

@@ -13,19 +13,19 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
-from harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
-from harness.findings.sensor_readings.ideal import Errors, ideal_errors
-from harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
-from harness.findings.sensor_readings.lag import lag_by_law, lag_of
-from harness.findings.sensor_readings.noise import SILENT, Noise
-from harness.findings.sensor_readings.picture import Picture, first_picture
-from harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
-from harness.findings.variant_of import in_words, other_values
-from harness.scene import Lidar, Scene
-from harness.scene.file import parse
-from harness.store.journal import StoreError
-from harness.store.store import Store
+from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
+from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
+from plumbline.harness.findings.sensor_readings.ideal import Errors, ideal_errors
+from plumbline.harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
+from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
+from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise
+from plumbline.harness.findings.sensor_readings.picture import Picture, first_picture
+from plumbline.harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
+from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.scene import Lidar, Scene
+from plumbline.harness.scene.file import parse
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
 
 MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
 

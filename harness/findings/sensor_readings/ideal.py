@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.sensor_readings.channel import Channel
-from harness.metric.series import maximum, root_mean_square
-from harness.trajectory import Floats
+from plumbline.harness.findings.sensor_readings.channel import Channel
+from plumbline.harness.metric.series import maximum, root_mean_square
+from plumbline.harness.trajectory import Floats
 
 OTHER_SURFACE = 0.1
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.sensor_readings.channel import Channel
-from harness.findings.sensor_readings.noise import Noise, spread_interval
-from harness.metrics.allan import expected_variance, octaves, overlapping_variance, windows
-from harness.metrics.noise_bias import variance_of_mean
-from harness.scene import AxisNoise, Imu
-from harness.statistics.proportion import Z_95
-from harness.trajectory import Floats
+from plumbline.harness.findings.sensor_readings.channel import Channel
+from plumbline.harness.findings.sensor_readings.noise import Noise, spread_interval
+from plumbline.harness.metrics.allan import expected_variance, octaves, overlapping_variance, windows
+from plumbline.harness.metrics.noise_bias import variance_of_mean
+from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.statistics.proportion import Z_95
+from plumbline.harness.trajectory import Floats
 
 LEAST = 96
 """Readings below which no Allan deviation is taken: ten octaves less than two would be left."""

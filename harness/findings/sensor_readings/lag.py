@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.sensor_readings.channel import Channel
-from harness.scene import WORLD, Effect, Imu, Scene
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import product, rotate, rotate_back
+from plumbline.harness.findings.sensor_readings.channel import Channel
+from plumbline.harness.scene import WORLD, Effect, Imu, Scene
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import product, rotate, rotate_back
 
 LEAST = 16
 """Samples and readings below which no shift is sought."""

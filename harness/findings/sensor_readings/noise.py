@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from harness.statistics.proportion import Z_95, wilson_interval
-from harness.trajectory import Floats
+from plumbline.harness.statistics.proportion import Z_95, wilson_interval
+from plumbline.harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

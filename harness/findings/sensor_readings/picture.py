@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.findings.sensor_readings.channel import Channel
-from harness.trajectory import Floats
+from plumbline.harness.findings.sensor_readings.channel import Channel
+from plumbline.harness.trajectory import Floats
 
 WIDEST = 240
 """Pixels of a picture's longer side."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.findings.sensor_readings.channel import Channel
-from harness.findings.sensor_readings.noise import Noise, lost_share, spread
-from harness.scene import Lidar, LidarNoise
-from harness.trajectory import Floats
+from plumbline.harness.findings.sensor_readings.channel import Channel
+from plumbline.harness.findings.sensor_readings.noise import Noise, lost_share, spread
+from plumbline.harness.scene import Lidar, LidarNoise
+from plumbline.harness.trajectory import Floats
 
 EDGES = np.linspace(-4.0, 4.0, 33)
 """Of a histogram, in standard deviations of the law."""

@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 if TYPE_CHECKING:
-    from harness.store.store import Store
+    from plumbline.harness.store.store import Store
 
 
 class Table(Protocol):

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.agreement import (
+from plumbline.harness.findings.agreement import (
     Agreement,
     Omission,
     Side,
@@ -21,8 +21,8 @@ from harness.findings.agreement import (
     outlooks,
     scenes_to_judge,
 )
-from harness.findings.agreement.words import beyond_words, scene_words, side_sentence
-from harness.store.store import Store
+from plumbline.harness.findings.agreement.words import beyond_words, scene_words, side_sentence
+from plumbline.harness.store.store import Store
 
 COLUMNS = (
     "case", "where", "engine", "track", "ours", "verdict", "why", "order", "bar", "known_until", "horizon", "camp",

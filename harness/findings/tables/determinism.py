@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.store.journal import NotKept
-from harness.store.store import Store
-from harness.trajectory import Floats
+from plumbline.harness.store.journal import NotKept
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats
 
 STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
 FIRST = "first"

@@ -13,15 +13,15 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from harness.findings.variant_of import in_words, other_values
-from harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
-from harness.search.dominance import MAYBE, kept_parameters
-from harness.statistics.ratio import Ratio
-from harness.store.rows import records
-from harness.store.store import Store
-from harness.study.one_knob import OPTION, Turn, turn_between
-from harness.study.stored_study import experiments_of
+from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
+from plumbline.harness.search.dominance import MAYBE, kept_parameters
+from plumbline.harness.statistics.ratio import Ratio
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
+from plumbline.harness.study.stored_study import experiments_of
 
 DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""

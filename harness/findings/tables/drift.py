@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from harness.findings.steps_taken import columns_with_substeps, with_substeps
-from harness.metric import NotMeasurable
-from harness.metrics.energy import energy_change
-from harness.scene.file import parse
-from harness.statistics.order import fit_slope
-from harness.store.journal import NotKept
-from harness.store.rows import records
-from harness.store.store import Store
-from harness.trajectory import Floats, Trajectory
-from harness.trajectory.kinematics import movable
+from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
+from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.energy import energy_change
+from plumbline.harness.scene.file import parse
+from plumbline.harness.statistics.order import fit_slope
+from plumbline.harness.store.journal import NotKept
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import movable
 
 LONG = 100_000
 """Steps from which a run is a long one."""

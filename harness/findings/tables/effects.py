@@ -8,8 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from harness.case.alteration import EVERYTHING, REFINED
-from harness.findings.effects_audit import (
+from plumbline.harness.case.alteration import EVERYTHING, REFINED
+from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
     NOT_JUDGED,
@@ -19,11 +19,11 @@ from harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
-from harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from harness.findings.variant_of import differing, in_words
-from harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
-from harness.statistics.ratio import Ratio
-from harness.store.store import Store
+from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.variant_of import differing, in_words
+from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
+from plumbline.harness.statistics.ratio import Ratio
+from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

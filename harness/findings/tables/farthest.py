@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from harness.findings.leads import Reach, reaches
-from harness.findings.limits_found import amount, searches
-from harness.store.store import Store
+from plumbline.harness.findings.leads import Reach, reaches
+from plumbline.harness.findings.limits_found import amount, searches
+from plumbline.harness.store.store import Store
 
 COLUMNS = tuple(field.name for field in fields(Reach))
 

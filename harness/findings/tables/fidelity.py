@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.scene.importers import fidelity
-from harness.store.imported_scenes import fidelity_of
-from harness.store.store import Store
+from plumbline.harness.scene.importers import fidelity
+from plumbline.harness.store.imported_scenes import fidelity_of
+from plumbline.harness.store.store import Store
 
 COLUMNS = ("robot", *fidelity.COLUMNS)
 BRIEF = ("robot", *fidelity.BRIEF)

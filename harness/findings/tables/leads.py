@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from harness.findings.leads import Lead, axis_leads, pair_leads, reaches
-from harness.findings.limits_found import searches
-from harness.findings.priced import priced
-from harness.store.store import Store
+from plumbline.harness.findings.leads import Lead, axis_leads, pair_leads, reaches
+from plumbline.harness.findings.limits_found import searches
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.store.store import Store
 
 COLUMNS = tuple(field.name for field in fields(Lead))
 

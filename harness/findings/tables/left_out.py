@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from harness.store.store import Store
+from plumbline.harness.store.store import Store
 
 COLUMNS = ("experiment", "case", "trials", "why", "last_seen", "foreseen")
 

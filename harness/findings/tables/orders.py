@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from harness.findings.integrators import called
-from harness.findings.variant_of import in_words, other_values
-from harness.statistics.order import Order, falls_short, fit_order
-from harness.store.store import Store
+from plumbline.harness.findings.integrators import called
+from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.statistics.order import Order, falls_short, fit_order
+from plumbline.harness.store.store import Store
 
 Verdict = Literal["kept", "broken", "exact", "open", "none"]
 

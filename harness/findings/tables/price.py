@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from harness.findings.emulations import share_in_words
-from harness.findings.priced import priced
-from harness.findings.prices import Price
-from harness.findings.steps_taken import step_in_words
-from harness.store.store import Store
+from plumbline.harness.findings.emulations import share_in_words
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import Price
+from plumbline.harness.findings.steps_taken import step_in_words
+from plumbline.harness.store.store import Store
 
 COLUMNS = tuple(field.name for field in fields(Price))
 

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any, NamedTuple
 
-from harness.findings.leads import REFERENCE
-from harness.findings.priced import priced
-from harness.findings.prices import PER_SECOND, Price
-from harness.store.store import Store
+from plumbline.harness.findings.leads import REFERENCE
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.store.store import Store
 
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""

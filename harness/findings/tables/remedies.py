@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from harness.findings.limits_found import Search, amount, searches
-from harness.store.store import Store
-from harness.trial.ensemble import HELD
+from plumbline.harness.findings.limits_found import Search, amount, searches
+from plumbline.harness.store.store import Store
+from plumbline.harness.trial.ensemble import HELD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
-from harness.findings.sensor_readings.noise import Noise
-from harness.findings.steps_taken import columns_with_substeps, with_substeps
-from harness.store.store import Store
+from plumbline.harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
+from plumbline.harness.findings.sensor_readings.noise import Noise
+from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
+from plumbline.harness.store.store import Store
 
 OF_NOISE = tuple(field.name for field in fields(Noise) if field.name not in ("count", "why"))
 

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from harness.findings.cost_point import Point
-from harness.findings.priced import priced
-from harness.findings.prices import PER_SECOND, unit_of
-from harness.findings.steps_taken import step_in_words, substeps_of
-from harness.store.rows import records
-from harness.store.store import Store
+from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import PER_SECOND, unit_of
+from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.store.rows import records
+from plumbline.harness.store.store import Store
 
 WITHIN = 0.01
 """Of the case's scale."""

@@ -30,10 +30,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from harness.findings.prices import number
-from harness.findings.steps_taken import step_in_words, with_substeps
-from harness.store.store import Store
-from harness.study.stored_study import departures_of
+from plumbline.harness.findings.prices import number
+from plumbline.harness.findings.steps_taken import step_in_words, with_substeps
+from plumbline.harness.store.store import Store
+from plumbline.harness.study.stored_study import departures_of
 
 CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
 CHANGES = ("iterations", "law", "softer", "step", "product")

@@ -2,7 +2,7 @@
 
 import platform
 
-from harness.findings.vendor.still_there import Standing
+from plumbline.harness.findings.vendor.still_there import Standing
 
 _ASKED = {
     "bug": "Expected is what the documentation, or the format, says:",

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.findings.vendor.finding import Finding, FindingError, read_finding
+from plumbline.harness.findings.vendor.finding import Finding, FindingError, read_finding
 
 FOLDER = Path(__file__).resolve().parents[3] / "findings"
 """Where the scripts lie, a folder an engine."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from harness.findings.vendor.finding import Finding
+from plumbline.harness.findings.vendor.finding import Finding
 
 SECONDS = 60.0
 """After which a script counts as hung: six times what one may take on a machine that does nothing else."""

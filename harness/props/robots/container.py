@@ -1,6 +1,6 @@
 """A floor and four walls: what heaps lie in."""
 
-from harness.scene import Body, Plane
+from plumbline.harness.scene import Body, Plane
 
 WALLS = {"west": (1, 0, 0), "east": (-1, 0, 0), "south": (0, 1, 0), "north": (0, -1, 0)}
 """Names and the normals that point inwards."""

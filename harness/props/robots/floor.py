@@ -1,7 +1,7 @@
 """The ground that robots stand on."""
 
-from harness.props.robots.robot import MATERIAL
-from harness.scene import Body, Box, Surface
+from plumbline.harness.props.robots.robot import MATERIAL
+from plumbline.harness.scene import Body, Box, Surface
 
 SLAB_DEPTH = 0.5
 PRESSED = 1e-6

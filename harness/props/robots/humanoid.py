@@ -10,8 +10,20 @@ gains are our own, of the order of humanoid robots.
 import math
 from dataclasses import dataclass, replace
 
-from harness.props.robots.robot import MATERIAL, Robot, hinge, inertia_of
-from harness.scene import Body, Box, Capsule, Drive, PlacedShape, Revolute, Shape, Sphere, Vector3, axis_angle, sphere_inertia
+from plumbline.harness.props.robots.robot import MATERIAL, Robot, hinge, inertia_of
+from plumbline.harness.scene import (
+    Body,
+    Box,
+    Capsule,
+    Drive,
+    PlacedShape,
+    Revolute,
+    Shape,
+    Sphere,
+    Vector3,
+    axis_angle,
+    sphere_inertia,
+)
 
 MASS, STATURE = 70.0, 1.7
 SCALE = STATURE / 1.741

@@ -6,8 +6,8 @@ legs of 0.21 m and 0.18 m; Hutter et al., ANYmal, IROS 2016: 30 kg); the numbers
 
 import math
 
-from harness.props.robots.robot import MATERIAL, Robot, hinge
-from harness.scene import (
+from plumbline.harness.props.robots.robot import MATERIAL, Robot, hinge
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,

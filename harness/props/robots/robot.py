@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.scene import Body, Drive, Matrix3, Revolute, Vector3, principal_inertia
-from harness.trajectory import Floats
-from harness.trajectory.kinematics import cross
+from plumbline.harness.scene import Body, Drive, Matrix3, Revolute, Vector3, principal_inertia
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import cross
 
 MATERIAL = "machine"
 """The material of every part; a scene keeps it apart from itself, so that parts of one robot do not touch."""

@@ -16,13 +16,13 @@ from multiprocessing import process
 from pathlib import Path
 from typing import Any
 
-from harness.intake.mendable import Mendable
-from harness.run.isolated import run_isolated
-from harness.run.timing_blocks import clock_group
-from harness.store.machine_fingerprint import fingerprint, machine_digest
-from harness.study import plugins
-from harness.study.provenance import sources_of
-from harness.study.trial import Trial
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.run.isolated import run_isolated
+from plumbline.harness.run.timing_blocks import clock_group
+from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
+from plumbline.harness.study import plugins
+from plumbline.harness.study.provenance import sources_of
+from plumbline.harness.study.trial import Trial
 
 _KEPT = ("trajectories", "truths", "logs")
 """Folders of a run folder that a worker's own may have something for."""

@@ -15,16 +15,16 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from harness.intake.mendable import Mendable
-from harness.run.cluster.cells import Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
-from harness.run.interrupt import stop_if_asked
-from harness.store import disk
-from harness.store.journal import StoreError
-from harness.store.machine_fingerprint import machine_digest
-from harness.store.record import Record, Timing
-from harness.store.seal import Damaged, check_seal
-from harness.study.trial import Trial
-from harness.trial.accuracy import outcome
+from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.run.cluster.cells import Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
+from plumbline.harness.run.interrupt import stop_if_asked
+from plumbline.harness.store import disk
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.machine_fingerprint import machine_digest
+from plumbline.harness.store.record import Record, Timing
+from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.accuracy import outcome
 
 _CONNECTS = 30.0
 """Seconds that a scheduler may take to answer, and its first worker to come."""

@@ -4,11 +4,11 @@ import csv
 import math
 from pathlib import Path
 
-from harness.intake.allowance import beyond
-from harness.intake.documents import InputError, named, read
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene.motion import MOST_SAMPLES, Samples
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import InputError, named, read
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene.motion import MOST_SAMPLES, Samples
 
 TIME = "time"
 """The name of the first column."""

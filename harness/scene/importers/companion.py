@@ -6,13 +6,13 @@ from typing import Annotated, Literal
 from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from harness.intake.documents import InputError, document, named
-from harness.intake.import_wishes import Drop, Root, Start
-from harness.intake.refusal import RobotError
-from harness.intake.typed_fields import FieldError, filled
-from harness.scene import Motion, Quaternion, Sensor, Surface, Vector3
-from harness.scene.camera import Pixels
-from harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
+from plumbline.harness.intake.documents import InputError, document, named
+from plumbline.harness.intake.import_wishes import Drop, Root, Start
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.typed_fields import FieldError, filled
+from plumbline.harness.scene import Motion, Quaternion, Sensor, Surface, Vector3
+from plumbline.harness.scene.camera import Pixels
+from plumbline.harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
 ENDING = ".plumb.toml"
 Seconds = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False)]

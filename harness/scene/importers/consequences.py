@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.intake.refusal import listed
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.kinematics import Line, mass_matrix
-from harness.scene.importers.poses import Array
-from harness.scene.importers.robot import Coordinate
+from plumbline.harness.intake.refusal import listed
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.kinematics import Line, mass_matrix
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.robot import Coordinate
 
 MOST = 4_000_000
 """Coordinates times coordinates times bodies up to which inertias are worked out."""

@@ -16,11 +16,11 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import readable
-from harness.scene import ConvexHull
-from harness.scene.importers.meshes import Mesh, hull_of
-from harness.scene.importers.poses import Array
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.scene import ConvexHull
+from plumbline.harness.scene.importers.meshes import Mesh, hull_of
+from plumbline.harness.scene.importers.poses import Array
 
 CONCAVITY = 0.05
 """Below which a piece is not cut further, in CoACD's measure, relative to the mesh's size: its own default."""

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.intake.allowance import beyond
-from harness.intake.documents import InputError, named, regular
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import InputError, named, regular
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(?!\\)(.*)", re.DOTALL)
 

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from harness.scene import PlacedShape, Scene
-from harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene import PlacedShape, Scene
+from plumbline.harness.scene.importers.fidelity import Fidelity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from harness.scene.importers.companion import Companion
-    from harness.scene.importers.files import Folders
-    from harness.scene.importers.robot import Robot
+    from plumbline.harness.scene.importers.companion import Companion
+    from plumbline.harness.scene.importers.files import Folders
+    from plumbline.harness.scene.importers.robot import Robot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene import (
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,
@@ -22,15 +22,15 @@ from harness.scene import (
     Revolute,
     Spring,
 )
-from harness.scene.importers.companion import Companion, Massless
-from harness.scene.importers.consequences import Massive
-from harness.scene.importers.kinematics import Line, Posed
-from harness.scene.importers.materials import Laws
-from harness.scene.importers.merging import Group, check_inertia
-from harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
-from harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
-from harness.scene.importers.stand_ins import StandIns, stand_ins
-from harness.scene.importers.ties import coupled
+from plumbline.harness.scene.importers.companion import Companion, Massless
+from plumbline.harness.scene.importers.consequences import Massive
+from plumbline.harness.scene.importers.kinematics import Line, Posed
+from plumbline.harness.scene.importers.materials import Laws
+from plumbline.harness.scene.importers.merging import Group, check_inertia
+from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
+from plumbline.harness.scene.importers.stand_ins import StandIns, stand_ins
+from plumbline.harness.scene.importers.ties import coupled
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene.importers.poses import IDENTITY, Array, Pose, screw
-from harness.scene.importers.robot import Coordinate, Robot
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, screw
+from plumbline.harness.scene.importers.robot import Coordinate, Robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,11 +9,11 @@ import pkgutil
 from functools import cache
 from pathlib import Path
 
-from harness.intake.documents import named
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import quoted
-from harness.intake.strangers import points, trouble
-from harness.scene.importers.importer import Importer
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.strangers import points, trouble
+from plumbline.harness.scene.importers.importer import Importer
 
 GROUP = "plumbline.importers"
 OWN_ENDINGS = (".toml", ".json")
@@ -47,7 +47,7 @@ def importer_of(path: Path) -> Importer:
 
 @cache
 def _found() -> tuple[dict[str, Importer], dict[str, str]]:
-    import harness.scene.importers.formats as package
+    import plumbline.harness.scene.importers.formats as package
 
     known: dict[str, Importer] = {}
     for module in pkgutil.iter_modules(package.__path__):

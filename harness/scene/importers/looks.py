@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from harness.intake.refusal import RobotError, listed
-from harness.scene import Appearance, Body, PlacedShape, Shape, TriangleMesh
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.meshes import Mesh, load_mesh
-from harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
-from harness.scene.importers.robot import Link, Look
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.scene import Appearance, Body, PlacedShape, Shape, TriangleMesh
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.meshes import Mesh, load_mesh
+from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
+from plumbline.harness.scene.importers.robot import Link, Look
 
 FACES = 1500
 """Triangles of one mesh that a picture shows."""

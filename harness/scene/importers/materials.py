@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
-from harness.intake.refusal import listed
-from harness.scene import Surface
-from harness.scene.importers.companion import Companion
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.merging import Group
-from harness.scene.importers.robot import Robot
-from harness.scene.importers.settling import valid_name
+from plumbline.harness.intake.refusal import listed
+from plumbline.harness.scene import Surface
+from plumbline.harness.scene.importers.companion import Companion
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.merging import Group
+from plumbline.harness.scene.importers.robot import Robot
+from plumbline.harness.scene.importers.settling import valid_name
 
 ASSUMED_FRICTION = 0.8
 """Friction where neither the file nor its companion says one: dry rubber or wood on most floors."""

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.intake.refusal import RobotError, listed
-from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.robot import Geometry, Link, Robot, Solid
-from harness.scene.importers.solids import moved, together
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
+from plumbline.harness.scene.importers.robot import Geometry, Link, Robot, Solid
+from plumbline.harness.scene.importers.solids import moved, together
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from harness.intake.allowance import beyond
-from harness.intake.documents import named
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import readable
-from harness.scene import ConvexHull
-from harness.scene.importers.files import content
-from harness.scene.importers.poses import Array
-from harness.scene.importers.xml_text import elements
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.scene import ConvexHull
+from plumbline.harness.scene.importers.files import content
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.xml_text import elements
 
 FORMATS = (".stl", ".obj", ".dae")
 _FACE = re.compile(rb"^f\s", re.MULTILINE)

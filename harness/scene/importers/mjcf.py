@@ -10,19 +10,26 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.documents import named
-from harness.intake.near_miss import did_you_mean
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted, readable
-from harness.scene.importers import mjcf_actuators, mjcf_cameras, mjcf_contacts, mjcf_sensors, mjcf_shapes, mjcf_tendons
-from harness.scene.importers.companion import Cameras
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.files import Folders
-from harness.scene.importers.mjcf_model import Model, compile_apart
-from harness.scene.importers.mjcf_text import Prepared, prepared
-from harness.scene.importers.poses import Array, Pose, matrix, pose
-from harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
-from harness.scene.importers.xml_text import Element
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.scene.importers import (
+    mjcf_actuators,
+    mjcf_cameras,
+    mjcf_contacts,
+    mjcf_sensors,
+    mjcf_shapes,
+    mjcf_tendons,
+)
+from plumbline.harness.scene.importers.companion import Cameras
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.mjcf_model import Model, compile_apart
+from plumbline.harness.scene.importers.mjcf_text import Prepared, prepared
+from plumbline.harness.scene.importers.poses import Array, Pose, matrix, pose
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
+from plumbline.harness.scene.importers.xml_text import Element
 
 _KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
 

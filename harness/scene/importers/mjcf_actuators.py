@@ -4,10 +4,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.poses import Array
-from harness.scene.importers.robot import Need, Servo
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.robot import Need, Servo
 
 Servos: TypeAlias = dict[int, Servo]
 """By the place of a joint in the compiled model."""

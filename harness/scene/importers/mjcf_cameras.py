@@ -9,11 +9,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene import Camera, axis_angle, multiply
-from harness.scene.importers.companion import Cameras
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.poses import matrix, quaternion, vector
+from plumbline.harness.scene import Camera, axis_angle, multiply
+from plumbline.harness.scene.importers.companion import Cameras
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.poses import matrix, quaternion, vector
 
 _FORWARD = axis_angle((1.0, 0.0, 0.0), np.pi)
 """Turns a camera that looks along z with y down into MuJoCo's."""

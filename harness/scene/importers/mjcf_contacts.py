@@ -10,10 +10,10 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from harness.scene import Surface
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.robot import Contacts
+from plumbline.harness.scene import Surface
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.robot import Contacts
 
 
 @dataclass(frozen=True, slots=True)

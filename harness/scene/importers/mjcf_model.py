@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import one_line, readable
-from harness.scene.importers import mjcf_compiler
-from harness.scene.importers.mjcf_schema import expected, misspelt
-from harness.scene.importers.mjcf_text import Prepared
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import one_line, readable
+from plumbline.harness.scene.importers import mjcf_compiler
+from plumbline.harness.scene.importers.mjcf_schema import expected, misspelt
+from plumbline.harness.scene.importers.mjcf_text import Prepared
 
 DEADLINE = 60.0
 """Seconds that the compiler may take, its start included."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import cast
 
-from harness.intake.near_miss import did_you_mean
-from harness.intake.safe_text import quoted
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.safe_text import quoted
 
 BODY = "(world)body"
 RECURSIVE = ("body", "frame", "replicate")

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene import Imu, Lidar, Sensor, axis_angle, multiply
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.poses import matrix, quaternion, vector
+from plumbline.harness.scene import Imu, Lidar, Sensor, axis_angle, multiply
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.poses import matrix, quaternion, vector
 
 RATE = 240.0
 """Readings a second: one each coarsest step of a run of one's own scene."""

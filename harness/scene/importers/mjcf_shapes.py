@@ -4,14 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.intake.refusal import RobotError
-from harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.meshes import hull_of
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.poses import Pose, pose
-from harness.scene.importers.robot import Geometry, Look, Need
-from harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.meshes import hull_of
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.poses import Pose, pose
+from plumbline.harness.scene.importers.robot import Geometry, Look, Need
+from plumbline.harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
 
 
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.mjcf_model import Model
-from harness.scene.importers.robot import Closure
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.robot import Closure
 
 
 def pulls(model: Model, k: int) -> bool:

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
-from harness.intake.allowance import beyond
-from harness.intake.documents import named
-from harness.intake.import_wishes import Drop
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import quoted
-from harness.scene.importers.files import Folders, content, text_of
-from harness.scene.importers.meshes import too_many_faces
-from harness.scene.importers.xml_text import Element, elements
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.import_wishes import Drop
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene.importers.files import Folders, content, text_of
+from plumbline.harness.scene.importers.meshes import too_many_faces
+from plumbline.harness.scene.importers.xml_text import Element, elements
 
 MESHES = (".stl", ".obj", ".msh")
 _TEXTS = frozenset(("name", "class", "childclass", "dclass", "file", "content", "prefix", "model", "user", "data"))

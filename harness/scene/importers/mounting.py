@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene import WORLD, Body, Sensor
-from harness.scene.importers.poses import IDENTITY, Pose, pose, quaternion, vector
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import WORLD, Body, Sensor
+from plumbline.harness.scene.importers.poses import IDENTITY, Pose, pose, quaternion, vector
 
 
 def mounted(

@@ -4,18 +4,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from harness.intake.documents import named
-from harness.intake.import_wishes import Wishes
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene import Prismatic, Revolute, Samples, Scene
-from harness.scene.file import load
-from harness.scene.importers.companion import Companion
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.imported import Imported
-from harness.scene.importers.materials import one_friction
-from harness.scene.importers.scene_pieces import in_pieces
-from harness.scene.importers.settling import NONE
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import Prismatic, Revolute, Samples, Scene
+from plumbline.harness.scene.file import load
+from plumbline.harness.scene.importers.companion import Companion
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.materials import one_friction
+from plumbline.harness.scene.importers.scene_pieces import in_pieces
+from plumbline.harness.scene.importers.settling import NONE
 
 _OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "convex", "commands")
 

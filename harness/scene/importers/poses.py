@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from harness.scene.values import Quaternion, Vector3
+from plumbline.harness.scene.values import Quaternion, Vector3
 
 Array = npt.NDArray[np.float64]
 

@@ -7,33 +7,33 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from harness.intake.documents import named
-from harness.intake.import_wishes import Drop, Wishes
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted, readable
-from harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
-from harness.scene.importers import own, scenarios
-from harness.scene.importers.commands import load_commands
-from harness.scene.importers.companion import Base, Companion, beside, load_companion
-from harness.scene.importers.consequences import consequences
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.files import Folders
-from harness.scene.importers.imported import Imported
-from harness.scene.importers.importer import Reading
-from harness.scene.importers.joint_tree import Tree, tree_of
-from harness.scene.importers.kinematics import Posed, Twist, posed
-from harness.scene.importers.known import OWN_ENDINGS, importer_of, robot_endings
-from harness.scene.importers.looks import coloured, drawn_bodies, looks_of
-from harness.scene.importers.materials import Laws, laws_of, one_friction
-from harness.scene.importers.merging import Group, grouped
-from harness.scene.importers.mounting import mounted
-from harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
-from harness.scene.importers.robot import Robot
-from harness.scene.importers.rounded import as_polyhedra
-from harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
-from harness.scene.importers.sweeping import poses_of, swept
-from harness.scene.importers.ties import tied, untied
-from harness.scene.importers.units import scaled, suspected
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.import_wishes import Drop, Wishes
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
+from plumbline.harness.scene.importers import own, scenarios
+from plumbline.harness.scene.importers.commands import load_commands
+from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
+from plumbline.harness.scene.importers.consequences import consequences
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.importer import Reading
+from plumbline.harness.scene.importers.joint_tree import Tree, tree_of
+from plumbline.harness.scene.importers.kinematics import Posed, Twist, posed
+from plumbline.harness.scene.importers.known import OWN_ENDINGS, importer_of, robot_endings
+from plumbline.harness.scene.importers.looks import coloured, drawn_bodies, looks_of
+from plumbline.harness.scene.importers.materials import Laws, laws_of, one_friction
+from plumbline.harness.scene.importers.merging import Group, grouped
+from plumbline.harness.scene.importers.mounting import mounted
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
+from plumbline.harness.scene.importers.robot import Robot
+from plumbline.harness.scene.importers.rounded import as_polyhedra
+from plumbline.harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
+from plumbline.harness.scene.importers.sweeping import poses_of, swept
+from plumbline.harness.scene.importers.ties import tied, untied
+from plumbline.harness.scene.importers.units import scaled, suspected
 
 
 def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:

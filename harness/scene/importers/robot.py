@@ -14,10 +14,10 @@ from typing import Literal
 
 import numpy as np
 
-from harness.intake.import_wishes import Drop
-from harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.poses import IDENTITY, Array, Pose
+from plumbline.harness.intake.import_wishes import Drop
+from plumbline.harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
 
 Kind = Literal["revolute", "prismatic", "ball", "free"]
 

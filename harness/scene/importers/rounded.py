@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.intake.refusal import listed
-from harness.scene import ConvexHull, Ellipsoid, polyhedron_of
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.robot import Geometry, Robot
+from plumbline.harness.intake.refusal import listed
+from plumbline.harness.scene import ConvexHull, Ellipsoid, polyhedron_of
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.robot import Geometry, Robot
 
 ELEMENT = "geom ellipsoid"
 """What rows on ellipsoids are of."""

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.intake.import_wishes import Scenario, Wishes
-from harness.intake.refusal import RobotError
-from harness.scene import (
+from plumbline.harness.intake.import_wishes import Scenario, Wishes
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -23,11 +23,11 @@ from harness.scene import (
     TriangleMesh,
     Vector3,
 )
-from harness.scene.importers.companion import Companion, Ground
-from harness.scene.importers.consequences import Massive, inertias
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.robot import Coordinate, Robot, Servo
-from harness.scene.rotation import multiply, rotate, rotation_matrix
+from plumbline.harness.scene.importers.companion import Companion, Ground
+from plumbline.harness.scene.importers.consequences import Massive, inertias
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.robot import Coordinate, Robot, Servo
+from plumbline.harness.scene.rotation import multiply, rotate, rotation_matrix
 
 CLEARANCE = 0.1
 """How high above the ground the lowest point of what is dropped starts [m]."""

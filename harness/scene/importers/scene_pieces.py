@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.intake.refusal import listed
-from harness.scene import Body, ConvexHull, PlacedShape, Scene, TriangleMesh
-from harness.scene.importers.decomposition import pieces_of
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.meshes import Mesh
-from harness.scene.importers.solids import of_mesh
+from plumbline.harness.intake.refusal import listed
+from plumbline.harness.scene import Body, ConvexHull, PlacedShape, Scene, TriangleMesh
+from plumbline.harness.scene.importers.decomposition import pieces_of
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.meshes import Mesh
+from plumbline.harness.scene.importers.solids import of_mesh
 
 
 def in_pieces(scene: Scene, most: int, where: str, tell: Callable[[str], object] | None = None) -> tuple[Scene, list[Fidelity]]:

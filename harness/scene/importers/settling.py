@@ -4,14 +4,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from harness.intake.import_wishes import DROPPABLE, Drop, Wishes
-from harness.intake.near_miss import did_you_mean
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene import Motion, Samples
-from harness.scene.importers.companion import Companion, JointWish
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
+from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import Motion, Samples
+from plumbline.harness.scene.importers.companion import Companion, JointWish
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
 
 NONE: Mapping[str, Samples] = MappingProxyType({})
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from harness.scene import (
+from plumbline.harness.scene import (
     Box,
     Capsule,
     ConvexHull,
@@ -19,9 +19,9 @@ from harness.scene import (
     ellipsoid_inertia,
     sphere_inertia,
 )
-from harness.scene.importers.meshes import Mesh
-from harness.scene.importers.poses import Array, Pose, cross
-from harness.scene.importers.robot import Solid
+from plumbline.harness.scene.importers.meshes import Mesh
+from plumbline.harness.scene.importers.poses import Array, Pose, cross
+from plumbline.harness.scene.importers.robot import Solid
 
 
 def about(solid_mass: float, inertia: Array, offset: Array) -> Array:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene.importers.kinematics import Line
-from harness.scene.importers.poses import Array, Pose
-from harness.scene.importers.robot import Solid
+from plumbline.harness.scene.importers.kinematics import Line
+from plumbline.harness.scene.importers.poses import Array, Pose
+from plumbline.harness.scene.importers.robot import Solid
 
 SHARE = 0.01
 """Of the link's mass that all that stands before it takes together; a tenth of that, again and again, where the rest would have

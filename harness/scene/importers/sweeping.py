@@ -4,11 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from harness.scene.importers.consequences import Massive
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.robot import Coordinate, Robot
-from harness.scene.importers.scenarios import held_by_drives
-from harness.scene.motion import Sinusoid
+from plumbline.harness.scene.importers.consequences import Massive
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.robot import Coordinate, Robot
+from plumbline.harness.scene.importers.scenarios import held_by_drives
+from plumbline.harness.scene.motion import Sinusoid
 
 FREQUENCY = 0.5
 """Of the sinusoid [Hz]: through the range and back in two seconds, where that is not too fast."""

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene import Coupling, Joint, Prismatic, Revolute
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.robot import Coordinate, Robot
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import Coupling, Joint, Prismatic, Revolute
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.robot import Coordinate, Robot
 
 MOVED = 1e-9
 """How far a start may lie beside its tie and be taken for it [rad or m]: rounding of a file's digits."""

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere, TriangleMesh
-from harness.scene.importers.companion import Units
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.poses import Pose
-from harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Look, Robot, Solid
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.importers.companion import Units
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.poses import Pose
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Geometry, Link, Look, Robot, Solid
 
 SUSPECT = 50.0
 """Gravity [m/s2] above which a file's unit of length is probably not the metre: twice that of Jupiter."""

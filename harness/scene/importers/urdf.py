@@ -10,17 +10,17 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.allowance import beyond
-from harness.intake.documents import named
-from harness.intake.safe_text import readable
-from harness.scene.importers import urdf_grammar, urdf_shapes
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.files import Folders, text_of
-from harness.scene.importers.poses import IDENTITY, Array
-from harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
-from harness.scene.importers.urdf_grammar import numbers
-from harness.scene.importers.urdf_shapes import pose_of
-from harness.scene.importers.xml_text import Element, elements
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.scene.importers import urdf_grammar, urdf_shapes
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.files import Folders, text_of
+from plumbline.harness.scene.importers.poses import IDENTITY, Array
+from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
+from plumbline.harness.scene.importers.urdf_grammar import numbers
+from plumbline.harness.scene.importers.urdf_shapes import pose_of
+from plumbline.harness.scene.importers.xml_text import Element, elements
 
 
 def read(

@@ -8,9 +8,9 @@ from collections import Counter
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from harness.intake.near_miss import did_you_mean
-from harness.intake.safe_text import quoted
-from harness.scene.importers.xml_text import Element
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene.importers.xml_text import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")

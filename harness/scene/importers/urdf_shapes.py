@@ -5,17 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.refusal import RobotError
-from harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
-from harness.scene.importers.decomposition import pieces_of
-from harness.scene.importers.fidelity import Fidelity
-from harness.scene.importers.files import Folders
-from harness.scene.importers.meshes import hull_of, load_mesh
-from harness.scene.importers.poses import IDENTITY, Array, Pose
-from harness.scene.importers.robot import Geometry, Look, Solid
-from harness.scene.importers.solids import moved, of_mesh, of_shape, together
-from harness.scene.importers.urdf_grammar import numbers
-from harness.scene.importers.xml_text import Element
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
+from plumbline.harness.scene.importers.decomposition import pieces_of
+from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.meshes import hull_of, load_mesh
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
+from plumbline.harness.scene.importers.robot import Geometry, Look, Solid
+from plumbline.harness.scene.importers.solids import moved, of_mesh, of_shape, together
+from plumbline.harness.scene.importers.urdf_grammar import numbers
+from plumbline.harness.scene.importers.xml_text import Element
 
 
 class Shapes:

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.intake.allowance import beyond
-from harness.intake.refusal import RobotError
-from harness.intake.safe_text import quoted, readable
+from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted, readable
 
 
 @dataclass(slots=True, eq=False)

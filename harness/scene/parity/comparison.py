@@ -12,13 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.scene.importers.poses import Array
-from harness.scene.parity.consequence import Change, joint_changed, mass_changed, reference, worth
-from harness.scene.parity.difference import Difference, Quantity, Value
-from harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
-from harness.scene.parity.laws import rows_of
-from harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
-from harness.scene.parity.states import drawn
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.parity.consequence import Change, joint_changed, mass_changed, reference, worth
+from plumbline.harness.scene.parity.difference import Difference, Quantity, Value
+from plumbline.harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
+from plumbline.harness.scene.parity.laws import rows_of
+from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
+from plumbline.harness.scene.parity.states import drawn
 
 TOLERANCE = 1e-5
 """Relative. Files hold decimals of five or six digits: a right angle written as 1.5708 is off by 3.7e-6 rad. Ten times

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from harness.scene.importers.poses import Array
-from harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
-from harness.scene.parity.motion import Configuration, first_rates, passive
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
+from plumbline.harness.scene.parity.motion import Configuration, first_rates, passive
 
 Change = Callable[[RobotFacts], RobotFacts]
 _UNITS = {"revolute": "N m", "prismatic": "N", "ball": "N m", "free": "N m or N"}

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from harness.scene.importers.poses import Array
-from harness.scene.importers.robot import Kind
-from harness.scene.values import Vector3
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.robot import Kind
+from plumbline.harness.scene.values import Vector3
 
 FIXED = ""
 """The name that stands for the world where a joint's parent or a mass's joint is meant."""

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from harness.intake.documents import InputError, document, named
-from harness.intake.near_miss import did_you_mean
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene.parity.facts import RobotFacts
+from plumbline.harness.intake.documents import InputError, document, named
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene.parity.facts import RobotFacts
 
 
 def joint_names(path: Path, a: RobotFacts, b: RobotFacts) -> dict[str, str]:

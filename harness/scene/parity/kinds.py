@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.scene.importers.poses import Array
-from harness.scene.parity.difference import Difference
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.parity.difference import Difference
 
 _DROPPED = {
     "damping": "damping dropped",

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene.parity.difference import Difference, Quantity, Value
-from harness.scene.parity.facts import Law
+from plumbline.harness.scene.parity.difference import Difference, Quantity, Value
+from plumbline.harness.scene.parity.facts import Law
 
 ALONE = "it binds coordinates that move freely without it; its effect is not worked out"
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.intake.import_wishes import Root
-from harness.scene.importers.poses import Array
-from harness.scene.importers.robot import Solid
-from harness.scene.importers.solids import together
-from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
-from harness.scene.parity.motion import Configuration, dynamics
+from plumbline.harness.intake.import_wishes import Root
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.robot import Solid
+from plumbline.harness.scene.importers.solids import together
+from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
+from plumbline.harness.scene.parity.motion import Configuration, dynamics
 
 _PACKAGED = re.compile(r"(?:package|model)://([^/]+)/(.+)", re.DOTALL)
 

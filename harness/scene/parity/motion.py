@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene.importers.poses import Array, Pose
-from harness.scene.parity.facts import FIXED, RobotFacts
+from plumbline.harness.scene.importers.poses import Array, Pose
+from plumbline.harness.scene.parity.facts import FIXED, RobotFacts
 
 _SIZE = {"revolute": 1, "prismatic": 1, "ball": 3, "free": 6}
 

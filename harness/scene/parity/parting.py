@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.documents import named
-from harness.intake.refusal import RobotError, listed
-from harness.intake.safe_text import quoted
-from harness.scene.importers.files import text_of
-from harness.scene.importers.poses import Array
-from harness.scene.parity.facts import RobotFacts
-from harness.scene.parity.motion import Configuration, dynamics, first_rates
+from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene.importers.files import text_of
+from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.parity.facts import RobotFacts
+from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates
 
 DT = 2.5e-4
 """Time step [s] of the motion; both robots err alike with it."""

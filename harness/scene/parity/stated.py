@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.intake.import_wishes import Root, Wishes
-from harness.scene.importers.kinematics import Posed, posed
-from harness.scene.importers.merging import grouped
-from harness.scene.importers.poses import IDENTITY, Array
-from harness.scene.importers.reading import robot_of
-from harness.scene.importers.robot import Coordinate, Link, Robot
-from harness.scene.importers.solids import moved
-from harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
+from plumbline.harness.intake.import_wishes import Root, Wishes
+from plumbline.harness.scene.importers.kinematics import Posed, posed
+from plumbline.harness.scene.importers.merging import grouped
+from plumbline.harness.scene.importers.poses import IDENTITY, Array
+from plumbline.harness.scene.importers.reading import robot_of
+from plumbline.harness.scene.importers.robot import Coordinate, Link, Robot
+from plumbline.harness.scene.importers.solids import moved
+from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 
 _DRIVEN = "actuator"
 """Needs of this kind are of what drives a robot, and are not compared."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from harness.scene.parity.facts import JointFacts, RobotFacts
-from harness.scene.parity.motion import Configuration, first_rates
+from plumbline.harness.scene.parity.facts import JointFacts, RobotFacts
+from plumbline.harness.scene.parity.motion import Configuration, first_rates
 
 COUNT = 10
 _OPEN = {"revolute": np.pi, "prismatic": 0.5}

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from harness.store.store import Store
-from reports.page import Page
+from plumbline.harness.store.store import Store
+from plumbline.reports.page import Page
 
 
 def _raise(store: Store) -> Mapping[str, str]:

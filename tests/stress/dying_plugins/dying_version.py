@@ -4,8 +4,8 @@ import os
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.scene import Scene
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Unavailable, Unsupported
-from harness.case import Case, Check
-from harness.metrics import position
-from harness.scene import Body, Camera, Scene
-from harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unavailable, Unsupported
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics import position
+from plumbline.harness.scene import Body, Camera, Scene
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
 POSITION = position.position_error_max
 

@@ -7,11 +7,11 @@ import numpy as np
 from planted_deeds import MIDDLE, Fault
 from planted_faults import BY_NAME
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.case import Case, Check
-from harness.metrics import position
-from harness.scene import Body, Camera, Imu, Lidar, Scene
-from harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.case import Case, Check
+from plumbline.harness.metrics import position
+from plumbline.harness.scene import Body, Camera, Imu, Lidar, Scene
+from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
 POSITION = position.position_error_max
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.trajectory import State
+from plumbline.harness.trajectory import State
 
 SLEEP = "86398.75"
 """Seconds that a process sleeps which the engine leaves behind: by them it is found."""

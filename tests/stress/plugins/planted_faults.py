@@ -34,7 +34,7 @@ from planted_deeds import (
     worded,
 )
 
-from harness.adapter import Diverged, SettingsError, Unavailable, Unsupported
+from plumbline.harness.adapter import Diverged, SettingsError, Unavailable, Unsupported
 
 FAULTS: tuple[Fault, ...] = (
     *(

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, SettingsError, TradeOff, Unsupported
-from harness.scene import Effect, Scene
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError, TradeOff, Unsupported
+from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.trajectory import State
 
 ASIDE = np.array([1.0, 0.0, 0.0])
 """Across gravity, so that the planted error does not enter the energy."""

@@ -5,12 +5,12 @@ from math import pi, sqrt
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Finding, NotApplicable, check, judge, near
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import COARSE, FINE, built, final, state_of
-from harness.conformance.scenes import TURNED, ball, on_ground
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import COARSE, FINE, built, final, state_of
+from plumbline.harness.conformance.scenes import TURNED, ball, on_ground
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Comparison, Finding, check, judge, near, that
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
-from harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
-from harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle
-from harness.trajectory import Contacts
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Comparison, Finding, check, judge, near, that
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
+from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle
+from plumbline.harness.trajectory import Contacts
 
 SOFT_REBOUND = 0.16
 """What a critically damped contact that cannot pull gives back of the speed: e^-2 = .135, rounded up.

@@ -5,12 +5,12 @@ from math import inf
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
-from harness.conformance.runs import FINE, built, state_of
-from harness.conformance.scenes import G, ball, block, ground, on_ground, static
-from harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
-from harness.trajectory import Floats
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.runs import FINE, built, state_of
+from plumbline.harness.conformance.scenes import G, ball, block, ground, on_ground, static
+from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
+from plumbline.harness.trajectory import Floats
 
 _SHAPES: tuple[tuple[Feature, Shape, float], ...] = (
     (Feature.PLANE, Plane(), 0.0),

@@ -5,12 +5,12 @@ from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near, that
-from harness.conformance.runs import FINE, built, final, record, state_of
-from harness.conformance.scenes import G, ball, block, floor, free, ground, on_ground
-from harness.scene import Body, Scene, Surface, Vector3
-from harness.trajectory import Floats
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near, that
+from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
+from plumbline.harness.conformance.scenes import G, ball, block, floor, free, ground, on_ground
+from plumbline.harness.scene import Body, Scene, Surface, Vector3
+from plumbline.harness.trajectory import Floats
 
 _WITHIN = 0.025
 """Relative error granted to the size of kinetic friction: half of the fault of 5 % that the check has to see; compliant and

@@ -12,12 +12,12 @@ from math import cos, pi, sin, sqrt
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Finding, NotApplicable, check, judge, near
-from harness.conformance.checks.contract.features import SIDES
-from harness.conformance.runs import COARSE, FINE, final, record
-from harness.conformance.scenes import G, ground, on_ground, static
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
+from plumbline.harness.conformance.checks.contract.features import SIDES
+from plumbline.harness.conformance.runs import COARSE, FINE, final, record
+from plumbline.harness.conformance.scenes import G, ground, on_ground, static
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,

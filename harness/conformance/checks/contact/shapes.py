@@ -4,13 +4,13 @@ from math import pi, sqrt
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import FINE, final
-from harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import FINE, final
+from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from plumbline.harness.scene import (
     Body,
     Box,
     Capsule,
@@ -29,7 +29,7 @@ from harness.scene import (
     axis_angle,
     principal_inertia,
 )
-from harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats
 
 _GIVES = "contacts give way by less than 3 mm; a wrong size is off by centimetres"
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)

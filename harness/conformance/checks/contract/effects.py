@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 
-from harness.adapter import Adapter, Feature, Notice, Settings
-from harness.adapter.notice import as_notices
-from harness.conformance.check import Comparison, Finding, Run, check, judge, near
-from harness.conformance.checks.contact.contacts import SOFT_REBOUND
-from harness.conformance.runs import COARSE, FINE, built, state_of
-from harness.conformance.scenes import TURNED, G, ball, block, damped, floor, free, ground
-from harness.scene import WORLD, Drive, Effect, Prismatic, Scene
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Feature, Notice, Settings
+from plumbline.harness.adapter.notice import as_notices
+from plumbline.harness.conformance.check import Comparison, Finding, Run, check, judge, near
+from plumbline.harness.conformance.checks.contact.contacts import SOFT_REBOUND
+from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, ball, block, damped, floor, free, ground
+from plumbline.harness.scene import WORLD, Drive, Effect, Prismatic, Scene
+from plumbline.harness.trajectory import State
 
 
 def _left_out(effect: str, needs: Feature = Feature.NONE) -> Callable[[Run], Run]:

@@ -7,12 +7,12 @@ from operator import or_
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
-from harness.adapter.notice import as_notices
-from harness.conformance.check import Finding, check, judge, that
-from harness.conformance.runs import built
-from harness.conformance.scenes import ball, block, damped, free, ground, static
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
+from plumbline.harness.adapter.notice import as_notices
+from plumbline.harness.conformance.check import Finding, check, judge, that
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, static
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Body,

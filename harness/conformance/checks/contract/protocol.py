@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Notice, Settings, SettingsError, Simulation
-from harness.conformance.check import CHECKS, Comparison, Finding, check, judge, near, that
-from harness.conformance.runs import COARSE, FINE, built, state_of
-from harness.conformance.scenes import TURNED, free, static, without_gravity
-from harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Feature, Notice, Settings, SettingsError, Simulation
+from plumbline.harness.conformance.check import CHECKS, Comparison, Finding, check, judge, near, that
+from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, free, static, without_gravity
+from plumbline.harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
+from plumbline.harness.trajectory import State
 
 _LIGHT = {"numpy", "scipy", "harness"}
 """What an adapter file may import when it is loaded, beside the standard library and its own package."""

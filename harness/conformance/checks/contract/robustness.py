@@ -4,12 +4,12 @@ from hashlib import sha256
 
 import numpy as np
 
-from harness.adapter import Adapter, Diverged, Feature, Settings, Simulation
-from harness.conformance.check import Finding, check, judge, near, that
-from harness.conformance.runs import COARSE, FINE, built, state_of
-from harness.conformance.scenes import TURNED, ball, block, floor, free, ground, without_gravity
-from harness.scene import WORLD, Drive, Prismatic, Scene, Surface
-from harness.trajectory import Floats, State
+from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings, Simulation
+from plumbline.harness.conformance.check import Finding, check, judge, near, that
+from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, ball, block, floor, free, ground, without_gravity
+from plumbline.harness.scene import WORLD, Drive, Prismatic, Scene, Surface
+from plumbline.harness.trajectory import Floats, State
 
 
 def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int = 20) -> Finding:

@@ -5,12 +5,12 @@ from math import cos, exp, sin
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import FINE, built, final, record, state_of
-from harness.conformance.scenes import TURNED, G, free
-from harness.scene import WORLD, Body, Coupling, Drive, Prismatic, Revolute, Scene, Vector3, axis_angle
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, free
+from plumbline.harness.scene import WORLD, Body, Coupling, Drive, Prismatic, Revolute, Scene, Vector3, axis_angle
 
 
 def _driven(*drives: Drive) -> Scene:

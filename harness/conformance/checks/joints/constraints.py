@@ -5,12 +5,12 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from harness.conformance.exact import angle_between, rotation
-from harness.conformance.runs import COARSE, FINE, final, record
-from harness.conformance.scenes import TURNED, G, block, free
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.exact import angle_between, rotation
+from plumbline.harness.conformance.runs import COARSE, FINE, final, record
+from plumbline.harness.conformance.scenes import TURNED, G, block, free
+from plumbline.harness.scene import (
     WORLD,
     Ball,
     Distance,

@@ -4,12 +4,12 @@ from math import exp, sqrt
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import FINE, built, final, record, state_of
-from harness.conformance.scenes import free
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
+from plumbline.harness.conformance.scenes import free
+from plumbline.harness.scene import (
     WORLD,
     Body,
     Drive,

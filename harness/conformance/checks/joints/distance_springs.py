@@ -5,13 +5,13 @@ from math import exp
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.exact import angle_between, rotation
-from harness.conformance.runs import FINE, final, record
-from harness.conformance.scenes import TURNED, free
-from harness.scene import WORLD, Distance, Scene, Spring, Vector3, rotate
-from harness.trajectory import Floats
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.exact import angle_between, rotation
+from plumbline.harness.conformance.runs import FINE, final, record
+from plumbline.harness.conformance.scenes import TURNED, free
+from plumbline.harness.scene import WORLD, Distance, Scene, Spring, Vector3, rotate
+from plumbline.harness.trajectory import Floats
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _FIRST = "a staggered scheme of first order is off by half a step of motion"

@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Simulation
-from harness.adapter.joints import joints_of
-from harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from harness.conformance.runs import FINE, ROUNDING, built, state_of
-from harness.conformance.scenes import TURNED, G, floor, free, ground
-from harness.scene import WORLD, Ball, Fixed, PlacedShape, Prismatic, Revolute, Scene, Sphere, Spring, Vector3
-from harness.trajectory import Floats
-from harness.trajectory.joint_states import JointStates, joint_states
+from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
+from plumbline.harness.adapter.joints import joints_of
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.runs import FINE, ROUNDING, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, floor, free, ground
+from plumbline.harness.scene import WORLD, Ball, Fixed, PlacedShape, Prismatic, Revolute, Scene, Sphere, Spring, Vector3
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.joint_states import JointStates, joint_states
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 

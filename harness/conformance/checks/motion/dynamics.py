@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, SettingsError
-from harness.conformance.check import Finding, NotApplicable, check, judge, near
-from harness.conformance.exact import angle_between, turning
-from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
-from harness.conformance.scenes import TURNED, G, block, damped, free, on_ground, without_gravity
-from harness.scene import Scene, axis_angle
+from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
+from plumbline.harness.conformance.exact import angle_between, turning
+from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, block, damped, free, on_ground, without_gravity
+from plumbline.harness.scene import Scene, axis_angle
 
 
 def _fall(adapter: Adapter, settings: Settings, gravity: tuple[float, float, float]) -> Finding:

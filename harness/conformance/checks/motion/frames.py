@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.exact import angle_between, rotation, turned_by, turning
-from harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
-from harness.conformance.scenes import TURNED, floor, free, ground, without_gravity
-from harness.scene import Body, Box, PlacedShape, Scene, Sphere
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.exact import angle_between, rotation, turned_by, turning
+from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
+from plumbline.harness.conformance.scenes import TURNED, floor, free, ground, without_gravity
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere
+from plumbline.harness.trajectory import State
 
 
 @check("After build, is the state the scene's: poses, velocities, all bodies?", firm=True)

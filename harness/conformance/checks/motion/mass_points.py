@@ -5,12 +5,23 @@ from math import cos, sin, sqrt
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import FINE, final
-from harness.conformance.scenes import G, free
-from harness.scene import WORLD, Body, Distance, Fixed, Revolute, Scene, Spring, Vector3, axis_angle, principal_inertia
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import FINE, final
+from plumbline.harness.conformance.scenes import G, free
+from plumbline.harness.scene import (
+    WORLD,
+    Body,
+    Distance,
+    Fixed,
+    Revolute,
+    Scene,
+    Spring,
+    Vector3,
+    axis_angle,
+    principal_inertia,
+)
 
 _ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 _Y: Vector3 = (0.0, 1.0, 0.0)

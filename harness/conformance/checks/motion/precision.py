@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from harness.adapter import Adapter, Settings
-from harness.conformance.check import Finding, NotApplicable, check, judge, near
-from harness.conformance.exact import angle_between
-from harness.conformance.runs import COARSE, FINE, built, final, state_of
-from harness.conformance.scenes import TURNED, free, without_gravity
-from harness.scene import Scene
-from harness.trajectory import State
+from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
+from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.runs import COARSE, FINE, built, final, state_of
+from plumbline.harness.conformance.scenes import TURNED, free, without_gravity
+from plumbline.harness.scene import Scene
+from plumbline.harness.trajectory import State
 
 _DIGITS = 1e-12
 """Relative error of a state that went through an engine in double precision: a change of frame costs some ten roundings of

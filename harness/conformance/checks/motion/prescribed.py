@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.case.commands import acting
-from harness.case.forces import Controlled
-from harness.conformance.check import Finding, check, judge, near
-from harness.conformance.runs import COARSE, FINE, ROUNDING, built, state_of
-from harness.conformance.scenes import TURNED, G, ball, block, free, ground
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.case.commands import acting
+from plumbline.harness.case.forces import Controlled
+from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, ball, block, free, ground
+from plumbline.harness.scene import (
     Body,
     Box,
     PlacedShape,
@@ -27,8 +27,8 @@ from harness.scene import (
     axis_angle,
     rotate,
 )
-from harness.trajectory import State
-from harness.trajectory.kinematics import angle_between
+from plumbline.harness.trajectory import State
+from plumbline.harness.trajectory.kinematics import angle_between
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
 _SOFT = 0.02

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, check, judge, near, that
-from harness.conformance.exact import rotation
-from harness.conformance.runs import built
-from harness.conformance.scenes import static
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, check, judge, near, that
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.conformance.scenes import static
+from plumbline.harness.scene import (
     WORLD,
     Appearance,
     Body,
@@ -24,7 +24,7 @@ from harness.scene import (
     Sun,
     axis_angle,
 )
-from harness.trajectory import Image
+from plumbline.harness.trajectory import Image
 
 
 def _picture(adapter: Adapter, settings: Settings, scene: Scene, **changed: Any) -> Image:

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings
-from harness.conformance.check import Finding, NotApplicable, check, judge, near
-from harness.conformance.exact import rotation
-from harness.conformance.runs import COARSE, built, state_of
-from harness.conformance.scenes import TURNED, G, free
-from harness.scene import Imu, Scene, multiply
-from harness.trajectory import Trajectory
+from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
+from plumbline.harness.conformance.exact import rotation
+from plumbline.harness.conformance.runs import COARSE, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, free
+from plumbline.harness.scene import Imu, Scene, multiply
+from plumbline.harness.trajectory import Trajectory
 
 
 @check(

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from harness.adapter import Adapter, Feature, Settings, Unsupported
-from harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from harness.conformance.exact import first_hit, rotation
-from harness.conformance.runs import built
-from harness.conformance.scenes import TURNED, ball, static
-from harness.scene import (
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.exact import first_hit, rotation
+from plumbline.harness.conformance.runs import built
+from plumbline.harness.conformance.scenes import TURNED, ball, static
+from plumbline.harness.scene import (
     Box,
     Capsule,
     Cylinder,
@@ -17,7 +17,7 @@ from harness.scene import (
     Shape,
     Sphere,
 )
-from harness.trajectory import Floats, Hits
+from plumbline.harness.trajectory import Floats, Hits
 
 _SHAPES: tuple[tuple[Feature, Shape], ...] = (
     (Feature.SPHERE, Sphere(radius=0.5)),

@@ -4,18 +4,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.scene.importers.importer import Importer, Reading
+from plumbline.harness.scene.importers.importer import Importer, Reading
 
 if TYPE_CHECKING:
-    from harness.scene.importers.robot import Robot
+    from plumbline.harness.scene.importers.robot import Robot
 
 
 def read(path: Path, reading: Reading) -> "Robot":
     """The robot of an MJCF file. Raises: RobotError."""
-    from harness.intake.documents import named  # late, all of them: endings are asked for more often than robots
-    from harness.scene.importers import mjcf, urdf
-    from harness.scene.importers.files import text_of
-    from harness.scene.importers.xml_text import elements
+    from plumbline.harness.intake.documents import named  # late, all of them: endings are asked for more often than robots
+    from plumbline.harness.scene.importers import mjcf, urdf
+    from plumbline.harness.scene.importers.files import text_of
+    from plumbline.harness.scene.importers.xml_text import elements
 
     where = named(path)
     root = elements(text_of(path, where), where)

@@ -3,15 +3,15 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.scene.importers.importer import Importer, Reading
+from plumbline.harness.scene.importers.importer import Importer, Reading
 
 if TYPE_CHECKING:
-    from harness.scene.importers.robot import Robot
+    from plumbline.harness.scene.importers.robot import Robot
 
 
 def read(path: Path, reading: Reading) -> "Robot":
     """The robot of a URDF file. Raises: RobotError."""
-    from harness.scene.importers import urdf  # late: endings are asked for more often than robots
+    from plumbline.harness.scene.importers import urdf  # late: endings are asked for more often than robots
 
     return urdf.read(path, reading.folders, reading.companion.density, reading.convex, reading.tell)
 

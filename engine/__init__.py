@@ -40,11 +40,11 @@ __version__ = "0.1.0"
 def __getattr__(name: str) -> Any:
     """Load the world, and with it the compiler, on first use."""
     if name in ("World", "Contacts", "Hits"):
-        import plumbline.engine.world
+        from plumbline.engine import world
 
-        return getattr(engine.world, name)
+        return getattr(world, name)
     if name == "Batch":
-        import plumbline.engine.batch
+        from plumbline.engine.batch import Batch
 
-        return engine.batch.Batch
-    raise AttributeError(f"module 'engine' has no attribute '{name}'")
+        return Batch
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

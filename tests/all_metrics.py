@@ -3,7 +3,6 @@
 import importlib
 import pkgutil
 
-import plumbline.harness.metrics
 from plumbline.harness.metric import Metric
 
 

@@ -79,7 +79,9 @@ def _call_all(studies: list[str], knobs: bool) -> None:
 
 def _has_run(entry: str) -> bool:
     module, _, name = entry.rpartition(".")
-    return f"engine.{module}" in sys.modules and bool(getattr(import_module(f"engine.{module}"), name).signatures)
+    return f"plumbline.engine.{module}" in sys.modules and bool(
+        getattr(import_module(f"plumbline.engine.{module}"), name).signatures
+    )
 
 
 if __name__ == "__main__":

@@ -31,6 +31,7 @@ CARRIED = (
     "cases",
     "reports",
     "engine",
+    "src",
     "tests",
     "docs",
     "pyproject.toml",
@@ -93,7 +94,7 @@ def copied() -> Iterator[Path]:
         tree.mkdir()
         for name in CARRIED:
             if (ROOT / name).is_dir():
-                shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
+                shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
             else:
                 shutil.copy2(ROOT / name, tree / name)
         yield tree
@@ -101,7 +102,7 @@ def copied() -> Iterator[Path]:
 
 def tested(tree: Path, tests: Sequence[str], plain: bool, cache: Path | None) -> tuple[int | None, str]:
     """The exit code of pytest in a tree, None where it came to no end, and the last lines of what it said."""
-    environment = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {**os.environ, "PYTHONPATH": f"{tree / 'src'}:{tree}", "PYTHONDONTWRITEBYTECODE": "1"}
     environment |= {"NUMBA_DISABLE_JIT": "1"} if plain else {}
     environment |= {"PLUMBLINE_KERNEL_CACHE": str(cache)} if cache is not None else {}
     command = [sys.executable, "-m", "pytest", "-x", "--no-header", "--tb=line", *tests]

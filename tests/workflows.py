@@ -254,7 +254,7 @@ class Runner:
             subprocess.run(["git", *words], cwd=folder, env=self._environment(), check=True)
         program = folder / ".venv" / "bin" / "plumbline"
         program.parent.mkdir(parents=True)
-        program.write_text(f'#!/bin/sh\nPYTHONPATH="{folder}" exec "{sys.executable}" -m plumbline "$@"\n')
+        program.write_text(f'#!/bin/sh\nPYTHONPATH="{folder}/src" exec "{sys.executable}" -m plumbline "$@"\n')
         program.chmod(program.stat().st_mode | stat.S_IXUSR)
         (folder / ".venv" / ".installed").touch()
 

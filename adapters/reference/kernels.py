@@ -48,7 +48,7 @@ def typed(family: str, entry: str, types: str, first: bool = False) -> KernelGro
         tables = numba.Array(numba.float64, 2, "C"), numba.Array(numba.int64, 2, "C")
         known = dict(zip("FInTN", (FLOATS, INTS, numba.int64, *tables), strict=True))
         module, _, name = entry.rpartition(".")
-        getattr(import_module(f"engine.{module}"), name).compile(tuple(known[letter] for letter in types))
+        getattr(import_module(f"plumbline.engine.{module}"), name).compile(tuple(known[letter] for letter in types))
 
     return group(family, (entry,), compile_entry, first)
 
@@ -99,7 +99,7 @@ def kernels() -> Kernels:
         group(RAYS, IMAGES, _pictures),
         step(FREE, "broad.uniform_grid.find_candidates"),
         step(FREE, "broad.parallel_pairs.write_pairs"),
-        *(step(FREE, f"{module.removeprefix('engine.')}.step_{name}") for name, module in FREE_INTEGRATORS.items()),
+        *(step(FREE, f"{module.removeprefix('plumbline.engine.')}.step_{name}") for name, module in FREE_INTEGRATORS.items()),
         group(FREE, ("steps.many_worlds.advance_worlds",), many_worlds),
     )
     return Kernels(groups=groups, folder=str(cache_directory(Path(engine.__file__)).parent), notes=_notes())

@@ -7,8 +7,11 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
+_PACKAGE = "plumbline.engine"
 _IMPORT = re.compile(
-    rb"^[ \t]*(?:from[ \t]+(engine[\w.]*)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)|import[ \t]+(engine[\w.]*))", re.MULTILINE
+    rb"^[ \t]*(?:from[ \t]+(plumbline\.engine[\w.]*)[ \t]+import[ \t]*(\([^)]*\)|[^\n]*)"
+    rb"|import[ \t]+(plumbline\.engine[\w.]*))",
+    re.MULTILINE,
 )
 """Every import of a module of this package, wherever in a file it stands."""
 
@@ -48,7 +51,7 @@ def _modules(root: str) -> Mapping[str, str]:
     """By name, the files of the modules of this package."""
     found = {}
     for folder, _, files in os.walk(root):
-        room = ".".join(("engine", *Path(folder).relative_to(root).parts))
+        room = ".".join((_PACKAGE, *Path(folder).relative_to(root).parts))
         for name in sorted(files):
             if name.endswith(".py"):
                 found[room if name == "__init__.py" else f"{room}.{name.removesuffix('.py')}"] = os.path.join(folder, name)  # noqa: PTH118
@@ -67,7 +70,7 @@ def _imported(path: str) -> tuple[str, ...]:
     for package, names, plain in _IMPORT.findall(_content(path)):
         module = (package or plain).decode()
         inner = [f"{module}.{name.decode()}" for name in re.findall(rb"\w+", names)]
-        rooms = [module[:place] for place, letter in enumerate(module) if letter == "." and place > len("engine")]
+        rooms = [module[:place] for place, letter in enumerate(module) if letter == "." and place >= len(_PACKAGE)]
         found |= dict.fromkeys(known[one] for one in (module, *inner, *rooms) if one in known)
     return tuple(found)
 

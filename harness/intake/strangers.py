@@ -30,7 +30,9 @@ try:
         pass
     said = b"loaded"
 except BaseException as error:
-    said = f"{type(error).__name__}: {error}".encode("utf-8", "backslashreplace")
+    room = (getattr(error, "name", None) or "").partition(".")[0] if isinstance(error, ImportError) else ""
+    hint = f"; import plumbline.{room} instead" if room in ("adapters", "cases", "engine", "harness", "reports") else ""
+    said = f"{type(error).__name__}: {error}{hint}".encode("utf-8", "backslashreplace")
 os.write(pipe, said[:2000])
 os._exit(0)
 """

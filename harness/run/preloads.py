@@ -8,7 +8,7 @@ from plumbline.harness.scene import Imu
 from plumbline.harness.study import plugins, sources
 
 _QUESTIONS = (
-    "cases",
+    "plumbline.cases",
     "plumbline.harness.metric",
     "plumbline.harness.metrics",
     "plumbline.harness.props",
@@ -32,7 +32,7 @@ def preloads(cases: Mapping[str, Case], engines: Mapping[str, Adapter]) -> tuple
     asked = [module for module in sources.closure(questions) if module.startswith(tuple(f"{room}." for room in _QUESTIONS))]
     if _NOISE in asked and not any(_has_imu(case) for case in cases.values()):
         asked = [module for module in asked if module != _NOISE]
-    compiled = any(module.startswith("engine.") for engine in engines.values() for module in engine.loads)
+    compiled = any(module.startswith("plumbline.engine.") for engine in engines.values() for module in engine.loads)
     builders = [f"{module}.build" for module in adapters]
     return (*questions, *adapters, *builders, *sorted(sources.named(asked, "scipy")), *(["numba"] if compiled else []))
 
@@ -46,4 +46,4 @@ def _built_in(kind: str, name: str) -> str | None:
     if name.startswith(plugins.SCENE_PREFIX):
         return _OWN_SCENE
     module = plugins.module_of(kind, name)
-    return module if module is not None and module.startswith(f"{kind}.") else None
+    return module if module is not None and module.startswith(f"plumbline.{kind}.") else None

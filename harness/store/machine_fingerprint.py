@@ -41,7 +41,7 @@ def _commit() -> str:
 
     Once in a process, which runs what it has loaded, whatever becomes of the files.
     """
-    root = Path(__file__).parents[2]
+    root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return ""
 

@@ -52,14 +52,14 @@ def installed_folders() -> tuple[str, ...]:
 
 def project_folders() -> tuple[str, ...]:
     """Where plumbline itself lies, unless it is installed among the others."""
-    root = str(Path(__file__).parents[2])
+    root = str(Path(__file__).parents[3])
     return () if root in installed_folders() else (root,)
 
 
 @cache
 def _beneath() -> str:
     """A digest of what an environment is laid over: the lock file, the numeric libraries, Python, and where it all lies."""
-    lock = Path(__file__).parents[2] / "requirements.lock"
+    lock = Path(__file__).resolve().parents[2] / "requirements.lock"
     pinned = hashlib.sha256(lock.read_bytes()).hexdigest() if lock.is_file() else version("plumbline")
     said = [pinned, libraries(), sys.version, *installed_folders()]
     return hashlib.sha256("\n".join(said).encode()).hexdigest()

@@ -43,13 +43,17 @@ def _listing(package: str, paths: tuple[str, ...], changed: tuple[int, ...]) -> 
     return {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.name.startswith("_")}
 
 
+def _built_in(kind: str) -> Mapping[str, str]:
+    return _folder(f"plumbline.{kind}")
+
+
 def names(kind: str) -> tuple[str, ...]:
     """The names of all plug-ins of a kind ('adapters' or 'cases'), without importing one.
 
     Raises:
         PluginError: where a third party's plug-in takes a built-in name.
     """
-    inside, outside = _folder(kind), points(f"plumbline.{kind}")
+    inside, outside = _built_in(kind), points(f"plumbline.{kind}")
     for name in inside.keys() & outside.keys():
         raise PluginError(
             f"entry point plumbline.{kind} '{name}' ({outside[name].value}): the name is built in; choose another"
@@ -61,11 +65,11 @@ def module_of(kind: str, name: str) -> str | None:
     """The module of a plug-in of a kind ('adapters' or 'cases'), which is not imported; None where there is none."""
     name = engine_of(name) if kind == "adapters" else name
     point = points(f"plumbline.{kind}").get(name)
-    return _folder(kind).get(name, None if point is None else point.module)
+    return _built_in(kind).get(name, None if point is None else point.module)
 
 
 def _constant(kind: str, name: str, constant: str, expected: type[Adapter] | type[Case]) -> Any:
-    inside = _folder(kind)
+    inside = _built_in(kind)
     if name in inside:
         constructed = getattr(importlib.import_module(inside[name]), constant, None)
         where = inside[name]

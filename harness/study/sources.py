@@ -15,26 +15,24 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from textwrap import dedent
 
-_OURS = ("adapters", "cases", "engine", "harness")
-_WHOLE = "engine"
+_OURS = "plumbline"
+_WHOLE = f"{_OURS}.engine"
 """A package that counts as one: its modules load each other on first use."""
-_KEEPING = ("plumbline.harness.store", "plumbline.harness.study")
-"""What finds, plans and keeps, and decides no answer; what of it enters one is in a trial's name by value."""
+_KEEPING = tuple(f"{_OURS}.{room}" for room in ("harness.store", "harness.study", "harness.cli", "reports"))
+"""What finds, plans, stores and shows, and decides no answer; what of it enters one is in a trial's name by value."""
 _LIBRARIES = ("numpy", "scipy", "numba")
 _STATEMENT = re.compile(r"^[ \t]*(?:from|import)\b[^\n(;]*(?:\([^)]*\))?", re.MULTILINE)
 """What may be an import; prose that looks like one does not parse."""
 
 
-@cache
-def _roots() -> dict[str, Path]:
-    return {name: Path(__file__).parents[2] / name for name in _OURS}
+_ROOT = Path(__file__).parents[2]
 
 
 @cache
 def _package(name: str) -> Path | None:
     """The folder or file of a top-level package; None for one that has none."""
-    if name in _roots():
-        return _roots()[name]
+    if name == _OURS:
+        return _ROOT
     spec = PathFinder.find_spec(name)
     if spec is None or spec.origin is None:
         return None
@@ -90,7 +88,7 @@ def imported(module: str) -> frozenset[str]:
     for statement in _STATEMENT.findall(_text(path).decode("utf-8", "replace")):
         for name, level in _named(statement):
             whole = [*package[: len(package) - level + 1], *name.split(".")] if level else name.split(".")
-            if whole[0] == top or whole[0] in _OURS:
+            if whole[0] in (top, _OURS):
                 modules.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
     return frozenset(dotted for dotted in modules if not keeps(dotted) and _file(dotted) is not None)
 
@@ -106,8 +104,8 @@ def named(modules: Iterable[str], package: str) -> frozenset[str]:
 
 
 def keeps(module: str) -> bool:
-    """Does a module of the harness only find, plan or keep?"""
-    return any(f"{module}.".startswith(f"{room}.") for room in _KEEPING)
+    """Does a module of ours only find, plan, store or show? The package that holds all of them does nothing."""
+    return module == _OURS or any(f"{module}.".startswith(f"{room}.") for room in _KEEPING)
 
 
 def closure(modules: Iterable[str]) -> frozenset[str]:
@@ -117,25 +115,24 @@ def closure(modules: Iterable[str]) -> frozenset[str]:
         module = waiting.pop()
         if module not in reached:
             reached.add(module)
-            waiting += _whole() if module.partition(".")[0] == _WHOLE else imported(module)
+            waiting += _whole() if f"{module}.".startswith(f"{_WHOLE}.") else imported(module)
     return frozenset(reached)
 
 
 @cache
 def _whole() -> tuple[str, ...]:
-    root = _roots()[_WHOLE]
-    return tuple(_module(root, path) for path in sorted(root.rglob("*.py")))
+    return tuple(map(_module, sorted((_ROOT / "engine").rglob("*.py"))))
 
 
-def _module(root: Path, path: Path) -> str:
-    parts = (root.name, *path.relative_to(root).with_suffix("").parts)
+def _module(path: Path) -> str:
+    parts = (_OURS, *path.relative_to(_ROOT).with_suffix("").parts)
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def short_name(module: str) -> str:
     """The file of a module as people call it: harness/trial/accuracy.py."""
     path = _file(module)
-    folder = module.replace(".", "/")
+    folder = module.removeprefix(f"{_OURS}.").replace(".", "/")
     return f"{folder}/__init__.py" if path is not None and path.name == "__init__.py" else f"{folder}.py"
 
 

@@ -79,7 +79,7 @@ class Templates(Environment):
 def environment() -> Environment:
     """The templates of this folder, with the filters that they share."""
     made = Templates(
-        loader=PackageLoader("reports"),
+        loader=PackageLoader("plumbline.reports"),
         autoescape=True,
         undefined=StrictUndefined,
         finalize=cleaned,

@@ -8,7 +8,7 @@ from pathlib import Path
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import cases
 
-PLACES = (Path(__file__).parents[1] / "book.md", Path(__file__).parents[2] / "docs" / "book.md")
+PLACES = (Path(__file__).parents[1] / "book.md", Path(__file__).resolve().parents[2] / "docs" / "book.md")
 """Where the page lies in an installed package, and in a working copy."""
 _CASE = re.compile(r"`(?P<case>\w+)`(?: with `(?P<setting>\w+ = [^`]+)`)?")
 _FILE = re.compile(r"\[(?P<file>[^\]]+)\]\([^)]*\)")

@@ -85,9 +85,9 @@ def imported(path: Path) -> frozenset[Path]:
     text = path.read_text(encoding="utf-8")
     found = {
         ROOT / f"{module.replace('.', '/')}.py"
-        for module in re.findall(r"^\s*from (engine[\w.]*) import\b", text, re.MULTILINE)
+        for module in re.findall(r"^\s*from plumbline\.(engine[\w.]*) import\b", text, re.MULTILINE)
     }
-    for folder in re.findall(r'\bf"(engine\.(?:\w+\.)+)\{', text):
+    for folder in re.findall(r'\bf"plumbline\.(engine\.(?:\w+\.)+)\{', text):
         found |= set((ROOT / folder.replace(".", "/")).glob("*.py"))
     return frozenset(other for other in found if other.is_file())
 

@@ -34,7 +34,7 @@ def tops(text: str) -> set[str]:
     tree = ast.parse(text)
     names = [alias.name for node in tree.body if isinstance(node, ast.Import) for alias in node.names]
     names += [node.module or "" for node in tree.body if isinstance(node, ast.ImportFrom)]
-    return {name.partition(".")[0] for name in names}
+    return {name.removeprefix("plumbline.").partition(".")[0] for name in names}
 
 
 MOVES = ("rename", "replace", "link_to", "move")
@@ -94,7 +94,7 @@ def test_the_page_of_the_architecture_names_the_layers_of_the_contract() -> None
     (layers,) = (contract["layers"] for contract in contracts if contract["type"] == "layers" and "containers" not in contract)
     page = (ROOT / "docs" / "architecture.md").read_text().partition("| layer |")[2].partition("| `engine` |")[0]
     rows = [line.split("|")[1].strip() for line in page.splitlines()[2:]]
-    assert rows == [", ".join(f"`{package}`" for package in layer.split(" | ")) for layer in layers]
+    assert rows == [", ".join(f"`{package}`" for package in layer.replace("plumbline.", "").split(" | ")) for layer in layers]
 
 
 @pytest.mark.parametrize("package", ["harness", "engine"])
@@ -129,7 +129,7 @@ for name in sys.argv[1:]:
 @pytest.fixture(scope="module")
 def loaded() -> dict[str, set[str]]:
     """The top-level packages that a fresh interpreter loads with the command line, and then with each adapter."""
-    modules = ["plumbline.harness.cli.main", *(f"adapters.{name}" for name in plugins.names("adapters"))]
+    modules = ["plumbline.harness.cli.main", *(f"plumbline.adapters.{name}" for name in plugins.names("adapters"))]
     done = subprocess.run([sys.executable, "-c", LOADED, *modules], capture_output=True, text=True, check=True)
     return dict(zip(modules, map(set, map(json.loads, done.stdout.splitlines())), strict=True))
 
@@ -140,7 +140,7 @@ def test_the_command_line_starts_without_engines_and_without_number_crunchers(lo
 
 @pytest.mark.parametrize("name", plugins.names("adapters"))
 def test_an_adapter_is_imported_without_its_vendor(name: str, loaded: dict[str, set[str]]) -> None:
-    assert not loaded[f"adapters.{name}"] & {"mujoco", "pybullet", "dartpy", "numba"}
+    assert not loaded[f"plumbline.adapters.{name}"] & {"mujoco", "pybullet", "dartpy", "numba"}
 
 
 NAMED = re.compile(rf"^(?:import|from)\b.*\b(?:{'|'.join(VENDORS)})\b", re.MULTILINE)

@@ -26,6 +26,7 @@ from plumbline.harness.trial.bench import Bench
 __all__ = ["Called", "clocked_calls", "growth", "made", "table"]
 
 ROOT = Path(__file__).parents[2]
+OURS = ROOT / "src" / "plumbline"
 CLOCKING = frozenset(function.__code__ for function in (bench.clock_steps, bench.clock_calls))
 """The two functions that read the clock."""
 STEPS = 100
@@ -47,8 +48,8 @@ class Called:
 
 
 def _short(path: str) -> str:
-    """A file's path, from the root of the repository where it lies there."""
-    return str(Path(path).relative_to(ROOT)) if Path(path).is_relative_to(ROOT) else path
+    """A file's path, from the folder of our packages or the root of the repository where it lies there."""
+    return next((str(Path(path).relative_to(folder)) for folder in (OURS, ROOT) if Path(path).is_relative_to(folder)), path)
 
 
 def _compiled(function: Any) -> str:
@@ -108,7 +109,7 @@ def growth(run: Callable[[], object]) -> int:
         after = tracemalloc.take_snapshot()
     finally:
         tracemalloc.stop()
-    ours = (str(ROOT / "harness"), str(ROOT / "adapters"))
+    ours = (str(OURS / "harness"), str(OURS / "adapters"))
     changes = after.compare_to(before, "filename")
     return sum(change.size_diff for change in changes if change.traceback[0].filename.startswith(ours))
 

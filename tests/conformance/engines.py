@@ -17,7 +17,7 @@ NAMES = tuple(sorted(module.name for module in pkgutil.iter_modules(adapters.__p
 @cache
 def adapter(name: str) -> Adapter:
     """The adapter of that file; what its import raises is a defect of the file."""
-    found = import_module(f"adapters.{name}").ADAPTER
+    found = import_module(f"plumbline.adapters.{name}").ADAPTER
     assert isinstance(found, Adapter), f"adapters/{name}.py ends in no ADAPTER"
     return found
 

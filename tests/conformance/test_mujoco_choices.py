@@ -16,7 +16,7 @@ from tests.conformance.mujoco_scenes import DEFAULT, TUNED, G, built, hinge_at, 
 
 
 def scene_of(case: str, **parameters: Any) -> Scene:
-    told: Case = importlib.import_module(f"cases.{case}").CASE
+    told: Case = importlib.import_module(f"plumbline.cases.{case}").CASE
     return told.scene(**{**told.parameters, **parameters})
 
 

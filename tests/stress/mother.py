@@ -25,7 +25,7 @@ def run(arguments: list[str], log: str) -> int:
     os.dup2(stream, 1)
     os.dup2(stream, 2)
     try:
-        harness.cli.main.main(arguments)
+        plumbline.harness.cli.main.main(arguments)
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else 1
     return 0
@@ -35,7 +35,8 @@ if __name__ == "__main__":
     for case in plugins.cases():
         sources_of(case, "sound")
     end_with_the_summary()
-    harness.run.isolated.context = harness.run.timed_processes.context = lambda: multiprocessing.get_context("fork")  # type: ignore
+    for module in (plumbline.harness.run.isolated, plumbline.harness.run.timed_processes):
+        module.context = lambda: multiprocessing.get_context("fork")  # type: ignore
     for line in sys.stdin:
         told = json.loads(line)
         child = os.fork()

@@ -13,7 +13,7 @@ import pytest
 from plumbline.harness.history.folder import opened
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("adapters", "cases", "engine", "findings", "harness", "reports")
+PACKAGES = ("adapters", "cases", "engine", "findings", "harness", "reports", "src")
 FAULTY = {
     "simulation.py": (
         # A fifth more CPU time, by work that does nothing.
@@ -57,7 +57,7 @@ BUDGET = 600.0
 def broken_copy(folder: Path) -> Path:
     """The sources with three faults in the reference adapter."""
     for name in PACKAGES:
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
     for name, exchanges in FAULTY.items():
         path = folder / "adapters" / "reference" / name
         text = path.read_text()
@@ -74,7 +74,7 @@ def night(sources: Path, root: Path, study: Path) -> subprocess.CompletedProcess
     return subprocess.run(
         [sys.executable, "-m", "plumbline", *map(str, words), "--engine", "mujoco"],
         cwd=sources,
-        env=os.environ | {"PYTHONPATH": str(sources)},
+        env=os.environ | {"PYTHONPATH": str(sources / "src")},
         capture_output=True,
         text=True,
         timeout=2 * BUDGET,

@@ -25,9 +25,9 @@ def summarised(store: "Store", _recordings: bool) -> Path:
 
 def end_with_the_summary() -> None:
     """Let every run of this process end without a report."""
-    harness.cli.run_study.publish = summarised
+    plumbline.harness.cli.run_study.publish = summarised
 
 
 if __name__ == "__main__":
     end_with_the_summary()
-    harness.cli.main.main()
+    plumbline.harness.cli.main.main()

@@ -95,7 +95,8 @@ MORE = ("test_engine_motion.py", "test_engine_input.py", "test_engine_world.py")
 
 def _copied(root: Path) -> Path:
     source = Path(engine.__file__).parent
-    shutil.copytree(source, root / "engine", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(source, root / "plumbline" / "engine", ignore=shutil.ignore_patterns("__pycache__"))
+    (root / "plumbline" / "__init__.py").touch()
     return root
 
 
@@ -128,10 +129,10 @@ def fallen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """
     engine.World([engine.Body()]).step()
     root = _copied(tmp_path_factory.mktemp("fallen"))
-    (root / "engine" / "made").mkdir()
+    (root / "plumbline" / "engine" / "made").mkdir()
     for name, text in MADE.items():
-        (root / "engine" / "made" / name).write_text(text)
-    for path in (root / "engine").rglob("*.py"):
+        (root / "plumbline" / "engine" / "made" / name).write_text(text)
+    for path in (root / "plumbline" / "engine").rglob("*.py"):
         os.utime(path, (1e9, 1e9))
     kept = cache_directory(Path(smooth.__file__))
     shutil.copytree(kept, root / "cache" / kept.name)
@@ -174,7 +175,7 @@ class Step:
 @pytest.fixture(scope="module")
 def own(fallen: Path, first: tuple[str, int]) -> Step:
     """The step of free fall."""
-    kernel = fallen / "engine" / "integrate" / "semi_implicit_euler.py"
+    kernel = fallen / "plumbline" / "engine" / "integrate" / "semi_implicit_euler.py"
     return Step(TUMBLE, first[0], "smooth", kernel, (KICK, KICK.replace("load3", "scale(-1.0, load3") + ")"))
 
 
@@ -183,7 +184,7 @@ def made(fallen: Path, run: Program) -> Step:
     """The made step, compiled by the first process that asks for it."""
     whole, hits = run(SINK)
     assert hits == 0
-    return Step(SINK, whole, "sink", fallen / "engine" / "made" / "pull.py", ("-9.81", "9.81"))
+    return Step(SINK, whole, "sink", fallen / "plumbline" / "engine" / "made" / "pull.py", ("-9.81", "9.81"))
 
 
 @pytest.fixture(params=["made", pytest.param("own", marks=pytest.mark.slow)])
@@ -216,7 +217,7 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     step.kernel.write_text(text.replace(*step.edit))
     assert _upwards(*run(step.program)) == (UP, 0)
     step.kernel.write_text(text)
-    with (fallen / "engine" / "rays" / "tiles.py").open("a") as rays:
+    with (fallen / "plumbline" / "engine" / "rays" / "tiles.py").open("a") as rays:
         rays.write("# no step is made of this\n")
     assert _upwards(*run(step.program)) == (DOWN, 1)
 

@@ -142,7 +142,8 @@ def test_thirty_stacks_end_with_the_same_bits_on_one_two_and_four_threads(
 
 def test_one_thread_compiles_nothing_parallel(fork: Fork) -> None:
     """A world of one thread never loads the module of islands."""
-    code = "import sys; from test_engine_islands import stacks; stacks(1).step(0); print('plumbline.engine.steps.islands' in sys.modules)"
+    late = "plumbline.engine.steps.islands"
+    code = f"import sys; from test_engine_islands import stacks; stacks(1).step(0); print({late!r} in sys.modules)"
     assert fork(f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); {code}").split() == ["False"]
 
 

@@ -78,7 +78,7 @@ MODULES = (
 IMPORTS = """
 import sys
 for module in sys.argv[1:]:
-    for name in [name for name in sys.modules if name.partition(".")[0] == "engine"]:
+    for name in [name for name in sys.modules if f"{name}.".startswith("plumbline.engine.")]:
         del sys.modules[name]
     from plumbline import engine
     before = set(sys.modules)
@@ -93,15 +93,15 @@ def loads() -> dict[str, set[str]]:
     """The modules of the engine that an import of each of `MODULES` loads."""
     given = [sys.executable, "-c", IMPORTS, *MODULES]
     lines = subprocess.run(given, capture_output=True, text=True, check=True, cwd=ROOT.parent).stdout.splitlines()
-    loaded = ({name for name in line.split() if name.startswith("engine.")} for line in lines)
+    loaded = ({name for name in line.split() if name.startswith("plumbline.engine.")} for line in lines)
     return dict(zip(MODULES, loaded, strict=True))
 
 
 @pytest.mark.parametrize("module", MODULES)
 def test_what_an_import_really_loads_is_in_the_closure(module: str, loads: dict[str, set[str]]) -> None:
     loaded = loads[module]
-    path = ROOT.joinpath(*module.split(".")[1:]).with_suffix(".py")
+    path = ROOT.joinpath(*module.split(".")[2:]).with_suffix(".py")
     files = {str(Path(name).relative_to(ROOT)) for name in sources.closure(path)}
-    inside = {"engine." + name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in files}
+    inside = {"plumbline.engine." + name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in files}
     assert module in loaded
     assert loaded <= inside

@@ -197,7 +197,7 @@ def test_rays_beyond_their_range_miss_and_planes_are_hit_from_above() -> None:
 
 
 def test_importing_the_engine_loads_no_compiler() -> None:
-    code = "import sys, engine; sys.exit('numba' in sys.modules)"
+    code = "import sys, plumbline.engine; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -242,7 +242,9 @@ def test_a_run_that_was_stopped_before_its_first_trial_has_a_report(tmp_path: Pa
 
 
 def test_importing_reports_loads_no_chart_library() -> None:
-    code = "from plumbline import reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
+    code = (
+        "import plumbline.reports, sys; sys.exit(any(m in sys.modules for m in ('altair', 'vl_convert', 'jinja2', 'pandas')))"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(reports.__file__).parents[1]).returncode == 0
 
 

@@ -72,7 +72,7 @@ def test_a_process_takes_what_comes_first_then_of_its_own_family_then_of_a_fresh
 def signatures(entry: str) -> int:
     """For how many sets of types of arguments this process has an entry compiled or loaded."""
     module, _, name = entry.rpartition(".")
-    return len(getattr(import_module(f"engine.{module}"), name).signatures)
+    return len(getattr(import_module(f"plumbline.engine.{module}"), name).signatures)
 
 
 @pytest.mark.compiler

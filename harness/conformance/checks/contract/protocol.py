@@ -17,7 +17,7 @@ from plumbline.harness.conformance.scenes import TURNED, free, static, without_g
 from plumbline.harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
 from plumbline.harness.trajectory import State
 
-_LIGHT = {"numpy", "scipy", "harness"}
+_LIGHT = ("numpy", "scipy", "plumbline.harness")
 """What an adapter file may import when it is loaded, beside the standard library and its own package."""
 
 
@@ -68,14 +68,17 @@ def imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding
     source = inspect.getsourcefile(type(adapter))
     if source is None:
         return Finding("failed", f"{type(adapter).__qualname__}: no source file to read its imports from")
-    own = type(adapter).__module__.split(".")[0]
-    allowed = _LIGHT | set(sys.stdlib_module_names) | ({own} - {adapter.distribution, adapter.name})
+    parts = type(adapter).__module__.split(".")
+    own = ".".join(parts[:3] if parts[0] == "plumbline" else parts[:1])
+    allowed = {*_LIGHT, *sys.stdlib_module_names, *({own} - {adapter.distribution, adapter.name})}
     tree = ast.parse(Path(source).read_text(encoding="utf-8"))
-    heavy = sorted({name for name in loaded_at_once(tree) if name.split(".")[0] not in allowed})
+    heavy = sorted(
+        {name for name in loaded_at_once(tree) if not any(f"{name}.".startswith(f"{module}.") for module in allowed)}
+    )
     return judge(
         that(
             not heavy,
-            f"imports outside of functions: got {', '.join(heavy) or 'none'} beyond numpy, scipy and harness, expected none",
+            f"imports outside of functions: got {', '.join(heavy) or 'none'} beyond {', '.join(_LIGHT)}, expected none",
         )
     )
 

@@ -3,13 +3,14 @@
 import importlib
 import pkgutil
 
+import plumbline.harness.metrics
 from plumbline.harness.metric import Metric
 
 
 def all_metrics() -> dict[str, Metric]:
     """Of every file in harness/metrics."""
     by_name: dict[str, Metric] = {}
-    for module in pkgutil.iter_modules(harness.metrics.__path__, "plumbline.harness.metrics."):
+    for module in pkgutil.iter_modules(plumbline.harness.metrics.__path__, "plumbline.harness.metrics."):
         for value in vars(importlib.import_module(module.name)).values():
             for metric in value.values() if isinstance(value, dict) else (value,):
                 if isinstance(metric, Metric):

@@ -13,10 +13,10 @@ import pytest
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case, Converged
 from plumbline.harness.findings.summary import write_summary
-from plumbline.harness.history import steering
+from plumbline.harness.history import night_policy
+from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.folder import History, Night, created
 from plumbline.harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
-from plumbline.harness.history.since_last_seen import News
 from plumbline.harness.run import campaign
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.record import Record
@@ -183,7 +183,7 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
 
 def drawn(monkeypatch: pytest.MonkeyPatch, share: float) -> None:
     """Let another share of the known answers be computed again."""
-    monkeypatch.setattr(steering, "AGAIN", share)
+    monkeypatch.setattr(night_policy, "AGAIN", share)
 
 
 def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any) -> Asked:

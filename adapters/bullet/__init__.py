@@ -320,7 +320,7 @@ ADAPTER = BulletAdapter(
         "plumbline.adapters.bullet.drives:Actuation.efforts",
         "plumbline.adapters.bullet.simulation:BulletSimulation._drive",
         "plumbline.adapters.bullet.simulation:BulletSimulation._sprung",
-        "plumbline.adapters.bullet.belts:Belt.push",
+        "plumbline.adapters.bullet.kinematic_bodies:Belt.push",
     ),
     deviations=(
         "the motors that pybullet puts on every joint are off on both tracks; they bear up to 1 N m s a step on a hinge, 240 "

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.drives import Actuation, Actuator
-from plumbline.adapters.bullet.mobility import Footing, Skeleton
+from plumbline.adapters.bullet.effective_mass import Footing, Skeleton
 from plumbline.adapters.bullet.plan import Plan
 from plumbline.adapters.bullet.trees import Tree, joint_axis
 from plumbline.harness.adapter import Notice, Unsupported

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from plumbline.adapters.bullet.assembly import Assembly
-from plumbline.adapters.bullet.belts import Belt
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.coordinates import damping_of
 from plumbline.adapters.bullet.frames import xyzw
 from plumbline.adapters.bullet.ground import static_parts
+from plumbline.adapters.bullet.kinematic_bodies import Belt
 from plumbline.adapters.bullet.plan import Plan
 from plumbline.adapters.bullet.shapes import collision_shape, inner_radius, padded
 from plumbline.adapters.bullet.vendor import LIFTED

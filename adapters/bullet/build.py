@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.adapters.bullet.assembly import Assembly
 from plumbline.adapters.bullet.bodies import check_joined, put_free, put_static, renew_inertia
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.closures import close_loop, couple
 from plumbline.adapters.bullet.coordinates import maximal
 from plumbline.adapters.bullet.ground import faced

@@ -2,7 +2,7 @@
 
 import math
 
-from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.frames import minus, xyzw
 from plumbline.adapters.bullet.plan import Plan
 from plumbline.adapters.bullet.trees import loaded

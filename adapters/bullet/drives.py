@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plumbline.adapters.bullet.mobility import Footing, Skeleton
+from plumbline.adapters.bullet.effective_mass import Footing, Skeleton
 from plumbline.adapters.bullet.vendor import LIFTED, Port
 from plumbline.harness.scene import Drive, Spring, Vector3
 from plumbline.harness.trajectory import Floats

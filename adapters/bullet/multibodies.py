@@ -5,8 +5,8 @@ from typing import Any, assert_never
 import numpy as np
 
 from plumbline.adapters.bullet.actuated import actuated
-from plumbline.adapters.bullet.assembly import Assembly
 from plumbline.adapters.bullet.bodies import check_joined, put_base, tell_body, tell_multibody
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.frames import minus, xyzw
 from plumbline.adapters.bullet.plan import Plan
 from plumbline.adapters.bullet.shapes import collision_shape
@@ -74,7 +74,7 @@ def _frame(plan: Plan, link: Link) -> tuple[Vector3, Quaternion]:
 def _row(
     plan: Plan, made: Assembly, link: Link, frame: tuple[Vector3, Quaternion], above: tuple[Vector3, Quaternion]
 ) -> dict[str, Any]:
-    """What createMultiBody is told of a link, whose frame is given and that of its parent."""
+    """The arguments of createMultiBody for a link, from its frame and its parent's."""
     body, (p_WL, q_WI), (p_WP, q_WP) = plan.scene.bodies[link.place], frame, above
     p_LI = rotate(conjugate(q_WI), minus(body.p_WB, p_WL))
     return {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.harness.adapter.joint_reactions import about_the_anchor, turned_back
 from plumbline.harness.scene import Joint, Prismatic, Revolute, Scene
 from plumbline.harness.trajectory import Floats, State

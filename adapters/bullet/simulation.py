@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.adapters.bullet.assembly import Assembly
+from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.drives import Actuation
 from plumbline.adapters.bullet.reactions import ReactionReader
 from plumbline.adapters.bullet.sensing import Twin

@@ -267,7 +267,7 @@ ADAPTER = DartAdapter(
         ),
     ),
     laws=(
-        "plumbline.adapters.dart.foresight:Foresight.foresee",
+        "plumbline.adapters.dart.stable_pd:Foresight.foresee",
         "plumbline.adapters.dart.drives:Pushes.set",
         "plumbline.adapters.dart.forces:damp",
         "plumbline.adapters.dart.simulation:DartSimulation._sprung",

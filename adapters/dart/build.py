@@ -12,8 +12,8 @@ from plumbline.adapters.dart.joints import add_constraints
 from plumbline.adapters.dart.options import INTEGRATOR, validated
 from plumbline.adapters.dart.simulation import DartSimulation
 from plumbline.adapters.dart.solvers import choose_solver, set_solver
+from plumbline.adapters.dart.spinning_tops import substeps_of
 from plumbline.adapters.dart.surfaces import coefficients
-from plumbline.adapters.dart.tops import substeps_of
 from plumbline.adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
 from plumbline.adapters.dart.vendor import overheard
 from plumbline.harness.adapter import Notice, Settings, SettingsError, Unsupported

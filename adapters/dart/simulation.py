@@ -10,9 +10,9 @@ from plumbline.adapters.dart.built import Built
 from plumbline.adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, LastSeen, reported
 from plumbline.adapters.dart.drives import Pushes
 from plumbline.adapters.dart.forces import Wrenches, push
-from plumbline.adapters.dart.foresight import Foresight
 from plumbline.adapters.dart.reactions import reactions
 from plumbline.adapters.dart.sensing import Caster
+from plumbline.adapters.dart.stable_pd import Foresight
 from plumbline.adapters.dart.vectors import quaternions
 from plumbline.adapters.dart.vendor import correcting
 from plumbline.harness.adapter import Diverged, Notice, Settings, Simulation, Unsupported

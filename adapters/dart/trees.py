@@ -5,7 +5,7 @@ from typing import assert_never
 
 import numpy as np
 
-from plumbline.adapters.dart.tops import spins
+from plumbline.adapters.dart.spinning_tops import spins
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.carried_laws import carried
 from plumbline.harness.adapter.fast_rotors import fast_rotors

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.limits import bounds_of
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.softness import hold_dry, stop
 from plumbline.adapters.mujoco.trees import Link
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import linear_law
 from plumbline.harness.adapter.carried_laws import refuse_speed_limit
 from plumbline.harness.adapter.rotations import conjugate

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.adapters.mujoco.after_compile import settle
 from plumbline.adapters.mujoco.bodies import add_body
 from plumbline.adapters.mujoco.closures import close_loop, couple, keep_distance
 from plumbline.adapters.mujoco.collisions import add_shapes
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.drive_damping import damp_joints
 from plumbline.adapters.mujoco.drives import add_drives
 from plumbline.adapters.mujoco.flags import set_options
@@ -15,12 +15,12 @@ from plumbline.adapters.mujoco.inertial import add_inertial
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.pressed_through import pressed_through
 from plumbline.adapters.mujoco.resolved import resolved_settings
-from plumbline.adapters.mujoco.settle import settle
 from plumbline.adapters.mujoco.simulation import MujocoSimulation
 from plumbline.adapters.mujoco.sparse_factor import may_err, sparse
 from plumbline.adapters.mujoco.start import check_start, start
 from plumbline.adapters.mujoco.surfaces import Law, contact_laws
 from plumbline.adapters.mujoco.trees import Link
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
 from plumbline.adapters.mujoco.world import Hung, Indices, World
 from plumbline.harness.adapter import Notice, Settings, Unsupported

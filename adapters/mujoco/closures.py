@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.limits import bounds_of
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.softness import hold, stop
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import linear_law, set_equality
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.carried_laws import carried, followed

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP, VISUAL_GROUP, add_geom
 from plumbline.adapters.mujoco.surfaces import Law, ranked, tell_surface
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.scene import WORLD, Effect, Scene
 

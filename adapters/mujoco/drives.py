@@ -1,7 +1,7 @@
 """Drives as actuators of native joints."""
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 
 
 def add_drives(plan: Plan, draft: Draft) -> None:

@@ -1,8 +1,8 @@
 """Settings and effects as options and flags of the model."""
 
 from plumbline.adapters.mujoco.arena import arena_for
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
 from plumbline.harness.scene import Effect
 

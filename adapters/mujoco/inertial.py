@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
 from plumbline.adapters.mujoco.world import World
 from plumbline.harness.adapter.rotations import IDENTITY, conjugate, matrix

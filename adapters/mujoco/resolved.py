@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.softness import LEAST_STEPS, friction_constant, time_constant
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.harness.adapter import Settings
 
 

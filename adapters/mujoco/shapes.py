@@ -5,9 +5,9 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.frames import upright
 from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.rotations import conjugate, matrix
 from plumbline.harness.scene import (

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import fatal, flag
 from plumbline.adapters.mujoco.world import World
 from plumbline.harness.adapter import Simulation, Unsupported

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 from plumbline.adapters.reference.batch import ReferenceBatch
+from plumbline.adapters.reference.choose_solver import suited
 from plumbline.adapters.reference.options import SUITED, engine_options, resolved_settings, steps_in
 from plumbline.adapters.reference.simulation import ReferenceSimulation
-from plumbline.adapters.reference.suited import suited
 from plumbline.adapters.reference.world import make_world
 from plumbline.harness.adapter import Settings
 from plumbline.harness.scene import Camera, Scene

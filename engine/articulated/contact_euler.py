@@ -56,7 +56,7 @@ UNKNOWN: Final = -1.0
 class Mechanisms(NamedTuple):
     """The trees of a world, its bodies, joints and shapes, its contacts and what these move, rows for its loops or None.
 
-    Terms: firm: the softness of contacts where links stand on what stays.
+    Terms: firm: the softness of contacts under links.
     """
 
     tables: Tables

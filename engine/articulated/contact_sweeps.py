@@ -28,7 +28,7 @@ BORNE: Final = 100.0
 
 @kernel
 def under_machines(setting: Floats, soft: Softness) -> Softness:
-    """The softness where links stand on what stays: of a spring that is stiffer by what machines weigh, unless told softer.
+    """The contact stiffness under links: scaled by the robot's weight unless set.
 
     A spring sinks by the load over its stiffness: g / omega^2 times what bears down over the effective mass of the point, which
     on trees are unlike by `BORNE`. With omega and the damping ratio both larger by the root of that, the stiffness is larger by
@@ -75,7 +75,7 @@ def start_warm(state: Floats, contacts: Contacts, touched: Touched, manifolds: i
 def sweep_trees(
     state: Floats, contacts: Contacts, touched: Touched, manifolds: int, soft: Softness, firm: Softness, aim: int
 ) -> None:
-    """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`; firm: where links stand on what stays."""
+    """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`; firm: the softness of contacts under links."""
     manifold, key = contacts.manifold, contacts.key
     for m in range(manifolds):
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]

@@ -13,7 +13,7 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 
 @kernel
 def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, shapes: int) -> int:
-    """Write the pairs of bounded shapes, of so many, of which one of a range is the lower, whose widened bounds overlap.
+    """Write the pairs (i, j) of shapes with overlapping margins, first <= i < last and i < j.
 
     Returns: their number, perhaps beyond the room.
     """

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @run_folder
-@click.option("--case", "case", required=True, metavar="CASE", help="Whose charts.")
+@click.option("--case", "case", required=True, metavar="CASE", help="The case to draw.")
 @click.option(
     "--chart", type=click.Choice(["step", "price"]), help="Error against time step, or cost against error; both unless said."
 )

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     help="The interpreter that has the engine, in place of this one.",
 )
 def findings(asked: str | None, run: bool, issue: bool, as_json: bool, python: Path | None) -> None:
-    """What is wrong or a trap in ENGINE, as scripts in the vendor's own API."""
+    """Known bugs and pitfalls of ENGINE, as scripts in the vendor's own API."""
     from plumbline.harness.findings.vendor.finding import FindingError
     from plumbline.harness.findings.vendor.shelf import chosen, shelf
 

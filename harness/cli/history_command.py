@@ -51,8 +51,8 @@ def at_hand(address: str) -> Any:
     from contextlib import contextmanager
     from pathlib import Path
 
-    from plumbline.harness.history.address import copy_of, is_elsewhere
     from plumbline.harness.history.folder import opened
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
 
     @contextmanager
     def reached() -> "Iterator[History]":
@@ -69,8 +69,8 @@ def at_hand(address: str) -> Any:
 def _prune(address: str, older: float | None, keep_nights: int | None, dry_run: bool) -> None:
     from contextlib import ExitStack
 
-    from plumbline.harness.history.address import copy_of, is_elsewhere
     from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
     from plumbline.harness.history.retention import prune, pruning
 
     with ExitStack() as held:

@@ -106,7 +106,7 @@ def ack(name: str, note: str, address: str) -> None:
 
 def _send(address: str) -> None:
     """Take the acknowledgement to where the history lies, where that is elsewhere."""
-    from plumbline.harness.history.address import copy_of, is_elsewhere
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
 
     if is_elsewhere(address):
         copy_of(address).send()

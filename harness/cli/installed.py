@@ -14,8 +14,8 @@ _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed":
 
 
 @click.command()
-@click.option("--prune", is_flag=True, help="Take away environments of versions that were made under another lock.")
-@click.option("--older", type=Age(0.0, 1e11), default="30d", show_default=True, metavar="T", help="Unasked for so long.")
+@click.option("--prune", is_flag=True, help="Delete version environments built from an older lock file.")
+@click.option("--older", type=Age(0.0, 1e11), default="30d", show_default=True, metavar="T", help="Not used for this long.")
 @click.option("--dry-run", is_flag=True, help="Say what would go, and leave it.")
 @json_rows
 def engines(prune: bool, older: float, dry_run: bool, as_json: bool) -> None:

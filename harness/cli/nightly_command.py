@@ -17,10 +17,10 @@ from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
-    from plumbline.harness.history.address import Elsewhere
+    from plumbline.harness.history.changes_since import News
     from plumbline.harness.history.folder import History
     from plumbline.harness.history.night import Asked, Done
-    from plumbline.harness.history.since_last_seen import News
+    from plumbline.harness.history.remote_storage import Elsewhere
 
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
@@ -43,9 +43,9 @@ _SPARE = 3600.0
 @click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
 def nightly(address: str, budget: float | None, notify: str | None, reported: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
-    from plumbline.harness.history.address import copy_of, is_elsewhere
     from plumbline.harness.history.folder import created
     from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
 
     asked = _asked(budget=math.inf if budget is None else budget, **given)
     elsewhere = copy_of(address) if is_elsewhere(address) else None
@@ -91,7 +91,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     from plumbline.harness.findings.vendor.shelf import shelf
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-    from plumbline.harness.history.words import in_short, left_out_in_short, unanswered_in_short, worse_in_short
+    from plumbline.harness.history.sentences import in_short, left_out_in_short, unanswered_in_short, worse_in_short
     from plumbline.harness.study.experiment import StudyError
 
     night, not_made = night_to_do(history, asked), list[str]()
@@ -180,7 +180,7 @@ def _write_summary(
 ) -> Path:
     """What changed, for people. Returns: summary.md."""
     from plumbline.harness.history.acknowledged import acknowledged
-    from plumbline.harness.history.words import open_since, summary
+    from plumbline.harness.history.sentences import open_since, summary
     from plumbline.harness.store.disk import write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]

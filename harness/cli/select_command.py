@@ -182,9 +182,7 @@ def _print_gaps(answer: "Answer") -> None:
         say(f"Nothing in this run says anything of {', '.join(without)}.")
     bounds = {case for (_, case, _), datum in answer.evidence.table.items() if datum.bounded}
     if bounds:
-        say(
-            f"Known by a bound alone, and so level with what it may cost: prices in {len(bounds)} cases; --evidence lists them."
-        )
+        say(f"Speed known only as a lower bound in {len(bounds)} cases; --evidence lists them.")
     if answer.evidence.incomplete:
         pairs = answer.evidence.incomplete
         cases = ", ".join(dict.fromkeys(case for _, case in pairs))

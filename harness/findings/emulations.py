@@ -1,4 +1,4 @@
-"""Whose law it is: what the adapters of a run make in the place of their engines, by case and track, from its catalogue."""
+"""Emulated features: what adapters compute in place of their engines, by case and track, from the catalogue."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -69,7 +69,7 @@ class Lead:
 
 
 def leaders(extents: Mapping[str, Extent]) -> frozenset[str]:
-    """The engines whose extent reaches beyond what the best certainly comes to, and those that come as far; none of none."""
+    """The engines whose interval overlaps the best lower bound; empty if there are no engines."""
     best = max((low for low, _ in extents.values()), default=0.0)
     return frozenset(name for name, (low, high) in extents.items() if high > best + EQUAL or low >= best - EQUAL)
 

@@ -63,7 +63,7 @@ class Night:
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """A history on this machine's disk; one that lies elsewhere is mirrored first (`harness.history.address`)."""
+    """A history on this machine's disk; one that lies elsewhere is mirrored first (`harness.history.remote_storage`)."""
 
     root: Path
 

@@ -1,4 +1,4 @@
-"""What a change is called: by every night that tells it, over all nights, and where somebody acknowledges it."""
+"""The stable id of a change: in every night's report and where it is acknowledged."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ NEAR = 3
 
 
 def change_id(change: Change, first_seen: str) -> str:
-    """What a change is called from its first night on. Args: first_seen: the stamp of that night.
+    """The stable id of a change, from its first night on. Args: first_seen: the stamp of that night.
 
     That of a price is one of a case on an engine, or of the engine as a whole: its tracks and time steps move together, and a
     night tells some of them before it is known whether all of them did.

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
-from plumbline.harness.history.spending import bytes_of
 
 COLUMNS = (
     "night", "state", "machine", "versions", "answers", "recalled", "computed", "again", "disagreements", "clocked", "left_out",

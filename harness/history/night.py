@@ -11,16 +11,16 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import acknowledged
+from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import LATELY, Key, Seen, Sight, last_seen, last_unanswered
+from plumbline.harness.history.budget import Budget, Closings, bytes_of, memory_peaks
+from plumbline.harness.history.changes_since import News, first_seen, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.history.last_answers import LastAnswers
-from plumbline.harness.history.over_nights import OverNights, over_nights
-from plumbline.harness.history.pool import Pool
-from plumbline.harness.history.since_last_seen import News, first_seen, news_of
-from plumbline.harness.history.spending import Budget, Closings, bytes_of, memory_peaks
-from plumbline.harness.history.steering import Keep, Steering
-from plumbline.harness.history.words import told
+from plumbline.harness.history.night_policy import Keep, Steering
+from plumbline.harness.history.sentences import told
+from plumbline.harness.history.slow_drift import OverNights, over_nights
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.interrupt import until
 from plumbline.harness.store import disk

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.values import Beside
+from plumbline.harness.history.normalisation import over_segments
 from plumbline.harness.history.series import Series
-from plumbline.harness.history.yardsticks import over_segments
 from plumbline.harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
 from plumbline.harness.trajectory import Floats
 

@@ -17,9 +17,9 @@ from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import NEAR, Named, change_id
 from plumbline.harness.history.kept_readings import KeptReadings
 from plumbline.harness.history.night_readings import NightOf
+from plumbline.harness.history.normalisation import over_segments
 from plumbline.harness.history.price_steps import PriceStep, price_steps
 from plumbline.harness.history.series import Readings, Series
-from plumbline.harness.history.yardsticks import over_segments
 from plumbline.harness.statistics.change_points import levelled
 from plumbline.harness.statistics.drift import one_drift
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import last_seen
+from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.kept_readings import KeptReadings
-from plumbline.harness.history.pool import Pool
-from plumbline.harness.history.spending import bytes_of
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import read_journal
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.history.night_readings import Measured, NightOf, Numbers, Reading, Subject
-from plumbline.harness.history.yardsticks import yardsticks
+from plumbline.harness.history.normalisation import yardsticks
 from plumbline.harness.trajectory import Floats
 
 

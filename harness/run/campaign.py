@@ -19,9 +19,9 @@ from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import ALONE
 from plumbline.harness.case.own_titles import called
 from plumbline.harness.run.fork_servers import expect
-from plumbline.harness.run.guide import UNGUIDED, Guide
 from plumbline.harness.run.interrupt import TimeIsUp, stop_if_asked
 from plumbline.harness.run.isolated import run_isolated
+from plumbline.harness.run.known_results import UNGUIDED, Guide
 from plumbline.harness.run.preloads import preloads
 from plumbline.harness.run.progress import Progress
 from plumbline.harness.run.remaining_time import RemainingTime, together

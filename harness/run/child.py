@@ -45,7 +45,7 @@ _GENERATIONS = 10
 
 
 def exit_code(process: BaseProcess) -> int | None:
-    """How a process ended whose pipe has broken: that comes before the fork server has told the code.
+    """The exit code after the pipe closed, which may come before the fork server's report.
 
     It is waited for; a process that lives on after its last word is killed.
     """

@@ -1,4 +1,4 @@
-"""How long a process may work: its own CPU time counts, so that a busy machine makes nobody late."""
+"""Deadlines in CPU time, so that a busy machine makes no process late."""
 
 import time
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""Fork servers: some that have the numeric libraries and no engine, and one that has it for each engine that loads slowly.
+"""Shared fork servers with the numeric libraries, and one for each engine that loads slowly.
 
 A version of an engine that has an environment of its own has servers on the interpreter of that one.
 
@@ -32,7 +32,7 @@ from plumbline.harness.study.environments import Environment, project_folders
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PRELOAD = ("plumbline.harness.cli.main", "plumbline.harness.run.timing_blocks", "plumbline.harness.run.isolated", "numpy")
-_FIRST, _LAST = "plumbline.harness.run.loading", "plumbline.harness.run.settled"
+_FIRST, _LAST = "plumbline.harness.run.gc_off", "plumbline.harness.run.gc_freeze"
 _TRIES = 2
 """Servers that a process is asked of, one after the other, where they die."""
 _UNTOLD = 255

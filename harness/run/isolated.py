@@ -114,7 +114,7 @@ class _Child:
         return self.ended or bool(self.broken) or bool(self.late)
 
     def record(self) -> Record | None:
-        """Its record, or what became of it; None where it ended with its server, beside others: nobody knows whose fault it is.
+        """Its record, or its outcome; None if the fork server that it shared with others died.
 
         The process has ended then.
         """

@@ -1,4 +1,4 @@
-"""Going on with a run: which of a folder's records still hold, which are withdrawn and why, and what is clocked anew.
+"""Resuming a run: which of a folder's records still hold, which are withdrawn and why, and what is clocked anew.
 
 A record holds where its trial's name, which covers all that decides an answer, is that of a trial of today, or where nothing
 that it rests on has changed; and where its trajectory is as it was written.

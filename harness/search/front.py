@@ -309,7 +309,7 @@ def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
 def _around(
     here: Sequence[Point], felt: Mapping[str, Felt], case: Case, adapter: Adapter, last: int
 ) -> Iterator[tuple[Trial, Settings]]:
-    """What lies around the front, then around what is next behind it: found as far as it is asked for."""
+    """Lazy generator of the neighbours of the front, then of those of the next front behind it."""
     if last > SCREENING and not _moved(here, last):
         yield from _coarser_still(here, case)
     foremost = sorted(felt, key=lambda knob: -felt[knob].ratio)

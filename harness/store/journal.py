@@ -136,7 +136,7 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
 
 
 def _amiss(written: Written, entry: Mapping[str, Any]) -> str:
-    """What is wrong with the place of a line among those before it; '' where nothing is."""
+    """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
     if entry["schema"] == 1:
         return "is of schema 1 behind lines of a later one" if written.chained and written.checksums else ""

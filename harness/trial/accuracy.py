@@ -175,7 +175,7 @@ class Answer:
         return self.pace.time(self.steps)
 
     def substep(self, asked: Settings) -> float:
-        """The longest step that the engine really took [s]: by what it says it used, or by what was asked."""
+        """The longest step taken [s]: as reported, else as requested."""
         return self.pace.longest / (self.resolved.get("substeps") or asked.substeps or 1)
 
 

@@ -286,10 +286,10 @@
       button.setAttribute("aria-pressed", String(away()));
       const verb = document.createElement("span");
       verb.textContent = away() ? "Show the " : "Hide the ";
-      button.replaceChildren(verb, "yardstick");
-      button.setAttribute("aria-label", `${verb.textContent}yardstick`);
+      button.replaceChildren(verb, "reference engine");
+      button.setAttribute("aria-label", `${verb.textContent}reference engine`);
     };
-    button.title = "Plumbline's own engine is the ruler, and no contestant";
+    button.title = "Plumbline's own engine is judged like the others, and no contestant";
     button.addEventListener("click", () => {
       put(!away());
       kept(away() ? "hidden" : "shown");

@@ -90,8 +90,8 @@ def leading(store: Store) -> list[str]:
         parts = [f"by {join_words(given)}"] if given else []
         parts += [f"with {NO_REASON} in {counts[NO_REASON]}"] if counts[NO_REASON] else []
         written.append(
-            f"On the {track} track the yardstick errs least in {plural(counts.total(), 'case')}: {', '.join(parts)}; "
-            "their pages say more."
+            f"On the {track} track the reference engine is most accurate in {plural(counts.total(), 'case')}: "
+            f"{', '.join(parts)}; their pages say more."
         )
     return written
 

@@ -1,4 +1,4 @@
-"""In what scenes depart from their case's own: what tells an altered trial from the others in a table."""
+"""Overridden parameters and alterations: what tells a trial from the others of its case in a table."""
 
 import json
 from collections.abc import Mapping

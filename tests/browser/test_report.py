@@ -219,7 +219,7 @@ def test_the_yardstick_is_put_away_on_every_page_and_stays_away_until_it_is_call
     assert own.count() > 3
     assert "Plumbline reference (ours)" in legends.all_text_contents()
     before = columns.count()
-    page.get_by_role("button", name="Hide the yardstick").click()
+    page.get_by_role("button", name="Hide the reference engine").click()
     page.wait_for_function("() => !document.querySelector('figure.chart .plot').textContent.includes('(ours)')")
     assert own.count() == 0
     assert columns.count() == before - 1

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.adapters.reference import ADAPTER, suited
+from plumbline.adapters.reference import ADAPTER, choose_solver
 from plumbline.harness.adapter import Settings, SettingsError, Simulation, Unsupported
 from plumbline.harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Prismatic, Scene, Sphere, Surface
 from plumbline.harness.study import plugins
@@ -119,7 +119,7 @@ def test_tuned_contacts_are_exact_where_few_bodies_of_unlike_masses_have_weight(
 def test_pairs_of_many_bodies_are_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     """There are half a million among a thousand bodies, and exact contacts are for few."""
     for name in ("mass_ratio", "heap_gives_way"):
-        monkeypatch.setattr(suited, name, lambda *_: pytest.fail("looked at pairs"))
+        monkeypatch.setattr(choose_solver, name, lambda *_: pytest.fail("looked at pairs"))
     assert ADAPTER.build(_many(65.0), TUNED).resolved.solver == "tgs_soft"
 
 

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.history import steering
-from plumbline.harness.history.address import copy_of
+from plumbline.harness.history import night_policy
+from plumbline.harness.history.answer_store import Pool
+from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import created, opened
 from plumbline.harness.history.listing import COLUMNS, rows
 from plumbline.harness.history.lock import locked
 from plumbline.harness.history.night import Asked
-from plumbline.harness.history.pool import Pool
+from plumbline.harness.history.night_policy import AGAIN, computed_again
+from plumbline.harness.history.remote_storage import copy_of
 from plumbline.harness.history.retention import prune, pruning
-from plumbline.harness.history.soundness import problems_of
-from plumbline.harness.history.spending import bytes_of
-from plumbline.harness.history.steering import AGAIN, computed_again
+from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.run import campaign
 from plumbline.harness.store.journal import StoreError, read_journal
 from tests.conftest import Command
@@ -90,7 +90,7 @@ def test_a_night_that_goes_on_keeps_no_more_new_trajectories_than_one_that_was_n
     there = opened(root).nights()[-1].folder / "trajectories"
     before = {path.stem: path.stat().st_size for path in there.glob("*.npz")}
     assert before
-    monkeypatch.setattr(steering, "MOST_KEPT", sum(before.values()) + 1)
+    monkeypatch.setattr(night_policy, "MOST_KEPT", sum(before.values()) + 1)
     with planted(Fault(engine="reference")) as computed:
         night(root, wanted)
     assert computed
@@ -149,7 +149,7 @@ def kept_nothing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("keep", "stays"), [("all", True), ("changed", False), pytest.param("none", False, marks=pytest.mark.slow)]
 )
 def test_of_what_passed_as_before_the_hash_is_kept(
-    keep: steering.Keep, stays: bool, kept_nothing: Path, tmp_path: Path
+    keep: night_policy.Keep, stays: bool, kept_nothing: Path, tmp_path: Path
 ) -> None:
     """The adapter's source is another, its answers are the same: they are computed, and none is news."""
     root = Path(shutil.copytree(kept_nothing, tmp_path / "h"))

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from plumbline.harness.history.budget import MARGIN, UNKNOWN, Budget, Closings
 from plumbline.harness.history.plan import Plan
-from plumbline.harness.history.spending import MARGIN, UNKNOWN, Budget, Closings
 
 THREE = Closings((1155, 2910, 4248), (79.0, 98.0, 90.0), (1.0, 1.0, 1.0))
 """As three nights on two loaded cores."""

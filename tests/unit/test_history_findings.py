@@ -6,7 +6,7 @@ from plumbline.harness.findings.vendor.finding import Finding
 from plumbline.harness.findings.vendor.shelf import shelf
 from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, Verdict
 from plumbline.harness.history.known_findings import asked_again, turned
-from plumbline.harness.history.words import summary
+from plumbline.harness.history.sentences import summary
 
 EVERY = shelf()
 NAME = "bullet/damping_by_default"

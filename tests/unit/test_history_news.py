@@ -19,8 +19,8 @@ from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.identity import Named, change_id
 from plumbline.harness.history.night import Asked
 from plumbline.harness.history.regressions import read_trends
-from plumbline.harness.history.soundness import problems_of
-from plumbline.harness.history.words import unanswered_in_short, worse_in_short
+from plumbline.harness.history.sentences import unanswered_in_short, worse_in_short
+from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.run import campaign
 from plumbline.harness.run.interrupt import TimeIsUp, naming
 from plumbline.harness.store.journal import Journal, read_journal
@@ -211,7 +211,7 @@ def test_what_a_night_waited_for_in_vain_is_named_and_holds_up_nothing_the_next_
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An engine sleeps over one case until time is up."""
-    monkeypatch.setattr("plumbline.harness.history.steering.AGAIN", 0.0)
+    monkeypatch.setattr("plumbline.harness.history.night_policy.AGAIN", 0.0)
     with planted() as computed:
         sound = campaign.run_isolated
 

@@ -11,8 +11,10 @@ import pytest
 from PIL import Image
 
 from plumbline.harness.store.store import Store
+from plumbline.reports.charts.ideal_signals import _errors
 from plumbline.reports.pages.sensors import PAGE
 from plumbline.reports.recordings.pixels import BEYOND, INVALID, data_uri, shaded, srgb
+from plumbline.reports.words.catalogue import labels
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.sensor_folder import write_sensor_folder
@@ -71,6 +73,15 @@ def test_linear_light_becomes_srgb() -> None:
     pixels = srgb(grey)
     assert pixels[0, :5, 0].tolist() == [0, 188, round(255 * 12.92 * 0.003), 255, 255]
     assert tuple(pixels[0, 5]) == INVALID
+
+
+def test_bounds_are_drawn_in_the_order_of_their_signals_in_every_process(store: Store) -> None:
+    """Not in that of a set, which is another with each start of Python: the same store has the same page."""
+    same = {"engine": labels(store)["mujoco"], "track": "tuned", "error": 0.1, "verdict": "holds", "trial": "t"}
+    rows = [same | {"signal": f"signal {k}", "bound": 1.0 + k} for k in (3, 1, 4, 1, 5, 9, 2, 6)]
+    drawn = _errors(store, rows, "m", "Ranges").spec["datasets"].values()
+    (bounds,) = (shown for shown in drawn if shown[0].keys() == {"signal", "bound"})
+    assert [row["signal"] for row in bounds] == [f"signal {k}" for k in (3, 1, 4, 5, 9, 2, 6)]
 
 
 def test_depths_are_shaded_from_near_to_far_and_what_is_none_stands_out() -> None:

@@ -46,8 +46,9 @@ def test_where_our_engine_errs_least_its_reason_stands_or_that_none_is_given(fol
     assert REASON["tuned/joint_pendulum"]["why"] in pages["case-joint_pendulum.html"]
     assert pages["case-joint_pendulum.html"].count(NO_REASON) == 1
     assert pages["case-stack_tower.html"].count(NO_REASON) == 2
-    assert "On the tuned track the yardstick errs least in 2 cases: by sub-steps in 1, with no reason given in 1;" in " ".join(
-        sentences(store)
+    assert (
+        "On the tuned track the reference engine is most accurate in 2 cases: by sub-steps in 1, with no reason given in 1;"
+        in " ".join(sentences(store))
     )
 
 

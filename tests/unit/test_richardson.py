@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from plumbline.harness.statistics.camps import camps
+from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.statistics.convergence import Convergence, convergence, horizon, slopes
 from plumbline.harness.statistics.richardson import extrapolate, limit, observed_order
 from plumbline.harness.statistics.student import mean_of

@@ -182,8 +182,8 @@ def test_a_run_of_one_engine_has_no_page_of_selection_and_no_link_to_it(tmp_path
 def test_few_cases_are_said_beside_the_share_that_they_give(tmp_path: Path) -> None:
     folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": EQUAL}, 0)
     few = choose(Store(folder), Wish(cases={"joint": 1.0}), draws=100)
-    assert headline(few, str).endswith("It leans on 2 cases alone: too few for a share to mean much.")
-    assert "leans" not in headline(choose(Store(folder), Wish(), draws=100), str)
+    assert headline(few, str).endswith("Only 2 cases: treat the percentages as rough.")
+    assert "rough" not in headline(choose(Store(folder), Wish(), draws=100), str)
 
 
 def test_what_would_turn_the_answer_is_told(answer: Ask) -> None:

@@ -14,11 +14,11 @@ from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
 from plumbline.harness.history.night_readings import NightOf, Subject
+from plumbline.harness.history.normalisation import yardsticks
 from plumbline.harness.history.price_steps import PriceStep, price_steps
 from plumbline.harness.history.regressions import Trends, date, read_trends
 from plumbline.harness.history.series import Series
-from plumbline.harness.history.soundness import problems_of
-from plumbline.harness.history.yardsticks import yardsticks
+from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
 from plumbline.harness.store.record import Record, digest

@@ -1,7 +1,7 @@
 """Engines against each other: whose limits are one, who differs, by how much and since when, and what is agreed.
 
-Limits with their error bars are put in camps (`harness.statistics.camps`); two are compared up to the time to which both are
-known. They agree where they lie no further apart than their bars, and what contacts are granted, together.
+Limits with their error bars are put in camps (`harness.statistics.agreement_clusters`); two are compared up to the time to
+which both are known. They agree where they lie no further apart than their bars, and what contacts are granted, together.
 
 A limit is **agreed** where a camp has two engines or more that people can deploy, and more of them than any other camp. Each
 engine has one vote, on its tuned track if that has a limit, else on its default one: two tracks of one engine are no two
@@ -22,7 +22,7 @@ from plumbline.harness.adapter.features import features_of
 from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 from plumbline.harness.scene import Scene
 from plumbline.harness.search.own_limits import OwnLimit
-from plumbline.harness.statistics.camps import camps
+from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
@@ -185,7 +185,7 @@ def _compare(first: _Known, second: _Known, scale: Extent, granted: float) -> _P
 
 
 def _counted_tracks(sides: Sequence[Side]) -> list[Side]:
-    """Each engine's side that counts: the tuned one where it stands in a camp, else another one that does."""
+    """The track of each engine that votes: tuned if it is in a cluster, else another one that is."""
     chosen: dict[str, Side] = {}
     for side in sorted(sides, key=lambda side: side.track != "tuned"):
         if len(side.camps) == 1 and not side.ours:

@@ -107,7 +107,7 @@ def balances(store: Store, agreement: Agreement) -> list[Balance]:
 
 
 def outlooks(store: Store, agreement: Agreement) -> list[Outlook]:
-    """What ensembles come to, of each side that was run from perturbed starts."""
+    """The ensemble result of each track that was run from perturbed starts."""
     trials = store.trials
     names = trials["alteration"].str.contains(f'"name": "{start_name(1)[:-1]}', regex=False)
     rows = trials[(trials["case"] == agreement.case) & names & trials["status"].isin(ANSWERED)]

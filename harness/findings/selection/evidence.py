@@ -198,7 +198,7 @@ def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
 
 
 def _prices(store: Store, cases: Mapping[str, float], target: float) -> dict[tuple[str, str], Price]:
-    """At the target next to the one asked for, in cases whose costs are those of steps; the dearest of a case's scenes.
+    """At the nearest target, in cases whose costs are those of steps; the costliest variant of a case.
 
     The coarsest step of a scene of the user's own is theirs: what an engine costs there, all at the same step, is its price."""
     own = _own(store)

@@ -12,14 +12,14 @@ Titled = Callable[[str], str]
 """From a name to what people call it."""
 
 SENTENCES: Mapping[str, str] = {
-    "first": "{engine} first, in {share} of {draws} draws.",
-    "level": "{engines} are level: no order holds in 99 % of {draws} draws (first: {shares}).",
+    "first": "{engine} is first, in {share} of {draws} resamples.",
+    "level": "No clear winner between {engines}; share of {draws} resamples in which each is first: {shares}.",
     "expresses": "{engine} is the only engine that can express {scenes}, of {asked} asked: there is no contest.",
     "left": "{engine} is the only engine left, of {asked} asked: there is no contest.",
     "single": "{engine} alone was asked: there is no contest.",
     "none": "No engine is left that there is evidence of.",
     "unknown": "There is no evidence of these cases.",
-    "few": "It leans on {cases} alone: too few for a share to mean much.",
+    "few": "Only {cases}: treat the percentages as rough.",
     "expressed": "{engine} is left out: it can express no scene that counts.",
 }
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
@@ -88,7 +88,7 @@ def dropped_sentence(drop: Dropped, titled: Titled, called: Titled) -> str:
     if drop.requirement == EXPRESSED:
         shown = f"{drop.value},{where}" if where else drop.value
         return f"{SENTENCES['expressed'].format(engine=titled(drop.engine))[:-1]} ({shown})."
-    return f"{titled(drop.engine)} is left out: asked for is {drop.requirement}, it has: {drop.value}{where}."
+    return f"{titled(drop.engine)} is excluded: required {drop.requirement}, found {drop.value}{where}."
 
 
 def undecided_sentence(drop: Dropped, titled: Titled, called: Titled) -> str:

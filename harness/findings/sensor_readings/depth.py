@@ -91,7 +91,7 @@ def _clear(channel: Channel, law: Law, sigma: Floats | None) -> NDArray[np.bool_
 
 
 def _told(channel: Channel, law: Law) -> tuple[Floats | None, NDArray[np.bool_]]:
-    """The law's spread of all pixels, and those whose noise can be told."""
+    """The predicted sigma of each pixel, and a mask of the valid ones."""
     assert isinstance(channel.sensor, DepthCamera)
     depth = np.where(np.isfinite(channel.ideal), channel.ideal, np.nan)
     sigma = depth_sigma(channel.sensor, law, depth)

@@ -1,4 +1,4 @@
-"""A night's run, steered by its history: what is known is recalled, a random share of it computed again.
+"""A night's run, steered by its history: known results are reused, a random share of them is computed again.
 
 What an engine answered to a case before a night in which it gave another answer to the same digest is not recalled any more.
 """
@@ -10,12 +10,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+from plumbline.harness.history.answer_store import MACHINE_BOUND, Answer, Pool
 from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.history.plan import Left, LeftOut, Plan, ranked
-from plumbline.harness.history.pool import MACHINE_BOUND, Answer, Pool
-from plumbline.harness.run.guide import Guide
 from plumbline.harness.run.interrupt import UnderWay
+from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.record import Record, digest
@@ -105,7 +105,7 @@ class Steering(Guide):
         return 1.0 if self._plan is None else self._plan.slow
 
     def known(self, trial: Trial) -> Record | None:
-        """From the pool, unless it is drawn to be computed again, was a matter of another machine, or is distrusted."""
+        """From the pool, unless it is drawn to be computed again, depends on the machine, or is distrusted."""
         found = self._pooled(trial)
         if found is None:
             return None

@@ -1,10 +1,9 @@
-"""The solver that suits a scene: what the track 'tuned' chooses."""
+"""The solver for a scene, as the track 'tuned' chooses it."""
 
 from dataclasses import replace
 from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
-from plumbline.adapters.reference.foresight import half_width, heap_gives_way, length, mass_ratio, quickest_turn, way_through
 from plumbline.adapters.reference.options import (
     EXACT,
     SEQUENTIAL,
@@ -14,6 +13,14 @@ from plumbline.adapters.reference.options import (
     UNSUBSTEPPED,
     WHOLE_STEPS,
     engine_options,
+)
+from plumbline.adapters.reference.scene_estimates import (
+    half_width,
+    heap_gives_way,
+    length,
+    mass_ratio,
+    quickest_turn,
+    way_through,
 )
 from plumbline.adapters.reference.world import make_world
 from plumbline.harness.adapter import Settings, Unsupported

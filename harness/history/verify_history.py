@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from plumbline.harness.history.acknowledged import acknowledged
+from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import NIGHT, History
 from plumbline.harness.history.kept_readings import FOLDER
-from plumbline.harness.history.pool import Pool
 from plumbline.harness.run.verify import Problem, problems
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays

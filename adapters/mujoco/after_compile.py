@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from plumbline.adapters.mujoco.damping import dampen
-from plumbline.adapters.mujoco.draft import Draft
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.rates import fastest, stiffest
 from plumbline.adapters.mujoco.sparse_factor import may_err
+from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
 from plumbline.harness.scene import Effect
 

@@ -1,4 +1,4 @@
-"""What prices have come to over the nights up to tonight, where no single night shows it: told by the first that sees it."""
+"""Slow drift of prices over the nights, which no single night shows; reported once."""
 
 import time
 from collections.abc import Sequence

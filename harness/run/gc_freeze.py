@@ -1,4 +1,4 @@
-"""The last that a fork server loads: what stands in it by then is taken out of the search for garbage, which is made again.
+"""`gc.freeze()` and then `gc.enable()`: the last module that a fork server loads.
 
 Otherwise the first search of each process that comes off it would write to all of that memory, and so copy it.
 """

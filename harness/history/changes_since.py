@@ -9,7 +9,7 @@ from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.history.acknowledged import Acknowledgement, silenced
 from plumbline.harness.history.blocks import Key, Seen
 from plumbline.harness.history.identity import Named, change_id
-from plumbline.harness.history.over_nights import OverNights
+from plumbline.harness.history.slow_drift import OverNights
 from plumbline.harness.store.store import Store
 
 

@@ -9,8 +9,8 @@ from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.comment import comment
 from plumbline.harness.findings.changes.words import command, sentence
 from plumbline.harness.history.acknowledged import Acknowledgement, silenced
+from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.identity import Named, change_id
-from plumbline.harness.history.since_last_seen import News
 from plumbline.harness.intake.safe_text import markdown_cell
 
 _FIRST = 8

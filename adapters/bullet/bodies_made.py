@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
-from plumbline.adapters.bullet.belts import Belt
 from plumbline.adapters.bullet.drives import Actuation
+from plumbline.adapters.bullet.kinematic_bodies import Belt
 from plumbline.adapters.bullet.vendor import Port
 from plumbline.harness.adapter import Notice
 from plumbline.harness.adapter.distance_springs import DistanceSprings

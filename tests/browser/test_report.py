@@ -231,10 +231,10 @@ def test_the_yardstick_is_put_away_on_every_page_and_stays_away_until_it_is_call
     for name in ("case-stack_tower.html", "price.html"):
         page.goto((plain / name).as_uri())
         page.wait_for_selector("figure.chart[data-drawn] .plot svg")
-        page.get_by_role("button", name="Show the yardstick").wait_for()
+        page.get_by_role("button", name="Show the reference engine").wait_for()
         assert own.count() == 0, name
         assert "(ours)" not in "".join(legends.all_text_contents()), name
-    page.get_by_role("button", name="Show the yardstick").click()
+    page.get_by_role("button", name="Show the reference engine").click()
     assert own.count() > 0
     assert seen.said == []
 

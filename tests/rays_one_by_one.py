@@ -229,5 +229,6 @@ def cast_one_by_one(world: engine.World, origins: Any, directions: Any, max_rang
     check_rays(o, d)
     hits, d = room_for(len(d)), unit(d)
     cast_rays(floats, ints, np.broadcast_to(o, d.shape).copy(), d, max_range, hits)
-    cast_on_polyhedra(floats, ints, ray_tree(floats, ints), o, d, max_range, hits)
+    if (at.int_table(ints, at.SHAPE_KIND)[:, at.TYPE] >= at.HULL).any():
+        cast_on_polyhedra(floats, ints, ray_tree(floats, ints), o, d, max_range, hits)
     return hits

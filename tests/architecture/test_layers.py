@@ -195,7 +195,8 @@ def test_metrics_have_unique_names_units_and_sources() -> None:
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_public_name_exists(package: str) -> None:
     for path in texts_of(package):
-        module = importlib.import_module(".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"))
+        parts = ("plumbline", *path.relative_to(ROOT).with_suffix("").parts)
+        module = importlib.import_module(".".join(parts).removesuffix(".__init__"))
         for name in getattr(module, "__all__", ()):
             assert hasattr(module, name), f"{module.__name__}.__all__ names {name}, which is not there"
 

@@ -294,13 +294,13 @@ def test_a_reader_weighs_engines_by_keyboard_and_leaves_some_out(plain: Path, vi
     seen = visit(plain / "select.html")
     page = seen.page
     before = page.inner_text("#headline")
-    assert "of 10000 draws" in before
+    assert "of 10000 resamples" in before
     price = page.get_by_label("price", exact=False).first
     price.focus()
     price.press("End")
     assert price.input_value() == "5"
     page.wait_for_function("before => document.getElementById('headline').textContent !== before", arg=before)
-    assert "of 2000 draws" in page.inner_text("#headline")
+    assert "of 2000 resamples" in page.inner_text("#headline")
     page.get_by_label("times real time, at least").fill("100000")
     page.wait_for_function("() => document.getElementById('left-out').textContent.includes('times real time')")
     words = page.inner_text("#left-out")
@@ -316,7 +316,7 @@ def test_the_scores_that_the_page_works_out_are_those_that_it_was_written_with(p
     written = page.locator("#places tbody tr").evaluate_all(rows)
     price = page.get_by_label("price", exact=False).first
     price.fill("2")
-    page.wait_for_function("() => document.getElementById('headline').textContent.includes('2000 draws')")
+    page.wait_for_function("() => document.getElementById('headline').textContent.includes('2000 resamples')")
     price.fill("1")
     scores = "[...document.querySelectorAll('#places tbody tr')].map(row => row.cells[4].textContent)"
     page.wait_for_function(

@@ -29,7 +29,7 @@ def test_places_and_scores_of_the_page_are_those_of_the_command(tmp_path: Path, 
     page = visit(page_of(folder, "select")).page
     price = page.get_by_label("price", exact=False).first
     price.fill("5")
-    page.wait_for_function("() => document.getElementById('headline').textContent.includes('2000 draws')")
+    page.wait_for_function("() => document.getElementById('headline').textContent.includes('2000 resamples')")
     rows = "rows => Object.fromEntries(rows.map(row => [row.dataset.engine, [...row.cells].map(cell => cell.textContent)]))"
     shown = page.locator("#places tbody tr").evaluate_all(rows)
     for place in found.rank.places:

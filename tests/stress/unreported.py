@@ -3,7 +3,6 @@
 Each process of a trial loads its parent's program: it loads no more here than the command line does.
 """
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import plumbline.harness.cli.main
@@ -11,16 +10,18 @@ import plumbline.harness.cli.run_study
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
+    from plumbline.reports.html.report import WrittenReport
 
 __all__ = ["end_with_the_summary", "summarised"]
 
 
-def summarised(store: "Store", _recordings: bool) -> Path:
+def summarised(store: "Store", _recordings: bool) -> "WrittenReport":
     """What stands beside the tables."""
     from plumbline.harness.findings.summary import write_summary  # late, as above
+    from plumbline.reports.html.report import WrittenReport
 
     write_summary(store)
-    return store.folder / "summary.md"
+    return WrittenReport(store.folder / "summary.md", ())
 
 
 def end_with_the_summary() -> None:

@@ -207,14 +207,14 @@ def test_a_kernel_is_compiled_once_whatever_constants_it_is_called_with() -> Non
     """Compile time follows the number of compiled functions, and `load3` alone meets some forty different columns."""
     import numba
 
-    from plumbline.engine.maths import vec
+    from plumbline.engine.maths import rows
 
-    def ends(a: vec.Floats) -> float:
-        return float(vec.load3(a, 0, 0)[0] + vec.load3(a, 0, 3)[2])
+    def ends(a: rows.Floats) -> float:
+        return float(rows.load3(a, 0, 0)[0] + rows.load3(a, 0, 3)[2])
 
     compiled: Any = numba.njit(ends)
     assert compiled(np.arange(6.0).reshape(1, 6)) == 5.0
-    assert len(vec.load3.overloads) == 1  # type: ignore[attr-defined]
+    assert len(rows.load3.overloads) == 1  # type: ignore[attr-defined]
 
 
 FALLS = """

@@ -27,7 +27,7 @@ from tests.kernels_called import called, entries
 from tests.kernels_on_disk import NAMES, kernels_in, needed_first
 from tests.warm_up import kernels
 
-ENGINE = Path(engine.__file__).parent
+ENGINE = Path(engine.__file__).resolve().parent
 LONG = {"steps.islands_jointed.step_islands_jointed_parallel"}
 """Called by tests marked `slow` alone."""
 

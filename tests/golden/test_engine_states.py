@@ -146,7 +146,8 @@ def test_compiled_steps_call_nothing_of_the_c_library_that_rounds() -> None:
     """By the names that their machine code leaves to be found: `fma` is one where a processor has no instruction for it."""
     for name in WORLDS:
         last_state(name, 1)
-    files = {file for source in sorted((ROOT / "src" / "plumbline" / "engine").rglob("*.py")) for file in cache_directory(source).glob("*.nbc")}
+    sources = sorted((ROOT / "src" / "plumbline" / "engine").rglob("*.py"))
+    files = {file for source in sources for file in cache_directory(source).glob("*.nbc")}
     assert len(files) > len(WORLDS)
     asked = {file.name: [one for one in MATHS if f"\0{one}\0".encode() in file.read_bytes()] for file in files}
     assert {name: found for name, found in asked.items() if found} == {}

@@ -9,7 +9,7 @@ import pytest
 
 from plumbline.harness.case import Case
 from plumbline.harness.run import campaign
-from plumbline.harness.run.timing_blocks import summarise
+from plumbline.harness.run.timing_protocol import summarise
 from plumbline.harness.store.record import Record, Sample, Timing
 from plumbline.harness.study import plugins
 from plumbline.harness.study.trial import Trial

@@ -89,7 +89,7 @@ def bounce(contacts: Contacts, manifolds: int) -> bool:
 
 
 @kernel
-def unbrace(static: float, first: int, end: int, point: Floats) -> None:
+def spread_friction(static: float, first: int, end: int, point: Floats) -> None:
     """Spread the friction of the points first..end - 1 as their loads are, if that stays within the discs of `static`.
 
     Points that bear unlike loads fill their discs one after the other, and then push against each other too: part of the discs
@@ -141,7 +141,7 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
             most += static * point[i, at.NORMAL_IMPULSE] * math.sqrt(one * one + two * two)
         key[m, at.SLIPS] = int(needed > STUCK * most)
         if key[m, at.SLIPS] == 0:
-            unbrace(static, 4 * m, 4 * m + key[m, at.POINTS], point)
+            spread_friction(static, 4 * m, 4 * m + key[m, at.POINTS], point)
 
 
 @kernel

@@ -26,7 +26,7 @@ from plumbline.harness.run.preloads import preloads
 from plumbline.harness.run.progress import Progress
 from plumbline.harness.run.remaining_time import RemainingTime, together
 from plumbline.harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
-from plumbline.harness.run.timing_blocks import clock_group
+from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.search import dominance, first_break, front, needless_effects, refined_ladder
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, Journal, StoreError

@@ -31,7 +31,7 @@ from plumbline.harness.case.alteration import Variables
 from plumbline.harness.study.environments import Environment, project_folders
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_PRELOAD = ("plumbline.harness.cli.main", "plumbline.harness.run.timing_blocks", "plumbline.harness.run.isolated", "numpy")
+_PRELOAD = ("plumbline.harness.cli.main", "plumbline.harness.run.timing_protocol", "plumbline.harness.run.isolated", "numpy")
 _FIRST, _LAST = "plumbline.harness.run.gc_off", "plumbline.harness.run.gc_freeze"
 _TRIES = 2
 """Servers that a process is asked of, one after the other, where they die."""

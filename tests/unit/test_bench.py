@@ -9,7 +9,7 @@ import pytest
 
 from plumbline.harness.adapter import Settings
 from plumbline.harness.case import Clocks
-from plumbline.harness.run.timing_blocks import summarise
+from plumbline.harness.run.timing_protocol import summarise
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment

@@ -21,7 +21,7 @@ from plumbline.harness.run.interrupt import TimeIsUp, until
 from plumbline.harness.run.memory_watch import MemoryWatch
 from plumbline.harness.run.message import Inbox
 from plumbline.harness.run.timed_processes import Clocked, Team, joined
-from plumbline.harness.run.timing_blocks import clock_group, summarise
+from plumbline.harness.run.timing_protocol import clock_group, summarise
 from plumbline.harness.store.record import Sample, Timing
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial
@@ -342,7 +342,7 @@ def test_a_death_in_a_sample_costs_its_own_trial_alone(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(clockwork, "_start", start)
     monkeypatch.setattr(
-        "plumbline.harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+        "plumbline.harness.run.timing_protocol.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
     )
     experiment = Experiment(name="e", samples=4, processes=2)
     trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("a", "bad", "c")]
@@ -370,7 +370,7 @@ def test_long_runs_take_fewer_samples_spread_over_the_processes(
 
     monkeypatch.setattr(clockwork, "_start", start)
     monkeypatch.setattr(
-        "plumbline.harness.run.timing_blocks.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+        "plumbline.harness.run.timing_protocol.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
     )
     experiment = Experiment(name="e", samples=2, processes=processes)
     trials = [dataclasses.replace(trial, experiment=experiment) for trial in named("long", "short")]

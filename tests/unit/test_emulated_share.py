@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.adapter import Settings
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.run.timing_blocks import summarise
+from plumbline.harness.run.timing_protocol import summarise
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment

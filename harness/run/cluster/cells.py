@@ -18,7 +18,7 @@ from typing import Any
 
 from plumbline.harness.intake.mendable import Mendable
 from plumbline.harness.run.isolated import run_isolated
-from plumbline.harness.run.timing_blocks import clock_group
+from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
 from plumbline.harness.study import plugins
 from plumbline.harness.study.provenance import sources_of

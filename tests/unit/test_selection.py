@@ -254,7 +254,7 @@ def test_the_command_prints_places_reasons_and_gaps(tmp_path: Path, printed: Com
     done = printed("select", folder, "--realtime", "20", "--max-error", "0.1", "--weight", "price=3")
     assert done.returncode == 0
     assert done.stdout.startswith("MuJoCo is first, in ")
-    assert "Bullet is left out: asked for is 20 times real time" in done.stdout
+    assert "Bullet is excluded: required 20 times real time" in done.stdout
     assert "Nothing in this run says anything of limits, determinism." in done.stdout
     rows = json.loads(printed("select", folder, "--json").stdout)
     assert [row["engine"] for row in rows] == ["mujoco", "dart", "bullet"]

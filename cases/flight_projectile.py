@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
 from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.divergence import divergence
@@ -15,29 +15,34 @@ from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION = 2.0
-VELOCITY = (3.0, 1.0, 8.0)
 SINGLE = 2.0**-24
 """Relative rounding of a float32: an engine in single precision is judged as such."""
 
 
-def _scene(velocity: Vector3 = VELOCITY, mass: float = 1.0, radius: float = 0.1) -> Scene:
+class P(Parameters):
+    velocity: Vector3 = (3.0, 1.0, 8.0)
+    mass: float = 1.0
+    radius: float = 0.1
+
+
+def _scene(p: P) -> Scene:
     """A ball that nothing can touch, thrown from the origin with `velocity` [m/s]."""
     ball = Body(
         name="ball",
-        mass=mass,
-        inertia=sphere_inertia(mass, radius),
-        visual=(PlacedShape(shape=Sphere(radius=radius)),),
-        v_WB=velocity,
+        mass=p.mass,
+        inertia=sphere_inertia(p.mass, p.radius),
+        visual=(PlacedShape(shape=Sphere(radius=p.radius)),),
+        v_WB=p.velocity,
     )
     return Scene(bodies=(ball,))
 
 
-def _expected(time: Floats, velocity: Vector3 = VELOCITY, mass: float = 1.0, radius: float = 0.1) -> Trajectory:  # noqa: ARG001
+def _expected(time: Floats, p: P) -> Trajectory:
     """x = v0 t + g t^2/2; mass and size do not enter."""
     truth = Trajectory.of(time, 1)
     t = truth.time[:, None]
-    truth.p_WB[:, 0] = np.array(velocity) * t + 0.5 * np.array(EARTH_GRAVITY) * t**2
-    truth.v_WB[:, 0] = np.array(velocity) + np.array(EARTH_GRAVITY) * t
+    truth.p_WB[:, 0] = np.array(p.velocity) * t + 0.5 * np.array(EARTH_GRAVITY) * t**2
+    truth.v_WB[:, 0] = np.array(p.velocity) + np.array(EARTH_GRAVITY) * t
     return truth
 
 
@@ -48,19 +53,19 @@ def _speeds(velocity: Vector3) -> tuple[float, float]:
     return max(float(np.linalg.norm(velocity)), end), end
 
 
-def _rounding(dt: float, velocity: Vector3 = VELOCITY) -> float:
+def _rounding(dt: float, p: P) -> float:
     """Velocity [m/s] lost to rounding in single precision: half a unit in the last place, in the same direction every step."""
-    return SINGLE * _speeds(velocity)[0] * DURATION / dt
+    return SINGLE * _speeds(p.velocity)[0] * DURATION / dt
 
 
-def _first_order(dt: float, velocity: Vector3 = VELOCITY) -> float:
+def _first_order(dt: float, p: P) -> float:
     """Position [m]: semi-implicit Euler's exact error g dt t/2, 1 % more, and the rounding of velocity over the flight."""
-    return 1.01 * G * dt * DURATION / 2 + _rounding(dt, velocity) * DURATION
+    return 1.01 * G * dt * DURATION / 2 + _rounding(dt, p) * DURATION
 
 
-def _energy(dt: float, velocity: Vector3 = VELOCITY) -> float:
+def _energy(dt: float, p: P) -> float:
     """Share of the largest kinetic energy that the potential of the position error g dt t/2 makes; kinetic energy is exact."""
-    return 2.0 * G * _first_order(dt, velocity) / _speeds(velocity)[0] ** 2
+    return 2.0 * G * _first_order(dt, p) / _speeds(p.velocity)[0] ** 2
 
 
 CASE = Case(
@@ -72,7 +77,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"velocity": VELOCITY, "mass": 1.0, "radius": 0.1},
+    parameters=P(),
     headline=position_error_max.name,
     converges="smoothly",
     checks=(

@@ -2,7 +2,7 @@
 
 import math
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from plumbline.harness.case.shared_checks.rest import GIVE
 from plumbline.harness.metrics.creep import creep_speed
@@ -14,32 +14,37 @@ from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
 DURATION, SETTLED = 2.5, 0.5
-ANGLE, FRICTION, MASS = 10.0, 0.5, 1.0
 HALF = (0.1, 0.1, 0.05)
 
 
-def _scene(angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Scene:
+class P(Parameters):
+    angle: float = 10.0
+    friction: float = 0.5
+    mass: float = 1.0
+
+
+def _scene(p: P) -> Scene:
     """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
-    lean = math.radians(angle)
-    box = Body.box("box", HALF, mass=mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
+    lean = math.radians(p.angle)
+    box = Body.box("box", HALF, mass=p.mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
     ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, box),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
-        surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface(between=("box", "ground"), static_friction=p.friction, kinetic_friction=p.friction),),
         # A box that lies still never turns.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Trajectory:  # noqa: ARG001
+def _expected(time: Floats, p: P) -> Trajectory:
     """Rest, where tan(angle) <= mu.
 
     Raises:
         ValueError: friction does not hold the box.
     """
-    if math.tan(math.radians(angle)) > friction:
-        raise ValueError(f"angle {angle} degrees, expected at most atan({friction}): the box slides")
+    if math.tan(math.radians(p.angle)) > p.friction:
+        raise ValueError(f"angle {p.angle} degrees, expected at most atan({p.friction}): the box slides")
     truth = Trajectory.of(time, 2)
     truth.p_WB[:, 1] = (0.0, 0.0, HALF[2])
     return truth
@@ -56,7 +61,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"angle": ANGLE, "friction": FRICTION, "mass": MASS},
+    parameters=P(),
     headline=creep_speed.name,
     scale=1e-3,
     with_contacts=True,
@@ -71,7 +76,7 @@ CASE = Case(
         ),
         Check(
             metric=position_error_max,
-            at_most=lambda dt, angle=ANGLE: 2 * G * math.sin(math.radians(angle)) * dt**2 + GIVE,
+            at_most=lambda dt, p: 2 * G * math.sin(math.radians(p.angle)) * dt**2 + GIVE,
             because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
         *forces_obey_coulomb(),

@@ -4,9 +4,7 @@ A push F holds a box of weight m g iff mu F >= m g; what does not hold falls wit
 towards the wall.
 """
 
-from collections.abc import Sequence
-
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
 from plumbline.harness.metrics.creep import creep_speed
 from plumbline.harness.metrics.divergence import divergence
@@ -26,22 +24,27 @@ LONG = 6.0
 """Half extents [m] of the wall along its normal and down."""
 
 
-def _scene(push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Scene:
+class P(Parameters):
+    push: float = PUSH
+    frictions: tuple[float, ...] = FRICTIONS
+
+
+def _scene(p: P) -> Scene:
     """One box for each coefficient, side by side along y, against a wall in the plane x = 0, pushed by `push` times its "
     "weight."""
     boxes = [
         Body.box(f"box_{i}", HALF, mass=MASS, material=f"box_{i}", p_WB=(-HALF[0], SPACING * i, 0.0))
-        for i in range(len(frictions))
+        for i in range(len(p.frictions))
     ]
-    width = SPACING * len(frictions)
+    width = SPACING * len(p.frictions)
     wall = Body.fixed("wall", Box(half_extents=(THICKNESS, width, LONG)), material="wall", p_WB=(THICKNESS, 0.0, 0.0))
     names = [box.material for box in boxes]
     return Scene(
         bodies=(wall, *boxes),
-        gravity=(push * G, 0.0, -G),
+        gravity=(p.push * G, 0.0, -G),
         surfaces=tuple(
             Surface(between=(name, "wall"), static_friction=mu, kinetic_friction=mu)
-            for name, mu in zip(names, frictions, strict=True)
+            for name, mu in zip(names, p.frictions, strict=True)
         ),
         apart=tuple((a, b) for i, a in enumerate(names) for b in names[i + 1 :]),
         # Boxes flat against a wall never turn.
@@ -49,19 +52,19 @@ def _scene(push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Scene:
     )
 
 
-def _expected(time: Floats, push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Rest or uniform acceleration down the wall."""
-    truth = Trajectory.of(time, 1 + len(frictions))
+    truth = Trajectory.of(time, 1 + len(p.frictions))
     truth.p_WB[:, 0, 0] = THICKNESS
-    for i, mu in enumerate(frictions, start=1):
-        a = max(0.0, G * (1 - mu * push))
+    for i, mu in enumerate(p.frictions, start=1):
+        a = max(0.0, G * (1 - mu * p.push))
         truth.p_WB[:, i, 0], truth.p_WB[:, i, 1] = -HALF[0], SPACING * (i - 1)
         truth.p_WB[:, i, 2] = -a * truth.time**2 / 2
         truth.v_WB[:, i, 2] = -a * truth.time
     return truth
 
 
-def _speed(dt: float) -> float:
+def _speed(dt: float, _: P) -> float:
     """The first step may pass before there is a contact: then a box falls freely for it, twice for a soft contact."""
     return 2 * G * dt
 
@@ -75,7 +78,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"push": PUSH, "frictions": FRICTIONS},
+    parameters=P(),
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
     headline=position_error_max.name,
     converges="once",
@@ -89,7 +92,7 @@ CASE = Case(
         ),
         Check(
             metric=position_error_max,
-            at_most=lambda dt: _speed(dt) * DURATION + 1e-3,
+            at_most=lambda dt, p: _speed(dt, p) * DURATION + 1e-3,
             because="the error of the speed all the way, and a millimetre for contacts that give way under the push",
         ),
         Check(

@@ -6,11 +6,10 @@ Source: Stronge, Impact Mechanics, 2nd ed.; Falcon et al., Eur. Phys. J. B 3 (19
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
 from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
 from plumbline.harness.metrics.restitution import (
@@ -26,26 +25,33 @@ from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
-RESTITUTIONS = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)
-DROP, RADIUS, MASS, SPACING = 1.0, 0.1, 1.0, 1.0
+MASS, SPACING = 1.0, 1.0
 
 
-def _fall(drop: float = DROP) -> float:
+class P(Parameters):
+    restitutions: tuple[float, ...] = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)
+    drop: float = 1.0
+    radius: float = 0.1
+
+
+def _fall(drop: float) -> float:
     """Time to the first impact [s]."""
     return math.sqrt(2 * drop / G)
 
 
-def scene(restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radius: float = RADIUS) -> Scene:
+def scene(p: P) -> Scene:
     """One ball for each restitution, side by side along y, its lowest point `drop` [m] over the ground."""
-    materials = [f"ball_{i}" for i in range(len(restitutions))]
+    materials = [f"ball_{i}" for i in range(len(p.restitutions))]
     balls = [
-        Body.ball(f"ball_{i}", radius, mass=MASS, material=materials[i], p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop))
-        for i in range(len(restitutions))
+        Body.ball(
+            f"ball_{i}", p.radius, mass=MASS, material=materials[i], p_WB=(0.0, (SPACING + 2 * p.radius) * i, p.radius + p.drop)
+        )
+        for i in range(len(p.restitutions))
     ]
     ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
         bodies=(ground, *balls),
-        surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, restitutions, strict=True)),
+        surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, p.restitutions, strict=True)),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
     )
 
@@ -65,34 +71,32 @@ def _bounce(time: Floats, restitution: float, drop: float) -> tuple[Floats, Floa
     return np.where(resting, 0.0, gap), np.where(resting, 0.0, speed)
 
 
-def expected(
-    time: Floats, restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radius: float = RADIUS
-) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: parabola after parabola, then rest."""
-    truth = Trajectory.of(time, 1 + len(restitutions))
-    for i, e in enumerate(restitutions, start=1):
-        truth.p_WB[:, i, 1] = (SPACING + 2 * radius) * (i - 1)
-        gap, truth.v_WB[:, i, 2] = _bounce(truth.time, e, drop)
-        truth.p_WB[:, i, 2] = gap + radius
+    truth = Trajectory.of(time, 1 + len(p.restitutions))
+    for i, e in enumerate(p.restitutions, start=1):
+        truth.p_WB[:, i, 1] = (SPACING + 2 * p.radius) * (i - 1)
+        gap, truth.v_WB[:, i, 2] = _bounce(truth.time, e, p.drop)
+        truth.p_WB[:, i, 2] = gap + p.radius
     return truth
 
 
 SAMPLE, DURATION = 1 / 960, 4.5
 
 
-def _height(dt: float, drop: float = DROP) -> float:
+def _height(dt: float, p: P) -> float:
     """One step's way off the ground, 2 dt/t0, and gravity during the impact: 2 dt/t0 of one step's, T/(3 t0) of a spring's."""
-    return (2 + max(2, SPRING_STEPS / 3)) * dt / _fall(drop)
+    return (2 + max(2, SPRING_STEPS / 3)) * dt / _fall(p.drop)
 
 
-def _late(dt: float, restitutions: Sequence[float] = RESTITUTIONS) -> float:
+def _late(dt: float, p: P) -> float:
     """Half a step of a staggered fall; a step's way off the ground at the least speed that flies twice; the impact itself."""
-    return (0.5 + 1 / min([e for e in restitutions if e > 0], default=1.0) + max(1 + 2, SPRING_STEPS)) * dt
+    return (0.5 + 1 / min([e for e in p.restitutions if e > 0], default=1.0) + max(1 + 2, SPRING_STEPS)) * dt
 
 
-def _end(dt: float, restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP) -> float:
+def _end(dt: float, p: P) -> float:
     """The bound [s] on the end of bouncing, of the largest restitution that ends within the run; a sample where none does."""
-    resting = [e for e in restitutions if 0 < e < 1 and _fall(drop) * (1 + e) / (1 - e) < DURATION]
+    resting = [e for e in p.restitutions if 0 < e < 1 and _fall(p.drop) * (1 + e) / (1 - e) < DURATION]
     if not resting:
         return SAMPLE
     slowest = max(resting)
@@ -114,7 +118,7 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"restitutions": RESTITUTIONS, "drop": DROP, "radius": RADIUS},
+    parameters=P(),
     duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,

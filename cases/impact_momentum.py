@@ -6,7 +6,7 @@ contacts can touch the angular momentum: impulses with unequal arms, or bodies t
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import energy_gain_max
@@ -20,17 +20,23 @@ from plumbline.harness.metrics.momentum import (
 )
 from plumbline.harness.scene import Body, Scene, Surface, axis_angle
 
-FRICTION, SPEED, SPIN = 0.3, 1.0, 4.0
 MASS, HALF, AWAY = 1.0, 0.1, 0.5
 DURATION = 1.5
 
 
-def scene(friction: float = FRICTION, speed: float = SPEED, spin: float = SPIN, seed: int = 0) -> Scene:
+class P(Parameters):
+    friction: float = 0.3
+    speed: float = 1.0
+    spin: float = 4.0
+    seed: int = 0
+
+
+def scene(p: P) -> Scene:
     """Eight cubes from the corners of a larger one, flying at its middle at `speed` [m/s] and turning at `spin` [rad/s].
 
     Their axes are drawn anew for each seed, and their aim misses the middle by up to half an edge, so that blows are askew.
     """
-    draw = np.random.default_rng(seed)
+    draw = np.random.default_rng(p.seed)
     cubes = []
     for i in range(8):
         corner = np.array([1.0 if i >> axis & 1 else -1.0 for axis in range(3)])
@@ -44,13 +50,13 @@ def scene(friction: float = FRICTION, speed: float = SPEED, spin: float = SPIN, 
                 mass=MASS,
                 p_WB=(AWAY * corner).tolist(),
                 q_WB=axis_angle((turned[0], turned[1], turned[2]), float(draw.uniform(0, np.pi))),
-                v_WB=(speed * way / np.linalg.norm(way)).tolist(),
-                w_WB=(spin * axis / np.linalg.norm(axis)).tolist(),
+                v_WB=(p.speed * way / np.linalg.norm(way)).tolist(),
+                w_WB=(p.spin * axis / np.linalg.norm(axis)).tolist(),
             )
         )
     return Scene(
         bodies=tuple(cubes),
-        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),),
         gravity=(0.0, 0.0, 0.0),
     )
 
@@ -62,7 +68,7 @@ CASE = Case(
     source="conservation of momentum and angular momentum (Goldstein, Classical Mechanics, 3rd ed., section 1.2)",
     truth="conservation",
     scene=scene,
-    parameters={"friction": FRICTION, "speed": SPEED, "spin": SPIN, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     # Slower cubes would not meet: to its aim a cube has at most sqrt(3) (AWAY + HALF) = 1.04 m to go, and eight aims within a
     # cube of edge 2 HALF leave no room for eight balls of radius HALF, which the cubes hold. Faster ones would skip each other
@@ -79,13 +85,13 @@ CASE = Case(
         ),
         Check(
             metric=inscribed_overlap,
-            at_most=lambda dt, speed=SPEED, spin=SPIN: 2 * (speed + np.sqrt(3) * HALF * spin) * dt,
+            at_most=lambda dt, p: 2 * (p.speed + np.sqrt(3) * HALF * p.spin) * dt,
             because="cubes do not pass through each other; one step's way at the greatest speed of closing, that of two "
             "corners, may lie between the touch and its discovery. Without this, bodies that never touch would pass",
         ),
         Check(
             metric=momentum_drift_max,
-            at_most=lambda _dt, speed=SPEED: 1e-6 * 8 * MASS * speed,
+            at_most=lambda _, p: 1e-6 * 8 * MASS * p.speed,
             because="a blow gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Converged
+from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.metrics.joint_gap import joint_gap_max
@@ -13,13 +13,18 @@ from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, Pla
 from plumbline.harness.trajectory import Floats, Trajectory
 
 G = -EARTH_GRAVITY[2]
-LINKS, ANGLE, DURATION = 10, 20.0, 2.0
-"""Degrees from the downward vertical: a regular swing within the horizon of the reference."""
+DURATION = 2.0
 LENGTH, MASS, THICKNESS = 0.2, 1.0, 0.02
 HALF = (THICKNESS, THICKNESS, LENGTH / 2)
 INERTIA = box_inertia(MASS, HALF)[1][1]
 SAMPLE = 1 / 3840
 """The step [s] at which the first-order error of semi-implicit Euler is taken."""
+
+
+class P(Parameters):
+    n: float = 10
+    angle: float = 20.0
+    """Degrees from the downward vertical: a regular swing within the horizon of the reference."""
 
 
 def placed(time: Floats, theta: Floats, rate: Floats) -> Trajectory:
@@ -35,10 +40,10 @@ def placed(time: Floats, theta: Floats, rate: Floats) -> Trajectory:
     return truth
 
 
-def scene(n: float = LINKS, angle: float = ANGLE) -> Scene:
+def scene(p: P) -> Scene:
     """n equal rods in one line at `angle` [degrees], the first on a hinge at the origin; all axes along y, all at rest."""
-    count = round(n)
-    theta = np.full((1, count), np.radians(angle))
+    count = round(p.n)
+    theta = np.full((1, count), np.radians(p.angle))
     start = placed(np.zeros(1), theta, np.zeros_like(theta))
     rods = tuple(
         Body(
@@ -114,10 +119,10 @@ def _reference(times: tuple[float, ...], n: int, angle: float) -> Converged:
     )
 
 
-def expected(time: Floats, n: float = LINKS, angle: float = ANGLE) -> Converged:
+def expected(time: Floats, p: P) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-12; the error bar is the distance to 1e-10, a hundred times
     the tolerance and so far above the error of the finer one."""
-    return _reference(tuple(float(t) for t in time), round(n), angle)
+    return _reference(tuple(float(t) for t in time), round(p.n), p.angle)
 
 
 def energy(run: Trajectory) -> tuple[Floats, Floats]:
@@ -127,10 +132,10 @@ def energy(run: Trajectory) -> tuple[Floats, Floats]:
 
 
 @lru_cache(maxsize=16)
-def first_order(n: float = LINKS, angle: float = ANGLE) -> tuple[float, float, float]:
+def first_order(p: P) -> tuple[float, float, float]:
     """Errors per dt of semi-implicit Euler in joint angles, of position [m/s] and relative energy [1/s]; and the largest speed
     [m/s] of a rod's end."""
-    theta, rate = np.full(round(n), np.radians(angle)), np.zeros(round(n))
+    theta, rate = np.full(round(p.n), np.radians(p.angle)), np.zeros(round(p.n))
     angles, rates, every = [theta], [rate], 16
     for step in range(1, round(DURATION / SAMPLE) + 1):
         rate = rate + SAMPLE * acceleration(theta, rate)
@@ -139,7 +144,7 @@ def first_order(n: float = LINKS, angle: float = ANGLE) -> tuple[float, float, f
             angles.append(theta)
             rates.append(rate)
     time = np.arange(len(angles), dtype=np.float64) * (every * SAMPLE)
-    euler, truth = placed(time, np.array(angles), np.array(rates)), expected(time, n, angle).trajectory
+    euler, truth = placed(time, np.array(angles), np.array(rates)), expected(time, p).trajectory
     moved = float(np.linalg.norm(euler.p_WB - truth.p_WB, axis=-1).max())
     kinetic, potential = energy(euler)
     drift = float(np.abs(kinetic + potential - potential[0]).max()) / float(energy(truth)[0].max())
@@ -160,18 +165,18 @@ CASE = Case(
     truth="converged reference",
     scene=scene,
     expected=expected,
-    parameters={"n": LINKS, "angle": ANGLE},
+    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=64, lost=0.1),
     headline=position_error_max.name,
     converges="smoothly",
     checks=(
         Check(metric=divergence, at_most=0.0, because="a hanging chain never diverges"),
-        Check(metric=position_error_max, at_most=lambda dt, **chain: 2 * first_order(**chain)[0] * dt, because=WHY),
-        Check(metric=energy_drift_max, at_most=lambda dt, **chain: 2 * first_order(**chain)[1] * dt, because=WHY),
+        Check(metric=position_error_max, at_most=lambda dt, p: 2 * first_order(p)[0] * dt, because=WHY),
+        Check(metric=energy_drift_max, at_most=lambda dt, p: 2 * first_order(p)[1] * dt, because=WHY),
         Check(
             metric=joint_gap_max,
-            at_most=lambda dt, **chain: 5 * (first_order(**chain)[2] * dt) ** 2 / LENGTH + 1e-6,
+            at_most=lambda dt, p: 5 * (first_order(p)[2] * dt) ** 2 / LENGTH + 1e-6,
             because="a step along the tangent leaves the circle by (v dt)^2/(2 d), d half a rod, of which a solver that "
             "corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),

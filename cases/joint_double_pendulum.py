@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Converged
+from plumbline.harness.case import Case, Check, Converged, Parameters
 from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
@@ -17,14 +17,18 @@ from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THIC
 
 G = -EARTH_GRAVITY[2]
 DURATION = 5.0
-UPPER, LOWER = 20.0, 30.0
-"""Degrees from the downward vertical: a regular swing, mostly in the slow mode. Above about 90 the motion becomes chaotic; then
-the reference still carries its own error bar, and only the energy is worth comparing late in the run."""
 
 
-def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
+class P(Parameters):
+    upper: float = 20.0
+    lower: float = 30.0
+    """Degrees from the downward vertical: a regular swing, mostly in the slow mode. Above about 90 the motion becomes chaotic;
+    then the reference still carries its own error bar, and only the energy is worth comparing late in the run."""
+
+
+def _scene(p: P) -> Scene:
     """Two equal rods, the upper on a hinge at the origin, at rest at the given angles [degrees]; all axes along y."""
-    theta = np.radians([upper, lower])
+    theta = np.radians([p.upper, p.lower])
     p_WB, q_WB = poses(theta)
     half = (THICKNESS, THICKNESS, LENGTH / 2)
     rods = tuple(
@@ -68,10 +72,10 @@ def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
     return angles
 
 
-def _expected(time: Floats, upper: float = UPPER, lower: float = LOWER) -> Converged:
+def _expected(time: Floats, p: P) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-13; the error bar is the distance to 1e-11, a hundred times
     the tolerance and so far above the error of the finer one."""
-    fine, coarse = (placed(time, _solve(time, upper, lower, rtol)) for rtol in (1e-13, 1e-11))
+    fine, coarse = (placed(time, _solve(time, p.upper, p.lower, rtol)) for rtol in (1e-13, 1e-11))
     return Converged(
         trajectory=fine,
         position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
@@ -88,7 +92,7 @@ def _energy_of(y: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def _first_order(upper: float = UPPER, lower: float = LOWER) -> tuple[float, float, float]:
+def _first_order(p: P) -> tuple[float, float, float]:
     """Largest error per dt of position [m/s] and of relative energy [1/s], and the largest speed [m/s].
 
     Semi-implicit Euler in joint angles follows to second order theta' = w + (dt/2) a, w' = a - (dt/2) da/dt (backward error
@@ -106,9 +110,9 @@ def _first_order(upper: float = UPPER, lower: float = LOWER) -> tuple[float, flo
         ahead, behind = (acceleration(theta + s * rate, rate + s * a) for s in (step, -step))
         return np.concatenate([rate + small / 2 * a, a - small / 2 * (ahead - behind) / (2 * step)])
 
-    start = [*np.radians([upper, lower]), 0.0, 0.0]
+    start = [*np.radians([p.upper, p.lower]), 0.0, 0.0]
     other = solve_ivp(change, (0.0, DURATION), start, "DOP853", t_eval=times, rtol=1e-11, atol=1e-12).y.T
-    true = _solve(times, upper, lower, 1e-12)
+    true = _solve(times, p.upper, p.lower, 1e-12)
     truth = placed(times, true)
     moved = np.linalg.norm(placed(times, other).p_WB - truth.p_WB, axis=-1).max() / small
     energy = _energy_of(other).sum(axis=1)
@@ -130,16 +134,16 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"upper": UPPER, "lower": LOWER},
+    parameters=P(),
     headline=position_error_max.name,
     converges="smoothly",
     checks=(
         Check(metric=divergence, at_most=0.0, because="a double pendulum never diverges"),
-        Check(metric=position_error_max, at_most=lambda dt, **start: 2 * _first_order(**start)[0] * dt, because=WHY),
-        Check(metric=energy_drift_max, at_most=lambda dt, **start: 2 * _first_order(**start)[1] * dt, because=WHY),
+        Check(metric=position_error_max, at_most=lambda dt, p: 2 * _first_order(p)[0] * dt, because=WHY),
+        Check(metric=energy_drift_max, at_most=lambda dt, p: 2 * _first_order(p)[1] * dt, because=WHY),
         Check(
             metric=joint_gap_max,
-            at_most=lambda dt, **start: 5 * (_first_order(**start)[2] * dt) ** 2 / (2 * D) + 1e-6,
+            at_most=lambda dt, p: 5 * (_first_order(p)[2] * dt) ** 2 / (2 * D) + 1e-6,
             because="a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),

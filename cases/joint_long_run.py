@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import (
     energy_drift_final,
@@ -24,9 +24,13 @@ RATE = float(np.sqrt(MASS * G * D / (box_inertia(MASS, HALF)[1][1] + MASS * D**2
 """Angular frequency of small swings [rad/s]."""
 
 
-def _scene(amplitude: float = AMPLITUDE) -> Scene:
+class P(Parameters):
+    amplitude: float = AMPLITUDE
+
+
+def _scene(p: P) -> Scene:
     """A rod on a hinge about y at the origin, at rest at `amplitude` [degrees from hanging]."""
-    theta = float(np.radians(amplitude))
+    theta = float(np.radians(p.amplitude))
     along: Floats = D * np.array([np.sin(theta), 0.0, -np.cos(theta)])
     rod = Body(
         name="rod",
@@ -40,15 +44,15 @@ def _scene(amplitude: float = AMPLITUDE) -> Scene:
     return Scene(bodies=(rod,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
 
-def _gap(dt: float, amplitude: float = AMPLITUDE) -> float:
+def _gap(dt: float, p: P) -> float:
     """A step along the tangent leaves the circle by (v dt)^2/(2 d); a solver that takes back a fifth a step keeps five."""
-    fastest = 2 * float(np.sin(np.radians(amplitude) / 2)) * RATE * D
+    fastest = 2 * float(np.sin(np.radians(p.amplitude) / 2)) * RATE * D
     return 5 * (fastest * dt) ** 2 / (2 * D) + 1e-6
 
 
-def _swing(dt: float, amplitude: float = AMPLITUDE) -> float:
+def _swing(dt: float, p: P) -> float:
     """Twice (w0/2) dt for half a step between position and velocity, and the gap's height, over the energy in play."""
-    return RATE * dt + _gap(dt, amplitude) / (D * (1 - float(np.cos(np.radians(amplitude)))))
+    return RATE * dt + _gap(dt, p) / (D * (1 - float(np.cos(np.radians(p.amplitude)))))
 
 
 CASE = Case(
@@ -59,7 +63,7 @@ CASE = Case(
     truth="conservation",
     scene=_scene,
     duration=DURATION,
-    parameters={"amplitude": AMPLITUDE},
+    parameters=P(),
     sample_interval=0.5,
     dt=1 / 1000,
     # A million steps belong to the case's own step; over the ladder the thousand seconds take 20 000 to 120 000.
@@ -75,7 +79,7 @@ CASE = Case(
         ),
         Check(
             metric=energy_growth_rate,
-            at_most=lambda dt, amplitude=AMPLITUDE: _swing(dt, amplitude) / DURATION,
+            at_most=lambda dt, p: _swing(dt, p) / DURATION,
             because="what only swings has no trend beyond its swing over the length of the run. A damping of 1e-3/s would lose "
             "the energy of half an hour's motion in this run",
         ),

@@ -1,11 +1,11 @@
 """A pendulum on a hinge, released from rest: does it keep its period, its energy and its hinge?"""
 
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
@@ -32,13 +32,17 @@ Kind = Literal["rod", "point"]
 
 G = -EARTH_GRAVITY[2]
 DURATION = 10.0
-AMPLITUDE = 30.0
-"""Degrees. The error of second order in a staggered integrator's period changes sign near 90 degrees, where an order fitted to
-it would be a fluke; at 30 it is nearly as large as it gets."""
-LENGTH = 1.0
-MASS = 1.0
 RADIUS = 0.05
 """Radius of the bob of a 'point' and half the thickness of a 'rod' [m]; both have the inertia that this gives them."""
+
+
+class P(Parameters):
+    amplitude: float = 30.0
+    """Degrees. The error of second order in a staggered integrator's period changes sign near 90 degrees, where an order fitted
+    to it would be a fluke; at 30 it is nearly as large as it gets."""
+    kind: Kind = "rod"
+    length: float = 1.0
+    mass: float = 1.0
 
 
 def _body(kind: Kind, length: float, mass: float) -> tuple[Body, float]:
@@ -58,10 +62,10 @@ def _pose(theta: Floats, distance: float) -> tuple[Floats, Floats]:
     return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
 
 
-def _scene(amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS) -> Scene:
+def _scene(p: P) -> Scene:
     """A pendulum of `length` [m] on a hinge about y at the origin, at rest at `amplitude` [degrees, 0..180)."""
-    hanging, distance = _body(kind, length, mass)
-    p_WB, q_WB = _pose(np.array(np.radians(amplitude)), distance)
+    hanging, distance = _body(p.kind, p.length, p.mass)
+    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)), distance)
     pendulum = Body(
         name=hanging.name,
         mass=hanging.mass,
@@ -80,21 +84,12 @@ def _small_rate(kind: Kind, length: float, mass: float) -> tuple[float, float]:
     return float(np.sqrt(mass * G * d / (body.inertia[1][1] + mass * d * d))), d
 
 
-def period(amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS) -> float:
-    """4 K(sin(theta0/2))/w0 [s]; amplitude in degrees."""
-    from scipy.special import ellipk  # late: a listing must not pay for it
-
-    return float(4.0 * ellipk(np.sin(np.radians(amplitude) / 2) ** 2) / _small_rate(kind, length, mass)[0])
-
-
-def _expected(
-    time: Floats, amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS
-) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """sin(theta/2) = k sn(K - w0 t, k), theta' = -2 k w0 cn(K - w0 t, k), k = sin(theta0/2)."""
     from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
 
-    rate, distance = _small_rate(kind, length, mass)
-    k = float(np.sin(np.radians(amplitude) / 2))
+    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    k = float(np.sin(np.radians(p.amplitude) / 2))
     truth = Trajectory.of(time, 1)
     sn, cn, _, _ = ellipj(ellipk(k * k) - rate * truth.time, k * k)
     theta, turning = 2.0 * np.arcsin(k * sn), -2.0 * k * rate * cn
@@ -105,36 +100,34 @@ def _expected(
 
 
 @lru_cache(maxsize=8)
-def _swing(
-    amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS
-) -> tuple[float, float, float, float]:
+def _swing(p: P) -> tuple[float, float, float, float]:
     """w0 [rad/s], d [m], the largest theta' = 2 k w0 [rad/s] and the height 1 - cos(theta0) [d]."""
-    rate, distance = _small_rate(kind, length, mass)
-    return rate, distance, float(2.0 * np.sin(np.radians(amplitude) / 2) * rate), float(1 - np.cos(np.radians(amplitude)))
+    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    return rate, distance, float(2.0 * np.sin(np.radians(p.amplitude) / 2) * rate), float(1 - np.cos(np.radians(p.amplitude)))
 
 
-def _gap(dt: float, **pendulum: Any) -> float:
+def _gap(dt: float, p: P) -> float:
     """A step along the tangent leaves the circle by (v dt)^2/(2 d); a solver that takes back a fifth a step keeps five."""
-    _, distance, fastest, _ = _swing(**pendulum)
+    _, distance, fastest, _ = _swing(p)
     return 5 * (fastest * distance * dt) ** 2 / (2 * distance) + 1e-6
 
 
-def _energy(dt: float, **pendulum: Any) -> float:
+def _energy(dt: float, p: P) -> float:
     """Twice (w0/2) dt for half a step between position and velocity, and the gap's height, over the energy in play."""
-    rate, distance, _, height = _swing(**pendulum)
-    return rate * dt + _gap(dt, **pendulum) / (distance * height)
+    rate, distance, _, height = _swing(p)
+    return rate * dt + _gap(dt, p) / (distance * height)
 
 
-def _period_error(dt: float, **pendulum: Any) -> float:
+def _period_error(dt: float, p: P) -> float:
     """Twice the leapfrog's (w0 dt)^2/24 in small swings, a rod longer by the gap, and 1e-6 for interpolation."""
-    rate, distance, _, _ = _swing(**pendulum)
-    return (rate * dt) ** 2 / 12 + _gap(dt, **pendulum) / (2 * distance) + 1e-6
+    rate, distance, _, _ = _swing(p)
+    return (rate * dt) ** 2 / 12 + _gap(dt, p) / (2 * distance) + 1e-6
 
 
-def _position(dt: float, **pendulum: Any) -> float:
+def _position(dt: float, p: P) -> float:
     """Twice the largest speed times half a step, the period's error up to the end, and the gap."""
-    _, distance, fastest, _ = _swing(**pendulum)
-    return distance * fastest * (dt + _period_error(dt, **pendulum) * DURATION) + _gap(dt, **pendulum)
+    _, distance, fastest, _ = _swing(p)
+    return distance * fastest * (dt + _period_error(dt, p) * DURATION) + _gap(dt, p)
 
 
 CASE = Case(
@@ -146,7 +139,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"amplitude": AMPLITUDE, "kind": "rod", "length": LENGTH, "mass": MASS},
+    parameters=P(),
     headline=position_error_max.name,
     converges="smoothly",
     checks=(

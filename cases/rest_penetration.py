@@ -1,6 +1,6 @@
 """One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
 from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
 from plumbline.harness.metrics.jitter import rest_drift
@@ -29,12 +29,17 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
-FRICTION, MASS, HALF = 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    shape: str = "box"
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """A box, sphere or cylinder of half-height HALF standing on a plane, or a capsule lying on it; it just touches."""
     laid = axis_angle((0.0, 1.0, 0.0), 1.5707963267948966)
     choices: dict[str, tuple[Matrix3, Shape, Quaternion]] = {
@@ -43,9 +48,9 @@ def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
         "cylinder": (cylinder_inertia(MASS, HALF, HALF), Cylinder(radius=HALF, half_length=HALF), UNTURNED),
         "capsule": (capsule_inertia(MASS, HALF, HALF), Capsule(radius=HALF, half_length=HALF), laid),
     }
-    inertia, placed, q_WB = choices[shape]
+    inertia, placed, q_WB = choices[p.shape]
     body = Body(
-        name=shape,
+        name=p.shape,
         mass=MASS,
         inertia=inertia,
         collision=(PlacedShape(shape=placed),),
@@ -53,12 +58,12 @@ def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
         q_WB=q_WB,
     )
     ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),))
 
 
-def expected(time: Floats, shape: str = "box", friction: float = FRICTION) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest."""
-    return at_rest(scene(shape, friction), time)
+    return at_rest(scene(p), time)
 
 
 CASE = Case(
@@ -69,7 +74,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"shape": "box", "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     # Every step: a body that sinks by its first step's fall is deepest then.
     sample_interval=0.0,
@@ -79,7 +84,7 @@ CASE = Case(
         bears("the body"),
         Check(
             metric=rest_drift,
-            at_most=lambda dt: G * dt**2 + GIVE,
+            at_most=lambda dt, _: G * dt**2 + GIVE,
             because="what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
         ),
         settled_speed(SETTLED),

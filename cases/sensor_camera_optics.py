@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.colour_error import colour_error_max, colour_error_median
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.silhouette import silhouette_iou
@@ -23,6 +23,10 @@ PIECES = 12
 """Ways out of the pane that are followed; what the pane still holds then, less than 1e-9, is taken to end in the sky."""
 REACH = 50.0
 BLACK = Appearance(colour=(0.0, 0.0, 0.0))
+
+
+class P(Parameters):
+    tilt: float = 0.5
 
 
 def _ball(name: str, radius: float, p_WB: Vector3) -> Body:
@@ -51,10 +55,10 @@ def _camera(name: str, x: float) -> Camera:
     )
 
 
-def _scene(tilt: float = 0.5) -> Scene:
+def _scene(p: P) -> Scene:
     """Sheets that fill their camera's picture, turned by `tilt` [rad] out of it; no sun, a sky of 1, all balls black."""
     bodies = (
-        _sheet("mirror", (9.0, 9.0, 0.1), (0.0, 0.0, 4.0), (1.0, 0.3, 0.0), tilt, Appearance(mirror=1.0)),
+        _sheet("mirror", (9.0, 9.0, 0.1), (0.0, 0.0, 4.0), (1.0, 0.3, 0.0), p.tilt, Appearance(mirror=1.0)),
         _ball("behind", 0.8, (0.3, 3.0, -1.0)),
         _ball("before", 0.3, (-0.5, 0.4, 2.2)),
         _ball("above", 0.7, (-1.5, 4.6, 1.0)),
@@ -63,7 +67,7 @@ def _scene(tilt: float = 0.5) -> Scene:
             (9.0, 9.0, HALF_THICKNESS),
             (APART, 0.0, 2.5),
             (0.3, 1.0, 0.0),
-            tilt,
+            p.tilt,
             Appearance(transmission=1.0, refractive_index=INDEX),
         ),
         _ball("beyond", 0.5, (APART + 0.2, 0.1, 4.5)),
@@ -121,9 +125,9 @@ def _in_pane(scene: Scene, sight: Sight) -> Floats:
     return total + held / (1.0 - share)
 
 
-def _expected(time: Floats, tilt: float = 0.5) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the colour of each pixel is the sum over its light's ways."""
-    scene = _scene(tilt)
+    scene = _scene(p)
     truth = at_rest(scene, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
@@ -145,7 +149,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=0.05,
-    parameters={"tilt": 0.5},
+    parameters=P(),
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),

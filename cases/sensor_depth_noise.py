@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median
 from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
 from plumbline.harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
@@ -60,6 +60,10 @@ PHASE = TimeOfFlightNoise(
 )
 
 
+class P(Parameters):
+    infrared: float = 0.1
+
+
 def _fixture(name: str, shape: Shape, p_WB: Vector3, look: Appearance) -> Body:
     return Body.fixed(name, shape, p_WB=p_WB, appearance=look)
 
@@ -81,7 +85,7 @@ def _camera(name: str, noise: DepthNoise) -> DepthCamera:
     )
 
 
-def _scene(infrared: float = 0.1) -> Scene:
+def _scene(p: P) -> Scene:
     """A floor, a wall with a mirror, a pane of glass and a black panel on it, a block before them; a low sun from behind."""
     pale = Appearance(reflectivity=0.8)
     on_wall = Box(half_extents=(0.05, 0.6, 0.5))
@@ -95,13 +99,13 @@ def _scene(infrared: float = 0.1) -> Scene:
         Body(name="rig", motion="static", p_WB=EYE),
     )
     cameras = (_camera("stereo", STEREO), _camera("pattern", PATTERN), _camera("phase", PHASE))
-    sun = Sun(towards_W=(-1.0, 0.5, 0.5), infrared=infrared)
+    sun = Sun(towards_W=(-1.0, 0.5, 0.5), infrared=p.infrared)
     return Scene(bodies=bodies, sensors=cameras, gravity=(0.0, 0.0, 0.0), sun=sun)
 
 
-def _expected(time: Floats, infrared: float = 0.1) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
-    scene = _scene(infrared)
+    scene = _scene(p)
     truth = at_rest(scene, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
@@ -122,7 +126,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"infrared": 0.1},
+    parameters=P(),
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.pixel_error import pixel_error
@@ -27,16 +27,20 @@ LONGEST = 5.0
 """No pixel sees a ball at a greater range [m]; a test holds this."""
 
 
-def _scene(seen_by: str = "rays") -> Scene:
+class P(Parameters):
+    seen_by: str = "rays"
+
+
+def _scene(p: P) -> Scene:
     """Six balls around a camera at the origin that looks along +z of W."""
     balls = [Body.fixed(f"ball_{k}", Sphere(radius=radius), p_WB=centre) for k, (radius, centre) in enumerate(BALLS)]
-    camera = DepthCamera(name="depth", body="world", rate=RATE, far=8.0, seen_by=seen_by)  # type: ignore[arg-type]  # checked there
+    camera = DepthCamera(name="depth", body="world", rate=RATE, far=8.0, seen_by=p.seen_by)  # type: ignore[arg-type]  # checked there
     return Scene(bodies=tuple(balls), sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, seen_by: str = "rays") -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; a pixel's depth is that of the first hit of the ray through its centre."""
-    scene = _scene(seen_by)
+    scene = _scene(p)
     truth = at_rest(scene, time)
     camera = scene.sensors[0]
     assert isinstance(camera, DepthCamera)
@@ -53,7 +57,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=0.05,
-    parameters={"seen_by": "rays"},
+    parameters=P(),
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters, Step
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
@@ -21,7 +21,11 @@ MASS, RADIUS = 2.0, 0.5
 MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
 
 
-def _scene(frequency: float = FREQUENCY) -> Scene:  # noqa: ARG001 -- the control's
+class P(Parameters):
+    frequency: float = FREQUENCY
+
+
+def _scene(_: P) -> Scene:
     """A ball with two sensors: one that the engine may read by its own means, one that differences velocities and is late."""
     ball = Body(
         name="ball", mass=MASS, inertia=sphere_inertia(MASS, RADIUS), visual=(PlacedShape(shape=Sphere(radius=RADIUS)),)
@@ -31,22 +35,22 @@ def _scene(frequency: float = FREQUENCY) -> Scene:  # noqa: ARG001 -- the contro
     return Scene(bodies=(ball,), sensors=(own, late), gravity=(0.0, 0.0, 0.0))
 
 
-def _control(frequency: float = FREQUENCY) -> Control:
+def _control(p: P) -> Control:
     """Force and torque along z as sin and cos of the time, so that the turning does not mix the axes."""
     inertia = sphere_inertia(MASS, RADIUS)[2][2]
 
     def wrench(time: float, _state: State) -> tuple[Floats, Floats]:
-        phase = 2 * np.pi * frequency * time
+        phase = 2 * np.pi * p.frequency * time
         force = np.array([[0.0, 0.0, MASS * PUSH * np.sin(phase)]])
         return force, np.array([[0.0, 0.0, inertia * TURN * np.cos(phase)]])
 
     return Control(wrench=wrench)
 
 
-def _expected(time: Floats, frequency: float = FREQUENCY) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """What is there to be felt at the instants of the time stamps: a sin(Wt), and b/W sin(Wt) turning."""
     truth = Trajectory.of(time, 1)
-    pulse = 2 * np.pi * frequency
+    pulse = 2 * np.pi * p.frequency
     t = truth.time
     # From rest: z' = a (1 - cos Wt)/W.
     truth.v_WB[:, 0, 2] = PUSH * (1 - np.cos(pulse * t)) / pulse
@@ -65,9 +69,9 @@ def _expected(time: Floats, frequency: float = FREQUENCY) -> Trajectory:
     return replace(truth, streams=streams)
 
 
-def _late(_dt: float, outer: float) -> float:
+def _late(dt: Step, _: P) -> float:
     """[s]: a force that is held over a step between two calls, or the one told last."""
-    return outer + 1e-6
+    return dt.outer + 1e-6
 
 
 CASE = Case(
@@ -80,7 +84,7 @@ CASE = Case(
     control=_control,
     expected=_expected,
     duration=DURATION,
-    parameters={"frequency": FREQUENCY},
+    parameters=P(),
     dt=1 / 240,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     headline=accelerometer_lag_error.name,

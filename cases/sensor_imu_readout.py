@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.imu_readout import inertial_readout_error
@@ -36,7 +36,11 @@ GYROSCOPE = AxisNoise(quantisation=0.02, saturation=4.0, scale_error=-0.03, misa
 """Coarse steps and bounds that the signal passes: the weight alone reaches 7.4 m/s2 on one axis, the spin 4.9 rad/s."""
 
 
-def _scene(spin_up: float = SPIN_UP) -> Scene:  # noqa: ARG001 -- the torque is the control's
+class P(Parameters):
+    spin_up: float = SPIN_UP
+
+
+def _scene(_: P) -> Scene:
     """A ball at rest, held up and spun up about z by the control, with a sensor at its centre, turned against it."""
     ball = Body(
         name="ball",
@@ -49,10 +53,10 @@ def _scene(spin_up: float = SPIN_UP) -> Scene:  # noqa: ARG001 -- the torque is 
     return Scene(bodies=(ball,), sensors=(imu,))
 
 
-def _control(spin_up: float = SPIN_UP) -> Control:
+def _control(p: P) -> Control:
     """The weight borne, and the torque that spins the ball up by `spin_up` [rad/s2]."""
     force = np.array([[0.0, 0.0, MASS * G]])
-    torque = np.array([[0.0, 0.0, sphere_inertia(MASS, RADIUS)[2][2] * spin_up]])
+    torque = np.array([[0.0, 0.0, sphere_inertia(MASS, RADIUS)[2][2] * p.spin_up]])
 
     def wrench(_time: float, _state: State) -> tuple[Floats, Floats]:
         return force, torque
@@ -60,12 +64,12 @@ def _control(spin_up: float = SPIN_UP) -> Control:
     return Control(wrench=wrench)
 
 
-def _expected(time: Floats, spin_up: float = SPIN_UP) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The weight is felt along z, which is the axis of the spin as well: both signals stand still in S but for w = a t."""
     truth = Trajectory.of(time, 1)
-    angle = spin_up * truth.time**2 / 2
+    angle = p.spin_up * truth.time**2 / 2
     truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(angle / 2), np.sin(angle / 2)
-    truth.w_WB[:, 0, 2] = spin_up * truth.time
+    truth.w_WB[:, 0, 2] = p.spin_up * truth.time
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
     late = np.arange(1, count + 1) / RATE
     up = np.tile((0.0, 0.0, 1.0), (count, 1))
@@ -73,14 +77,14 @@ def _expected(time: Floats, spin_up: float = SPIN_UP) -> Trajectory:
     streams = {
         "imu/time": late,
         "imu/accelerometer_ideal": rotate_back(q_BS, G * up),
-        "imu/gyroscope_ideal": rotate_back(q_BS, spin_up * late[:, None] * up),
+        "imu/gyroscope_ideal": rotate_back(q_BS, p.spin_up * late[:, None] * up),
     }
     return replace(truth, streams=streams)
 
 
-def _rounding(dt: float, spin_up: float = SPIN_UP) -> float:  # noqa: ARG001 -- the same at every step
+def _rounding(_: float, p: P) -> float:
     """Of the greatest spin [rad/s], 64 times over."""
-    return 64 * SINGLE * spin_up * DURATION
+    return 64 * SINGLE * p.spin_up * DURATION
 
 
 CASE = Case(
@@ -93,7 +97,7 @@ CASE = Case(
     control=_control,
     expected=_expected,
     duration=DURATION,
-    parameters={"spin_up": SPIN_UP},
+    parameters=P(),
     headline=inertial_readout_error.name,
     checks=(
         Check(metric=divergence, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),

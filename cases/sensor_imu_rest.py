@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.metrics.stream_stamps import time_stamp_error
@@ -20,7 +20,7 @@ BORNE = 0.01
 """How well a ground has to carry a weight that rests on it, as a share of the weight [1]."""
 
 
-def _scene() -> Scene:
+def _scene(_: Parameters) -> Scene:
     """A box that just touches a smooth plane, with a sensor off its centre, turned against it."""
     half = (HALF, HALF, HALF)
     box = Body.box("box", half, p_WB=(0.0, 0.0, HALF))
@@ -29,7 +29,7 @@ def _scene() -> Scene:
     return Scene(bodies=(ground, box), surfaces=(Surface(),), sensors=(imu,))
 
 
-def _expected(time: Floats) -> Trajectory:
+def _expected(time: Floats, _: Parameters) -> Trajectory:
     """Rest, in which the sensor feels the ground's push g upwards."""
     truth = Trajectory.of(time, 2)
     truth.p_WB[:, 1, 2] = HALF

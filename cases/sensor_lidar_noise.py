@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.dropout import dropout_score
 from plumbline.harness.metrics.range_error import (
@@ -44,7 +44,6 @@ from plumbline.harness.truths.rest import at_rest
 
 DURATION = 1.0
 RATE = 10.0
-CHANNELS, COLUMNS = 32, 360
 HALF = (4.0, 3.0, 1.5)
 """Half extents of the inside of the room [m]; the floor is at z = 0."""
 NOISE = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05)
@@ -55,12 +54,18 @@ GRAZING = 0.015
 """No beam of the default pattern meets a surface at a smaller cosine of incidence; a test holds this."""
 
 
+class P(Parameters):
+    channels: int = 32
+    columns: int = 360
+    tilt: float = 0.1
+
+
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED) -> Body:
     look = Appearance(reflectivity=REFLECTIVITY)
     return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
-def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) -> Scene:
+def _scene(p: P) -> Scene:
     """A room with a ball, a box, a capsule and a cylinder, seen from a resting carrier tilted by `tilt` [rad]."""
     x, y, z = HALF
     t = 0.1
@@ -85,7 +90,7 @@ def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) 
         inertia=box_inertia(1.0, half),
         visual=(PlacedShape(shape=Box(half_extents=half)),),
         p_WB=(0.23, -0.17, 1.15),
-        q_WB=axis_angle((0.6, 1.0, 0.3), tilt),
+        q_WB=axis_angle((0.6, 1.0, 0.3), p.tilt),
     )
     lidar = Lidar(
         name="lidar",
@@ -93,17 +98,17 @@ def _scene(channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) 
         rate=RATE,
         p_BS=(0.05, 0.02, 0.08),
         q_BS=axis_angle((0.0, 0.0, 1.0), 0.3),
-        channels=channels,
-        columns=columns,
+        channels=p.channels,
+        columns=p.columns,
         max_range=20.0,
         noise=NOISE,
     )
     return Scene(bodies=(*walls, *contents, carrier), sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, channels: int = CHANNELS, columns: int = COLUMNS, tilt: float = 0.1) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the ranges are the closed-form first hits of the beams."""
-    scene = _scene(channels, columns, tilt)
+    scene = _scene(p)
     lidar = scene.sensors[0]
     assert isinstance(lidar, Lidar)
     truth = at_rest(scene, time)
@@ -123,7 +128,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"channels": CHANNELS, "columns": COLUMNS, "tilt": 0.1},
+    parameters=P(),
     sample_interval=0.1,
     headline=range_error_max.name,
     checks=(

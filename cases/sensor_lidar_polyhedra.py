@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
@@ -16,7 +16,6 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 DURATION, RATE = 0.2, 10.0
-CHANNELS, COLUMNS = 16, 180
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 SINGLE = 2.0**-24
 REACH = 8.0
@@ -31,7 +30,12 @@ OCTAHEDRON: tuple[Vector3, ...] = ((1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -
 FACES = ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5))
 
 
-def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
+class P(Parameters):
+    channels: int = 16
+    columns: int = 180
+
+
+def _scene(p: P) -> Scene:
     """Two turned polyhedra to the sides of a range finder that hangs in the world."""
     hull = Body.fixed("hull", ConvexHull(vertices=HULL), p_WB=(2.1, 0.3, 0.1), q_WB=axis_angle((0.3, 0.2, 1.0), 0.6))
     mesh = Body.fixed(
@@ -42,16 +46,16 @@ def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
         body=WORLD,
         rate=RATE,
         q_BS=axis_angle((0.6, 1.0, 0.3), 0.1),
-        channels=channels,
-        columns=columns,
+        channels=p.channels,
+        columns=p.columns,
         max_range=REACH,
     )
     return Scene(bodies=(hull, mesh), sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, channels: int = CHANNELS, columns: int = COLUMNS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; ranges to the half-spaces of the hull and to the triangles of the mesh."""
-    scene = _scene(channels, columns)
+    scene = _scene(p)
     lidar = scene.sensors[0]
     assert isinstance(lidar, Lidar)
     truth = at_rest(scene, time)
@@ -69,7 +73,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"channels": CHANNELS, "columns": COLUMNS},
+    parameters=P(),
     sample_interval=0.1,
     headline=range_error_max.name,
     checks=(

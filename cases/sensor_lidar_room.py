@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
@@ -33,7 +33,7 @@ CHANNELS, COLUMNS = 12, 120
 HALF = (4.0, 3.0, 1.5)
 """Half extents of the inside of the room [m], about the origin."""
 PLACE, FLIGHT = np.array([-1.0, 0.6, -0.2]), np.array([1.2, -0.8, 0.3])
-AXIS, TURNING = (0.2, -0.1, 1.0), 3.0
+AXIS = (0.2, -0.1, 1.0)
 MOUNT_P: Vector3 = (0.15, 0.02, 0.08)
 MOUNT_Q: Quaternion = axis_angle((0.1, 0.2, 1.0), 0.3)
 ELEVATIONS = (-0.5, -0.35, -0.22, -0.12, -0.05, 0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6)
@@ -44,7 +44,11 @@ GRAZING = 0.1
 SINGLE = 2.0**-24
 
 
-def _scene(turning: float = TURNING) -> Scene:
+class P(Parameters):
+    turning: float = 3.0
+
+
+def _scene(p: P) -> Scene:
     """Six walls and a ball without a body for rays, flying and turning at `turning` [rad/s], with two range finders."""
     t = 0.1
     x, y, z = HALF
@@ -56,7 +60,7 @@ def _scene(turning: float = TURNING) -> Scene:
         "north": ((x, t, z), (0.0, y + t, 0.0)),
         "south": ((x, t, z), (0.0, -y - t, 0.0)),
     }
-    walls = tuple(Body.fixed(name, Box(half_extents=half), p_WB=p) for name, (half, p) in places.items())
+    walls = tuple(Body.fixed(name, Box(half_extents=half), p_WB=centre) for name, (half, centre) in places.items())
     axis = np.array(AXIS) / np.linalg.norm(AXIS)
     carrier = Body(
         name="carrier",
@@ -64,7 +68,7 @@ def _scene(turning: float = TURNING) -> Scene:
         visual=(PlacedShape(shape=Sphere(radius=0.1)),),
         p_WB=PLACE.tolist(),
         v_WB=FLIGHT.tolist(),
-        w_WB=(turning * axis).tolist(),
+        w_WB=(p.turning * axis).tolist(),
     )
     lidars = tuple(
         Lidar(
@@ -116,18 +120,18 @@ def scans(stamps: Floats, turning: float, spinning: bool) -> tuple[Floats, Float
     return walls_from_inside(np.broadcast_to(p_WS[:, None], (*shape, 3)), directions)
 
 
-def _expected(time: Floats, turning: float = TURNING) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Straight flight and steady turning; the ranges to the walls from where the sensor is when a column is fired."""
-    bodies = _scene(turning).bodies
+    bodies = _scene(p).bodies
     truth = Trajectory.of(time, len(bodies))
     for place, body in enumerate(bodies):
         truth.p_WB[:, place], truth.v_WB[:, place], truth.w_WB[:, place] = body.p_WB, body.v_WB, body.w_WB
-    truth.p_WB[:, -1], truth.q_WB[:, -1] = _pose(truth.time, turning)
+    truth.p_WB[:, -1], truth.q_WB[:, -1] = _pose(truth.time, p.turning)
     last = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else -1
     streams: dict[str, Floats] = {}
     for name, first in (("flash", 0), ("spinning", 1)):
         stamps = np.arange(first, last + 1) / RATE
-        ranges, cosines = scans(stamps, turning, name == "spinning")
+        ranges, cosines = scans(stamps, p.turning, name == "spinning")
         streams |= {f"{name}/time": stamps, f"{name}/range_ideal": ranges, f"{name}/intensity_ideal": REFLECTIVITY * cosines}
     return replace(truth, streams=streams)
 
@@ -135,13 +139,13 @@ def _expected(time: Floats, turning: float = TURNING) -> Trajectory:
 LONGEST = 2.0 * float(np.linalg.norm(HALF))
 
 
-def _turned(dt: float, turning: float = TURNING) -> float:
+def _turned(dt: float, p: P) -> float:
     """How far the attitude may be off at the end [rad]: 2 atan(w dt/2) a step, and rounding in single precision."""
-    return turning**3 * dt**2 / 12 * DURATION + 64 * SINGLE
+    return p.turning**3 * dt**2 / 12 * DURATION + 64 * SINGLE
 
 
-def _range(dt: float, turning: float = TURNING) -> float:
-    return LONGEST * _turned(dt, turning) / GRAZING
+def _range(dt: float, p: P) -> float:
+    return LONGEST * _turned(dt, p) / GRAZING
 
 
 CASE = Case(
@@ -153,7 +157,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"turning": TURNING},
+    parameters=P(),
     sample_interval=0.1,
     headline=range_error_max.name,
     checks=(

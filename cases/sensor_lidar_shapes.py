@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
@@ -32,7 +32,6 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 DURATION, RATE = 0.2, 10.0
-CHANNELS, COLUMNS = 32, 360
 REACH = 6.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 GRAZING = 0.005
@@ -40,12 +39,17 @@ GRAZING = 0.005
 EXACT = 1e-9
 
 
+class P(Parameters):
+    channels: int = 32
+    columns: int = 360
+
+
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED, reflectivity: float = 1.0) -> Body:
     look = Appearance(reflectivity=reflectivity)
     return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
-def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
+def _scene(p: P) -> Scene:
     """Five primitives around a range finder that hangs in the world, tilted; a wall partly beyond its reach, and the sky."""
     shapes = (
         _fixture("floor", Plane(), (0.0, 0.0, 0.0), reflectivity=0.3),
@@ -61,16 +65,16 @@ def _scene(channels: int = CHANNELS, columns: int = COLUMNS) -> Scene:
         rate=RATE,
         p_BS=(0.05, 0.02, 1.2),
         q_BS=axis_angle((0.6, 1.0, 0.3), 0.1),
-        channels=channels,
-        columns=columns,
+        channels=p.channels,
+        columns=p.columns,
         max_range=REACH,
     )
     return Scene(bodies=shapes, sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, channels: int = CHANNELS, columns: int = COLUMNS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the ranges are the closed-form first hits of the beams, and infinite beyond the sensor's reach."""
-    scene = _scene(channels, columns)
+    scene = _scene(p)
     lidar = scene.sensors[0]
     assert isinstance(lidar, Lidar)
     truth = at_rest(scene, time)
@@ -86,7 +90,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"channels": CHANNELS, "columns": COLUMNS},
+    parameters=P(),
     sample_interval=0.1,
     headline=range_error_max.name,
     checks=(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
 from plumbline.harness.metrics.noise_independence import inertial_correlation_score
@@ -19,12 +19,16 @@ ACCELEROMETER = AxisNoise(
 )
 
 
-def _scene(density: float = GYROSCOPE.density) -> Scene:
+class P(Parameters):
+    density: float = GYROSCOPE.density
+
+
+def _scene(p: P) -> Scene:
     """Two inertial sensors of one law and a range finder, hung in the world above a floor; one inertial sensor is late."""
     law = ImuNoise(
         accelerometer=ACCELEROMETER,
         gyroscope=AxisNoise(
-            density=density, bias=GYROSCOPE.bias, scale_error=GYROSCOPE.scale_error, misalignment=GYROSCOPE.misalignment
+            density=p.density, bias=GYROSCOPE.bias, scale_error=GYROSCOPE.scale_error, misalignment=GYROSCOPE.misalignment
         ),
     )
     mount = axis_angle((1.0, 2.0, -0.5), 0.7)
@@ -47,7 +51,7 @@ def _scene(density: float = GYROSCOPE.density) -> Scene:
     return Scene(bodies=(floor,), sensors=sensors)
 
 
-def _expected(time: Floats, density: float = GYROSCOPE.density) -> Trajectory:  # noqa: ARG001 -- the floor knows no noise
+def _expected(time: Floats, _: P) -> Trajectory:
     """Nothing moves."""
     return Trajectory.of(time, 1)
 
@@ -65,7 +69,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"density": GYROSCOPE.density},
+    parameters=P(),
     sample_interval=1.0,
     dt=1 / 200,
     ladder=(1 / 200, 1 / 400, 1 / 600, 1 / 800),

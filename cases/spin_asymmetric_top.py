@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
 from plumbline.harness.metrics.attitude import attitude_error_final, attitude_error_max, attitude_error_rms
 from plumbline.harness.metrics.divergence import divergence
@@ -22,31 +22,36 @@ SPIN = (0.5, 0.7, 1.2)
 """Generic rates [rad/s]: all three differ, and L^2 = 15.2 lies well off the separatrix 2 E I2 = 11.1."""
 
 
-def _scene(moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> Scene:
+class P(Parameters):
+    moments: Vector3 = MOMENTS
+    spin: Vector3 = SPIN
+
+
+def _scene(p: P) -> Scene:
     """A body of 6 kg with principal `moments` [kg m2] in ascending order, spinning at `spin` [rad/s] in B, B on W at time 0."""
     mass = 6.0
-    a, b, c = (0.5 * (sum(moments) - 2 * moment) for moment in moments)
+    a, b, c = (0.5 * (sum(p.moments) - 2 * moment) for moment in p.moments)
     half = tuple(float(np.sqrt(3.0 * max(x, 1e-6) / mass)) for x in (a, b, c))
     top = Body(
         name="top",
         mass=mass,
-        inertia=principal_inertia(*moments),
+        inertia=principal_inertia(*p.moments),
         visual=(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2]))),),
-        w_WB=spin,
+        w_WB=p.spin,
     )
     return Scene(bodies=(top,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The closed form."""
     truth = Trajectory.of(time, 1)
-    truth.q_WB[:, 0], truth.w_WB[:, 0] = free_rotation(truth.time, moments, spin)
+    truth.q_WB[:, 0], truth.w_WB[:, 0] = free_rotation(truth.time, p.moments, p.spin)
     return truth
 
 
-def _first_order(column: int) -> Callable[..., float]:
+def _first_order(column: int) -> Callable[[float, P], float]:
     """The bound over dt of attitude (0), angular momentum (1) or energy (2)."""
-    return lambda dt, moments=MOMENTS, spin=SPIN: 2 * first_order_errors(moments, spin, DURATION)[column] * dt
+    return lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[column] * dt
 
 
 CASE = Case(
@@ -58,7 +63,7 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"moments": MOMENTS, "spin": SPIN},
+    parameters=P(),
     headline=attitude_error_max.name,
     converges="smoothly",
     checks=(

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case
+from plumbline.harness.case import Axis, Case, Parameters
 from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration
@@ -33,8 +33,14 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
-THICKNESS, BLOCKS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 9, 1.0, 0.4, 2000.0, 0.8
+THICKNESS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 1.0, 0.4, 2000.0, 0.8
 SETTLED, DURATION = 1.0, 2.0
+
+
+class P(Parameters):
+    thickness: float = THICKNESS
+    blocks: float = 9
+    friction: float = FRICTION
 
 
 def voussoir(thickness: float, blocks: int) -> tuple[Floats, float]:
@@ -72,10 +78,10 @@ def _inertia(corners: Floats) -> tuple[float, Matrix3]:
     return mass, principal_inertia(z + along, x + z, x + along)
 
 
-def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Scene:
+def scene(p: P) -> Scene:
     """A semicircle of equal blocks on level ground, in the plane y = 0, exactly touching; `thickness` in units of RADIUS."""
-    count = round(blocks)
-    corners, away = voussoir(thickness * RADIUS, count)
+    count = round(p.blocks)
+    corners, away = voussoir(p.thickness * RADIUS, count)
     mass, inertia = _inertia(corners)
     hull = ConvexHull(vertices=tuple((float(x), y, float(z)) for x, z in corners for y in (-DEPTH / 2, DEPTH / 2)))
     bodies = [Body.fixed("ground", Plane())]
@@ -93,13 +99,15 @@ def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float 
             )
         )
     return Scene(
-        bodies=tuple(bodies), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),), narrow=Effect.GYROSCOPIC
+        bodies=tuple(bodies),
+        surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),),
+        narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest, as it is above the least thickness."""
-    return at_rest(scene(thickness, blocks, friction), time)
+    return at_rest(scene(p), time)
 
 
 CASE = Case(
@@ -110,7 +118,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"thickness": THICKNESS, "blocks": BLOCKS, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,

@@ -4,7 +4,7 @@ The contact at the ground must carry ratio + 1 times the weight of the body that
 contact passes on, each time, only what the light body alone can take.
 """
 
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration
@@ -14,14 +14,19 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
-RATIO, FRICTION, MASS, HALF = 1000.0, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
 SOFTNESS = 1e-5
 """What a solver of constraints may mix into the diagonal of its matrix, relative to it, to keep it regular: ODE's and DART's
 default constraint force mixing. A contact gives by that share, times the load that it bears over the body that it holds."""
 
 
-def scene(ratio: float = RATIO, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    ratio: float = 1000.0
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """Two equal cubes, exactly touching: the lower of MASS, the upper of `ratio` times as much."""
     cube = (PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),)
     boxes = [
@@ -32,15 +37,15 @@ def scene(ratio: float = RATIO, friction: float = FRICTION) -> Scene:
             collision=cube,
             p_WB=(0.0, 0.0, height),
         )
-        for name, mass, height in (("light", MASS, HALF), ("heavy", ratio * MASS, 3 * HALF))
+        for name, mass, height in (("light", MASS, HALF), ("heavy", p.ratio * MASS, 3 * HALF))
     ]
     ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),))
 
 
-def expected(time: Floats, ratio: float = RATIO, friction: float = FRICTION) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest."""
-    return at_rest(scene(ratio, friction), time)
+    return at_rest(scene(p), time)
 
 
 CASE = Case(
@@ -51,7 +56,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"ratio": RATIO, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
@@ -60,7 +65,7 @@ CASE = Case(
         stands(DURATION, "the stack stands"),
         Check(
             metric=stack_height_error,
-            at_most=lambda dt, ratio=RATIO: 2 * (G * dt**2 * (1 + SOFTNESS * ratio) + GIVE) / (3 * HALF),
+            at_most=lambda dt, p: 2 * (G * dt**2 * (1 + SOFTNESS * p.ratio) + GIVE) / (3 * HALF),
             because="before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
             "solver that keeps its matrix regular by such a share (ODE User Guide, Constraint Force Mixing); and a millimetre "

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.shared_checks.rest import settled_speed
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.jitter import rest_drift
@@ -20,9 +20,15 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
-BALLS, FRICTION, RADIUS, DENSITY = 20, 0.5, 0.05, 1000.0
-"""A hundred balls take some engines a second a step; the numbers beyond belong to the axis and to the study of scaling."""
+RADIUS, DENSITY = 0.05, 1000.0
 SETTLED, DURATION = 0.5, 1.0
+
+
+class P(Parameters):
+    n: float = 20
+    """A hundred balls take some engines a second a step; the numbers beyond belong to the axis and to the study of scaling."""
+    friction: float = 0.5
+    worlds: float = 1
 
 
 def side(n: int) -> int:
@@ -43,24 +49,24 @@ def packing(n: int) -> Floats:
     return np.array(centres[:n])
 
 
-def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Scene:  # noqa: ARG001 -- stepped by the harness
+def scene(p: P) -> Scene:
     """A floor, four walls and n equal balls, all just touching; `worlds` of them are stepped together."""
-    count = round(n)
+    count = round(p.n)
     mass = DENSITY * 4 / 3 * math.pi * RADIUS**3
     balls = [
         Body.ball(f"ball_{k}", RADIUS, mass=mass, material="ball", p_WB=(RADIUS * centre).tolist())
         for k, centre in enumerate(packing(count))
     ]
     laws = tuple(
-        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
+        Surface(between=pair, static_friction=p.friction, kinetic_friction=p.friction)
         for pair in (("ball", "ball"), ("ball", "wall"))
     )
     return Scene(bodies=(*container(RADIUS * side(count), "wall"), *balls), surfaces=laws)
 
 
-def expected(time: Floats, n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest."""
-    return at_rest(scene(n, friction, worlds), time)
+    return at_rest(scene(p), time)
 
 
 CASE = Case(
@@ -71,7 +77,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": BALLS, "friction": FRICTION, "worlds": 1},
+    parameters=P(),
     duration=DURATION,
     sample_interval=1 / 20,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),

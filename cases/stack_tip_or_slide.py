@@ -5,38 +5,42 @@ Source: Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3.
 """
 
 import math
-from collections.abc import Sequence
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.tipping import tipping_angle_error, wrong_fates
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, axis_angle, rotate
 
 G = -EARTH_GRAVITY[2]
-ROUGH, SLIPPERY, MASS = 0.8, 0.3, 1.0
-STEEPNESS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
-"""tan(angle) of the inclines over that of the threshold: densest there, and never at it."""
+MASS = 1.0
 HALF = (0.05, 0.05, 0.1)
 THICKNESS, WIDTH, SPACING = 0.2, 0.2, 1.0
 """Half extents [m] of an incline along its normal and across the fall line, and the distance of one from the next."""
 DURATION = 1.2
 
 
-def scene(steepness: Sequence[float] = STEEPNESS, rough: float = ROUGH, slippery: float = SLIPPERY) -> Scene:
+class P(Parameters):
+    steepness: tuple[float, ...] = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
+    """tan(angle) of the inclines over that of the threshold: densest there, and never at it."""
+    rough: float = 0.8
+    slippery: float = 0.3
+
+
+def scene(p: P) -> Scene:
     """Two rows along y of inclines with a box at rest on each, around the angles of tipping and of sliding; down is to +x.
 
     Args: steepness: tan(angle) over the smaller of b/h and mu; rough, slippery: friction of the two rows.
     """
     bodies = []
-    rows = (("rough", rough), ("slippery", slippery))
+    rows = (("rough", p.rough), ("slippery", p.slippery))
     for row, (material, friction) in enumerate(rows):
         first = min(HALF[0] / HALF[2], friction)
-        for i, steep in enumerate(steepness):
+        for i, steep in enumerate(p.steepness):
             angle = math.atan(steep * first)
             turn = axis_angle((0.0, 1.0, 0.0), angle)
             # Long enough for twice the way of a box that slides, or that tips and goes on without friction.
             length = 10 * HALF[2] + G * math.sin(angle) * DURATION**2
             below = rotate(turn, (0.0, 0.0, -THICKNESS - HALF[2]))
-            here = SPACING * (i + row * len(steepness))
+            here = SPACING * (i + row * len(p.steepness))
             bodies += [
                 Body.fixed(
                     f"{material}_{i}",
@@ -60,7 +64,7 @@ CASE = Case(
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
     scene=scene,
-    parameters={"steepness": STEEPNESS, "rough": ROUGH, "slippery": SLIPPERY},
+    parameters=P(),
     duration=DURATION,
     checks=(
         Check(

@@ -1,6 +1,6 @@
 """A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
 
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, supported
 from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
 from plumbline.harness.metrics.penetration import penetration
@@ -10,25 +10,32 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
-BOXES, FRICTION, MASS, HALF = 10, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 5.0, 4.0
 STEADY = 1.0
 """By then [s] a soft contact has found its depth; what a step costs does not change any more."""
 
 
-def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    n: float = 10
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """n equal cubes, one on the other."""
-    boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(n))]
+    boxes = [
+        Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(p.n))
+    ]
     ground = Body.fixed("ground", Plane())
     return Scene(
         bodies=(ground, *boxes),
-        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),),
     )
 
 
-def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest."""
-    return at_rest(scene(n, friction), time)
+    return at_rest(scene(p), time)
 
 
 CASE = Case(
@@ -39,7 +46,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": BOXES, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=STEADY,
@@ -48,7 +55,7 @@ CASE = Case(
         Check(metric=standing_height, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
             metric=stack_height_error,
-            at_most=lambda dt, n=BOXES: (G * dt**2 * n * (n + 1) / 2 + n * GIVE) / ((2 * n - 1) * HALF),
+            at_most=lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
             because="boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
             "so that the ground shows first and box k sees its support only after k steps, in which it falls "
             "k (k + 1)/2 g dt^2; the top, k = n, over the height of its centre; and a millimetre for each contact, which it "
@@ -56,7 +63,7 @@ CASE = Case(
         ),
         Check(
             metric=residual_kinetic_energy,
-            at_most=lambda dt: (G * dt) ** 2 / 2,
+            at_most=lambda dt, _: (G * dt) ** 2 / 2,
             because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
         ),

@@ -3,7 +3,7 @@
 What moves is the engine's: too few iterations of its solver, drives that fight the contacts, or too long a step.
 """
 
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.shared_checks.rest import supported
 from plumbline.harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
 from plumbline.harness.metrics.jitter import rms_speed
@@ -19,28 +19,32 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
 G = -EARTH_GRAVITY[2]
-FRICTION = 0.8
 LEG = 0.4
 """Length of thighs and shanks [m], roughly."""
 DURATION, SETTLED = 3.0, 1.5
 STEADY = 1.0
 
 
-def scene(stiffness: float = 1.0, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    stiffness: float = 1.0
+    friction: float = 0.8
+
+
+def scene(p: P) -> Scene:
     """The machine on the ground, its drives `stiffness` times as stiff as described, with the same damping ratios."""
-    machine = bearing(humanoid(stiffness), EARTH_GRAVITY)
+    machine = bearing(humanoid(p.stiffness), EARTH_GRAVITY)
     return Scene(
         bodies=(floor(), *machine.bodies),
         joints=machine.hinges,
-        surfaces=(grip(friction),),
+        surfaces=(grip(p.friction),),
         apart=((MATERIAL, MATERIAL),),
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, stiffness: float = 1.0, friction: float = FRICTION) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest."""
-    return at_rest(scene(stiffness, friction), time)
+    return at_rest(scene(p), time)
 
 
 CASE = Case(
@@ -51,7 +55,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"stiffness": 1.0, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
@@ -64,7 +68,7 @@ CASE = Case(
         holds_its_pose(LEG),
         Check(
             metric=rms_speed,
-            at_most=lambda dt: G * dt,
+            at_most=lambda dt, _: G * dt,
             because="g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
             "lives longer than the run",
             start=SETTLED,

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Rays
+from plumbline.harness.case import Case, Check, Parameters, Rays
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
@@ -27,7 +27,12 @@ SINGLE = 2.0**-24
 ROUNDING = 8 * SINGLE * REACH
 
 
-def scene(pattern: str = "lidar", thin: float = 1) -> Scene:  # noqa: ARG001 -- the rays' parameters
+class P(Parameters):
+    pattern: str = "lidar"
+    thin: float = 1
+
+
+def scene(_: P) -> Scene:
     """A floor and fifty solids on a sunflower spiral around the place of the sensor; nothing moves."""
     solids = []
     for k in range(COUNT):
@@ -63,15 +68,15 @@ def directions(pattern: str) -> Floats:
     return unit
 
 
-def rays(pattern: str = "lidar", thin: float = 1) -> Rays:
+def rays(p: P) -> Rays:
     """Every `thin`-th ray of the pattern, all from EYE."""
-    chosen = np.ascontiguousarray(directions(pattern)[:: round(thin)])
+    chosen = np.ascontiguousarray(directions(p.pattern)[:: round(p.thin)])
     return Rays(origins=np.tile(np.array(EYE), (len(chosen), 1)), directions=chosen, max_range=REACH)
 
 
-def expected(time: Floats, pattern: str = "lidar", thin: float = 1) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; ranges are the closed-form first hits."""
-    stage, cast = scene(pattern, thin), rays(pattern, thin)
+    stage, cast = scene(p), rays(p)
     start, truth = State.initial(stage), Trajectory.of(time, len(stage.bodies))
     truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
     hits = first_hits(stage, start, cast.origins, cast.directions, cast.max_range)
@@ -87,7 +92,7 @@ CASE = Case(
     scene=scene,
     expected=expected,
     rays=rays,
-    parameters={"pattern": "lidar", "thin": 1},
+    parameters=P(),
     duration=0.1,
     sample_interval=0.1,
     # The answer to a ray does not depend on the time step: one is enough.

@@ -72,7 +72,7 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
         question="Where does each engine end as its time step goes to zero, who agrees with whom, and at what cost?",
         source=f"the file {path.name}",
         truth="agreed limit",
-        scene=lambda: scene,
+        scene=lambda _: scene,
         checks=(
             Check(
                 metric=divergence.divergence,

@@ -91,4 +91,4 @@ def test_at_the_easy_end_of_an_axis_of_blows_something_is_hit(name: str, engine:
         run = answer_of(trial, case, adapter(engine), trial.scene(case)).actual
     except Unsupported as reason:
         pytest.skip(str(reason))
-    assert pairs_met(case.scene(**trial.parameters), run) >= 1
+    assert pairs_met(case.scene(case.at(**trial.parameters)), run) >= 1

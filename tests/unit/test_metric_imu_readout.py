@@ -15,12 +15,12 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 
 CASE = sensor_imu_readout.CASE
-SCENE = CASE.scene(**CASE.parameters)
+SCENE = CASE.scene(CASE.parameters)
 
 
 def heard(law: dict[str, AxisNoise] | None = None) -> Trajectory:
     """What the harness makes of the case's true signals by a law of each channel."""
-    truth = CASE.expected(np.arange(0.0, CASE.duration + 1e-9, 1 / RATE), **CASE.parameters)  # type: ignore[misc]
+    truth = CASE.expected(np.arange(0.0, CASE.duration + 1e-9, 1 / RATE), CASE.parameters)  # type: ignore[misc]
     streams = dict(truth.streams)
     for channel, own in (law or {"accelerometer": ACCELEROMETER, "gyroscope": GYROSCOPE}).items():
         streams[f"imu/{channel}"] = read_out(own, sensed(own, streams[f"imu/{channel}_ideal"]))

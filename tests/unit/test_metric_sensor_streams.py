@@ -50,7 +50,7 @@ def _streams(law: AxisNoise, seed: int = 1, name: str = "imu") -> dict[str, Floa
 def _case_streams() -> dict[str, Floats]:
     """What the two sensors of the case say at rest, the late one three readings fewer."""
     found: dict[str, Floats] = {}
-    scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
+    scene = sensor_streams.CASE.scene(sensor_streams.CASE.parameters)
     for sensor in scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
@@ -150,7 +150,7 @@ def test_a_stream_shared_with_a_late_sensor_is_seen_although_that_one_has_fewer_
 def test_all_pairs_of_the_case_are_compared() -> None:
     """Any axis of one sensor that carries any other axis of any sensor is seen: 66 pairs of twelve axes."""
     axes = [(sensor, channel, axis) for sensor in ("left", "right") for channel in CHANNELS for axis in range(3)]
-    case_scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
+    case_scene = sensor_streams.CASE.scene(sensor_streams.CASE.parameters)
     sound = _case_streams()
     assert inertial_correlation_score(case_scene, _answer(sound)) < 4.0
     pairs = list(itertools.combinations(axes, 2))

@@ -24,7 +24,7 @@ CASE = Case(
     question="",
     source="",
     truth="closed form",
-    scene=lambda: Scene(bodies=(Body(name="ball", mass=1.0),)),
+    scene=lambda _: Scene(bodies=(Body(name="ball", mass=1.0),)),
     checks=(),
     duration=1.0,
     headline=position_error_max.name,

@@ -24,7 +24,7 @@ def stands(duration: float, what: str) -> Check:
     """A pile, named in words, stands for the whole run of `duration` [s]."""
     return Check(
         metric=collapse_time,
-        at_most=lambda _dt, outer: duration - outer,
+        at_most=lambda dt, _: duration - dt.outer,
         because=f"{what} for the whole run, which ends within a step between two calls of its nominal length",
     )
 
@@ -33,7 +33,7 @@ def bears(body: str, start: float = 0.0) -> Check:
     """From `start` [s] on no body stands in another, but for a step's fall and a millimetre."""
     return Check(
         metric=penetration,
-        at_most=lambda dt: G * dt**2 + GIVE,
+        at_most=lambda dt, _: G * dt**2 + GIVE,
         because=f"g dt^2, the way that {body} falls in the one step before its contact can push; and a millimetre, which a "
         "contact may give way under weight: a rigid one needs none of it, one of a fixed time constant T = 0.02 s sinks by "
         "g dt T/e",
@@ -45,7 +45,7 @@ def settled_speed(start: float, body: str = "a body") -> Check:
     """From `start` [s] on no body is faster than one step of gravity makes it."""
     return Check(
         metric=rms_speed,
-        at_most=lambda dt: G * dt,
+        at_most=lambda dt, _: G * dt,
         because=f"g dt, what one step of gravity gives {body} before its supports take it away",
         start=start,
     )
@@ -55,7 +55,7 @@ def supported(start: float, duration: float) -> Check:
     """From `start` [s] to the end of the run the ground bears the weight."""
     return Check(
         metric=support_force_error,
-        at_most=lambda dt: dt / (duration - start),
+        at_most=lambda dt, _: dt / (duration - start),
         because="the mean force over the window misses the weight by the change of momentum, at most m g dt where speeds "
         "stay under one step of gravity",
         start=start,

@@ -27,7 +27,7 @@ def stands_up() -> tuple[Check, ...]:
         Check(metric=standing_height, at_most=0.5, because="the definition of a collapse: the top below half its height"),
         Check(
             metric=held_energy_gain_max,
-            at_most=lambda dt: (G * dt) ** 2 / 2 + G * PRESSED,
+            at_most=lambda dt, _: (G * dt) ** 2 / 2 + G * PRESSED,
             because="drives that hold a target take energy and give none; (g dt)^2/2 is what one step of gravity gives before "
             "the ground takes it away, and g times a micrometre what the ground gives back of the depth that feet begin at",
         ),
@@ -38,7 +38,7 @@ def holds_its_pose(leg: float) -> Check:
     """Joints stay at their targets; `leg` [m] is the length of a leg's part."""
     return Check(
         metric=pose_error_max,
-        at_most=lambda dt: G * dt**2 / leg + GIVE,
+        at_most=lambda dt, _: G * dt**2 / leg + GIVE,
         because="before a contact can push, a machine falls for one step, g dt^2: so far a foot may give way, over the length "
         "of a leg's part; and a thousandth of a radian, a millimetre at a metre, which a contact may give way under weight",
     )
@@ -48,7 +48,7 @@ def still(leg: float) -> Check:
     """Joints do not tremble; `leg` [m] is the length of a leg's part."""
     return Check(
         metric=vibration_rms,
-        at_most=lambda dt: SHARE * G * dt / leg,
+        at_most=lambda dt, _: SHARE * G * dt / leg,
         because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step, at the end "
         "of a leg's part: a machine that trembles less does not feel it",
     )
@@ -58,7 +58,7 @@ def feet_stay(start: float, duration: float) -> Check:
     """From `start` [s] to the end of the run no foot creeps away."""
     return Check(
         metric=foot_slip,
-        at_most=lambda dt: SHARE * G * dt * (duration - start),
+        at_most=lambda dt, _: SHARE * G * dt * (duration - start),
         because="the speed of 0.01 g over one step, kept up for the whole window",
         start=start,
     )

@@ -3,20 +3,17 @@
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
 from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
 from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 2.0
-SINGLE = 2.0**-24
-"""Relative rounding of a float32: an engine in single precision is judged as such."""
 
 
 class P(Parameters):
@@ -27,13 +24,7 @@ class P(Parameters):
 
 def _scene(p: P) -> Scene:
     """A ball that nothing can touch, thrown from the origin with `velocity` [m/s]."""
-    ball = Body(
-        name="ball",
-        mass=p.mass,
-        inertia=sphere_inertia(p.mass, p.radius),
-        visual=(PlacedShape(shape=Sphere(radius=p.radius)),),
-        v_WB=p.velocity,
-    )
+    ball = Body.ball("ball", p.radius, mass=p.mass, touches=False, v_WB=p.velocity)
     return Scene(bodies=(ball,))
 
 
@@ -81,25 +72,25 @@ CASE = Case(
     headline=position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a parabola never diverges"),
+        stays_finite("a parabola never diverges"),
         Check(
-            metric=position_error_max,
-            at_most=_first_order,
-            because="semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single-precision "
+            position_error_max,
+            _first_order,
+            "semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single-precision "
             "rounding are added. Damping of 0.04/s would add 0.04 v t^2/2 = 0.25 m sideways alone",
         ),
         Check(
-            metric=velocity_error_max,
-            at_most=_rounding,
-            because="under a constant force every one-step method gives velocity exactly; what is left is one rounding a step, "
+            velocity_error_max,
+            _rounding,
+            "under a constant force every one-step method gives velocity exactly; what is left is one rounding a step, "
             "counted in single precision and all in one direction",
         ),
-        Check(metric=attitude_error_max, at_most=1e-6, because="nothing turns the body; 1e-6 rad is single-precision rounding"),
-        Check(metric=angular_velocity_error_max, at_most=1e-6, because="nothing turns the body; single-precision rounding"),
+        Check(attitude_error_max, 1e-6, "nothing turns the body; 1e-6 rad is single-precision rounding"),
+        Check(angular_velocity_error_max, 1e-6, "nothing turns the body; single-precision rounding"),
         Check(
-            metric=energy_drift_max,
-            at_most=_energy,
-            because="kinetic energy is exact, so energy errs by m g times the position error, over the largest kinetic energy",
+            energy_drift_max,
+            _energy,
+            "kinetic energy is exact, so energy errs by m g times the position error, over the largest kinetic energy",
         ),
     ),
     observe=(position_error_rms, position_error_final, energy_drift_staggered_max),

@@ -3,16 +3,13 @@
 import math
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.creep import creep_speed
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION, SETTLED = 2.5, 0.5
 HALF = (0.1, 0.1, 0.05)
 
@@ -27,11 +24,10 @@ def _scene(p: P) -> Scene:
     """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
     lean = math.radians(p.angle)
     box = Body.box("box", HALF, mass=p.mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, box),
+        bodies=(Body.ground(), box),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
-        surfaces=(Surface(between=("box", "ground"), static_friction=p.friction, kinetic_friction=p.friction),),
+        surfaces=(Surface.rough(p.friction, ("box", "ground")),),
         # A box that lies still never turns.
         narrow=Effect.GYROSCOPIC,
     )
@@ -66,18 +62,18 @@ CASE = Case(
     scale=1e-3,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what rests stays where it is"),
+        stays_finite("what rests stays where it is"),
         Check(
-            metric=creep_speed,
-            at_most=1e-5,
-            start=SETTLED,
-            because="ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
+            creep_speed,
+            1e-5,
+            "ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
             "holding an object would see; Coulomb's law allows none",
+            start=SETTLED,
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, p: 2 * G * math.sin(math.radians(p.angle)) * dt**2 + GIVE,
-            because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
+            position_error_max,
+            lambda dt, p: 2 * G * math.sin(math.radians(p.angle)) * dt**2 + GIVE,
+            f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
         *forces_obey_coulomb(),
     ),

@@ -10,13 +10,12 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics.isotropy import heading_error, polar_spread
 from plumbline.harness.metrics.slide import centre_rise, stop_distance_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 MASS = 1.0
 HALF = (0.1, 0.1, 0.025)
 """Half extents [m], flat enough that no push tips a box."""
@@ -51,10 +50,9 @@ def scene(p: P) -> Scene:
         )
         for i, azimuth in enumerate(_azimuths(p.directions))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *boxes),
-        surfaces=(Surface(between=("box", "ground"), static_friction=p.friction, kinetic_friction=p.friction),),
+        bodies=(Body.ground(), *boxes),
+        surfaces=(Surface.rough(p.friction, ("box", "ground")),),
         apart=(("box", "box"),),
         # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
         narrow=Effect.GYROSCOPIC,
@@ -93,21 +91,21 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=polar_spread,
-            at_most=_step,
-            because="each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
+            polar_spread,
+            _step,
+            "each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
             "relative to v0^2/(2 mu g)",
         ),
         Check(
-            metric=heading_error,
-            at_most=_step,
-            because="friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
+            heading_error,
+            _step,
+            "friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
             "would end v0 dt aside",
         ),
         Check(
-            metric=stop_distance_error,
-            at_most=lambda dt, p: 1.5 * _step(dt, p),
-            because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
+            stop_distance_error,
+            lambda dt, p: 1.5 * _step(dt, p),
+            "half a step's way by a staggered scheme, one step's way before there is a contact to rub",
         ),
         forces_keep_momentum(),
         *forces_obey_coulomb(),

@@ -9,16 +9,14 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.position import position_error_final, position_error_max
 from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
-G = -EARTH_GRAVITY[2]
 DURATION = 1.5
 RADIUS, MASS, SPACING = 0.1, 1.0, 1.0
 
@@ -45,11 +43,10 @@ def _scene(p: P) -> Scene:
         )
         for i, k in enumerate(p.factors)
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *bodies),
+        bodies=(Body.ground(), *bodies),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
-        surfaces=(Surface(between=("ball", "ground"), static_friction=p.friction, kinetic_friction=p.friction),),
+        surfaces=(Surface.rough(p.friction, ("ball", "ground")),),
         apart=(("ball", "ball"),),
         # The inertia is the same about every axis.
         narrow=Effect.GYROSCOPIC,
@@ -86,21 +83,21 @@ CASE = Case(
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
+        stays_finite("a rolling ball never diverges"),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
+            velocity_error_max,
+            _speed,
+            "a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, p: _speed(dt, p) * DURATION,
-            because="the error of the speed all the way; half a step of way is less than that",
+            position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION,
+            "the error of the speed all the way; half a step of way is less than that",
         ),
         Check(
-            metric=angular_velocity_error_max,
-            at_most=lambda dt, p: _speed(dt, p) / (min(p.factors) * RADIUS),
-            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+            angular_velocity_error_max,
+            lambda dt, p: _speed(dt, p) / (min(p.factors) * RADIUS),
+            "the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
         *forces_obey_coulomb(),
     ),

@@ -6,15 +6,13 @@ A moment c N against a rolling ball slows it by a = c g/(r (1 + k)), k = 2/5, un
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.position import position_error_final, position_error_max
 from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 4.0
 SPEED, FRICTION, RADIUS, MASS, SPACING = 1.0, 0.5, 0.1, 1.0, 1.0
 COEFFICIENTS = (0.005, 0.01, 0.02)
@@ -48,12 +46,10 @@ def _scene(p: P) -> Scene:
         )
         for i, material in enumerate(materials)
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *balls),
+        bodies=(Body.ground(), *balls),
         surfaces=tuple(
-            Surface(between=(m, "ground"), static_friction=FRICTION, kinetic_friction=FRICTION, rolling_friction=c)
-            for m, c in zip(materials, p.coefficients, strict=True)
+            Surface.rough(FRICTION, (m, "ground"), rolling_friction=c) for m, c in zip(materials, p.coefficients, strict=True)
         ),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
         # A ball's inertia is the same about every axis.
@@ -94,24 +90,23 @@ CASE = Case(
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a ball that slows down never diverges"),
+        stays_finite("a ball that slows down never diverges"),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
+            velocity_error_max,
+            _speed,
+            "a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
             "k)) each, for the largest coefficient",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
-            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+            position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
+            "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=rms_speed,
-            at_most=_speed,
+            rms_speed,
+            _speed,
+            "all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a step",
             start=DURATION - 0.25,
-            because="all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a "
-            "step",
         ),
         *forces_obey_coulomb(),
     ),

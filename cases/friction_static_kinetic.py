@@ -10,15 +10,12 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.case.shared_checks.rest import GIVE
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.position import position_error_final, position_error_max
 from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Distance, Effect, Plane, Scene, Spring, Surface
+from plumbline.harness.scene import Body, Distance, Effect, Scene, Spring, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 4.0
 MASS = 1.0
 REST = 1.0
@@ -37,7 +34,6 @@ def _scene(p: P) -> Scene:
     """A block on the ground and a puller `REST` m ahead of its centre that moves on at `drawn` [m/s], with a slack spring."""
     block = Body.box("block", HALF, mass=MASS, material="block", p_WB=(0.0, 0.0, HALF[2]))
     puller = Body(name="puller", motion="kinematic", p_WB=(REST, 0.0, HALF[2]), v_WB=(p.drawn, 0.0, 0.0))
-    ground = Body.fixed("ground", Plane(), material="ground")
     line = Distance(
         name="spring",
         parent="puller",
@@ -47,7 +43,7 @@ def _scene(p: P) -> Scene:
         spring=Spring(stiffness=p.stiffness, rest=REST),
     )
     return Scene(
-        bodies=(ground, block, puller),
+        bodies=(Body.ground(), block, puller),
         joints=(line,),
         surfaces=(Surface(between=("block", "ground"), static_friction=p.static, kinetic_friction=p.kinetic),),
         # The block slides flat and never turns.
@@ -127,17 +123,17 @@ CASE = Case(
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="friction and a spring keep the block within reach"),
+        stays_finite("friction and a spring keep the block within reach"),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, p: _way(dt, p) + GIVE,
-            because="break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step: "
+            position_error_max,
+            lambda dt, p: _way(dt, p) + GIVE,
+            "break-away and sticking are noticed up to a step late each, and a first-order swing errs by half a step: "
             "three steps of way a slip, and a millimetre for contacts that give way before they hold",
         ),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="the swing's acceleration over the time by which it is late, and one step of friction at its end",
+            velocity_error_max,
+            _speed,
+            "the swing's acceleration over the time by which it is late, and one step of friction at its end",
         ),
         *forces_obey_coulomb(),
     ),

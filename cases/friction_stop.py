@@ -7,14 +7,12 @@ Source: Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 3/4
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Step
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.case.bounds import GIVE, G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 MASS, SPACING = 1.0, 1.0
 HALF = (0.2, 0.2, 0.05)
 """Half extents [m], so flat that friction at the base tips no box: mu times the centre's height stays under the half length."""
@@ -32,13 +30,9 @@ def scene(p: P) -> Scene:
         Body.box(f"box_{i}", HALF, mass=MASS, material=materials[i], p_WB=(0.0, SPACING * i, HALF[2]), v_WB=(p.speed, 0.0, 0.0))
         for i in range(len(p.frictions))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *boxes),
-        surfaces=tuple(
-            Surface(between=(m, "ground"), static_friction=mu, kinetic_friction=mu)
-            for m, mu in zip(materials, p.frictions, strict=True)
-        ),
+        bodies=(Body.ground(), *boxes),
+        surfaces=tuple(Surface.rough(mu, (m, "ground")) for m, mu in zip(materials, p.frictions, strict=True)),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
         # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
         narrow=Effect.GYROSCOPIC,
@@ -81,27 +75,27 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=stop_distance_error,
-            at_most=_way,
-            because="a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
+            stop_distance_error,
+            _way,
+            "a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
             "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
         ),
         Check(
-            metric=stop_time_error,
-            at_most=_time,
-            because="one step without a contact at the start, the resolution of what is told at the end; relative to the "
+            stop_time_error,
+            _time,
+            "one step without a contact at the start, the resolution of what is told at the end; relative to the "
             "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),
         Check(
-            metric=centre_rise,
-            at_most=lambda dt, _: G * dt**2 + GIVE,
-            because="nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
+            centre_rise,
+            lambda dt, _: G * dt**2 + GIVE,
+            "nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
             "moves at most g dt for dt; and one that gives way by a millimetre may swing up by as much",
         ),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt, p: min(p.frictions) * G * dt,
-            because="friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
+            rms_speed,
+            lambda dt, p: min(p.frictions) * G * dt,
+            "friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
             start=1.25,
         ),
         forces_keep_momentum(),

@@ -9,11 +9,10 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
+from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics.creep import creep_speed
 from plumbline.harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Box,
     Effect,
@@ -26,7 +25,6 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 MASS, SPACING, DURATION = 1.0, 1.0, 1.0
 STEEPNESS = (0.5, 0.8, 0.9, 0.95, 0.97, 0.98, 0.99, 1.01, 1.02, 1.03, 1.05, 1.1, 1.2, 1.5)
 """tan(angle)/mu of the inclines: densest at the threshold, which is never one of them."""
@@ -78,7 +76,7 @@ def scene(p: P) -> Scene:
         ]
     return Scene(
         bodies=tuple(bodies),
-        surfaces=(Surface(between=("box", "incline"), static_friction=p.friction, kinetic_friction=p.friction),),
+        surfaces=(Surface.rough(p.friction, ("box", "incline")),),
         apart=(("box", "box"),),
         # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
         narrow=Effect.GYROSCOPIC,
@@ -122,21 +120,21 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            metric=threshold_angle_error,
-            at_most=0.01,
-            because="the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
+            threshold_angle_error,
+            0.01,
+            "the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
         Check(
-            metric=incline_acceleration_error,
-            at_most=_late,
-            because="the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
+            incline_acceleration_error,
+            _late,
+            "the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
             "s/t^2 sees as an acceleration of 2 g sin(angle) dt/t; sin < tan = 0.75 at the steepest",
         ),
         Check(
-            metric=creep_speed,
-            at_most=_creep,
-            because="a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
+            creep_speed,
+            _creep,
+            "a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
             start=DURATION / 2,
         ),
         *forces_obey_coulomb(),

@@ -6,15 +6,13 @@ v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.position import position_error_final, position_error_max
 from plumbline.harness.metrics.radius import radius_error_max
 from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 4.0
 RATE, START, FRICTION, RADIUS, MASS = 3.0, 0.5, 1.0, 0.05, 1.0
 SHARE = 0.4 / 1.4
@@ -53,7 +51,7 @@ def _scene(p: P) -> Scene:
     )
     return Scene(
         bodies=(table, ball),
-        surfaces=(Surface(between=("ball", "table"), static_friction=FRICTION, kinetic_friction=FRICTION),),
+        surfaces=(Surface.rough(FRICTION, ("ball", "table")),),
         # A ball's inertia is the same about every axis.
         narrow=Effect.GYROSCOPIC,
     )
@@ -97,18 +95,14 @@ CASE = Case(
     scale=START,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a circle never diverges"),
+        stays_finite("a circle never diverges"),
         Check(
-            metric=position_error_max,
-            at_most=_position,
-            because="friction of the start or of the end of a step turns the velocity half a step early or late, which widens "
+            position_error_max,
+            _position,
+            "friction of the start or of the end of a step turns the velocity half a step early or late, which widens "
             "or narrows the circle by W' dt/2 for each radian of it; taken four times for a first step without a contact",
         ),
-        Check(
-            metric=velocity_error_max,
-            at_most=_velocity,
-            because="the speed on a circle that much off, and half a step of turning, taken twice",
-        ),
+        Check(velocity_error_max, _velocity, "the speed on a circle that much off, and half a step of turning, taken twice"),
         *forces_obey_coulomb(),
     ),
     observe=(position_error_final, radius_error_max),

@@ -10,8 +10,7 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
-from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
+from plumbline.harness.case.bounds import SPRING_STEPS, G, forces_keep_momentum
 from plumbline.harness.metrics.restitution import (
     HOP,
     bounce_gain,
@@ -21,10 +20,9 @@ from plumbline.harness.metrics.restitution import (
     later_restitution_error,
     restitution_error,
 )
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 MASS, SPACING = 1.0, 1.0
 
 
@@ -48,9 +46,8 @@ def scene(p: P) -> Scene:
         )
         for i in range(len(p.restitutions))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *balls),
+        bodies=(Body.ground(), *balls),
         surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, p.restitutions, strict=True)),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
     )
@@ -124,30 +121,26 @@ CASE = Case(
     sample_interval=SAMPLE,
     with_contacts=True,
     checks=(
+        Check(bounce_height_error, _height, f"{HEIGHT}; t0 is the time of fall"),
         Check(
-            metric=bounce_height_error,
-            at_most=_height,
-            because=f"{HEIGHT}; t0 is the time of fall",
-        ),
-        Check(
-            metric=impact_time_error,
-            at_most=_late,
-            because="a staggered fall lands half a step early; a ball turned v dt off the ground lands v dt/(e v) off, 3.4 dt "
+            impact_time_error,
+            _late,
+            "a staggered fall lands half a step early; a ball turned v dt off the ground lands v dt/(e v) off, 3.4 dt "
             "at e = 0.3, the least that flies twice; and the impact takes its time: a step, after which a speed g dt off "
             "makes 2 dt, or the ten steps of a spring, which a slower rebound only shortens",
         ),
         Check(
-            metric=bouncing_time_error,
-            at_most=_end,
-            because="a speed after an impact that is g dt off moves the end of all bouncing by 2 dt/(1 - e); a ball turned v "
+            bouncing_time_error,
+            _end,
+            "a speed after an impact that is g dt off moves the end of all bouncing by 2 dt/(1 - e); a ball turned v "
             "dt off the ground comes in g dt/e faster the next time, 2 dt/(e (1 - e)) more; a spring's impact takes ten steps; "
             "and so does each impact of the ball that takes longest to rest, n = ln(0.01)/ln(e) of them until its hops are "
             "1e-4 of the drop high; one sample beside it. A threshold under which nothing bounces ends it early",
         ),
         Check(
-            metric=bounce_gain,
-            at_most=_height,
-            because=f"what one bounce may rise too high it may gain, and no more: {HEIGHT}. That it must not gain at all is "
+            bounce_gain,
+            _height,
+            f"what one bounce may rise too high it may gain, and no more: {HEIGHT}. That it must not gain at all is "
             "the law; a method of first order errs to either side of it, and gains anew with each bounce",
         ),
         forces_keep_momentum(),

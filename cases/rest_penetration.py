@@ -1,18 +1,16 @@
 """One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
+from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
 from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration, reported_penetration
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Box,
     Capsule,
     Cylinder,
     PlacedShape,
-    Plane,
     Quaternion,
     Scene,
     Shape,
@@ -28,7 +26,6 @@ from plumbline.harness.scene.values import Matrix3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -57,8 +54,7 @@ def scene(p: P) -> Scene:
         p_WB=(0.0, 0.0, HALF),
         q_WB=q_WB,
     )
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),))
+    return Scene(bodies=(Body.ground("default"), body), surfaces=(Surface.rough(p.friction),))
 
 
 def expected(time: Floats, p: P) -> Trajectory:
@@ -83,9 +79,9 @@ CASE = Case(
     checks=(
         bears("the body"),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt, _: G * dt**2 + GIVE,
-            because="what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
+            rest_drift,
+            lambda dt, _: G * dt**2 + GIVE,
+            "what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
         ),
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median
 from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
 from plumbline.harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
 from plumbline.harness.metrics.depth_quantisation import disparity_step_error
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.range_wrap import range_unwrapped_share
 from plumbline.harness.scene import (
     Appearance,
@@ -39,7 +39,6 @@ WALL, BLOCK = 6.0, 2.0
 EYE = (0.0, 0.0, 1.2)
 ALONG_X = axis_angle((-1.0, 1.0, -1.0), 2 * np.pi / 3)
 """Turns S so that its optical axis z looks along +x of W, x to the right (-y) and y down (-z)."""
-SINGLE = 2.0**-24
 GRAZING = 0.13
 """No pixel meets a surface at a smaller cosine of incidence; a test holds this."""
 
@@ -132,33 +131,33 @@ CASE = Case(
     ladder=(1 / 240,),
     headline=depth_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=depth_error_max,
-            at_most=8 * SINGLE * FAR / GRAZING,
-            because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
+            depth_error_max,
+            8 * SINGLE * FAR / GRAZING,
+            "single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
-        Check(metric=depth_mean_score, at_most=5.0, because=f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
+        Check(depth_mean_score, 5.0, f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
         Check(
-            metric=depth_spread_score,
-            at_most=5.0,
-            because=f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
+            depth_spread_score,
+            5.0,
+            f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
         ),
-        Check(metric=depth_correlation_score, at_most=5.0, because=f"largest of nine; {WITHIN} each"),
-        Check(metric=depth_missing_score, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
+        Check(depth_correlation_score, 5.0, f"largest of nine; {WITHIN} each"),
+        Check(depth_missing_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
         Check(
-            metric=depth_lost_but_answered_share,
-            at_most=0.0,
-            because="no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
+            depth_lost_but_answered_share,
+            0.0,
+            "no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
         ),
         Check(
-            metric=disparity_step_error,
-            at_most=1e-12,
-            because="f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
+            disparity_step_error,
+            1e-12,
+            "f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
             "200 steps stay below 2e-13",
         ),
-        Check(metric=range_unwrapped_share, at_most=0.0, because="a phase has no second turn"),
+        Check(range_unwrapped_share, 0.0, "a phase has no second turn"),
     ),
     observe=(depth_error_median,),
 )

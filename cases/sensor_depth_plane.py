@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.silhouette import silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
 from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
@@ -19,7 +19,6 @@ FAR = 8.0
 EYE = (0.0, 0.3, 2.0)
 ALONG_X = axis_angle((-1.0, 1.0, -1.0), 2 * np.pi / 3)
 """Turns S so that its optical axis z looks along +x of W, x to the right (-y) and y down (-z)."""
-SINGLE = 2.0**-24
 GRAZING = 0.5
 """No pixel of the default scene meets the plane at a smaller cosine of incidence; a test holds this."""
 
@@ -95,17 +94,17 @@ CASE = Case(
     ladder=(1 / 60, 1 / 240),
     headline=depth_error_median.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing pushes, so nothing can grow"),
+        stays_finite("nothing pushes, so nothing can grow"),
         Check(
-            metric=depth_error_max,
-            at_most=8 * SINGLE * FAR / GRAZING,
-            because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
+            depth_error_max,
+            8 * SINGLE * FAR / GRAZING,
+            "single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
         Check(
-            metric=silhouette_iou,
-            at_most=0.9995,
-            because="where the plane lies farther than `far` it ends in the picture: along that line of at most 160 pixels "
+            silhouette_iou,
+            0.9995,
+            "where the plane lies farther than `far` it ends in the picture: along that line of at most 160 pixels "
             "rounding may decide some, 9 of 19 200",
         ),
     ),

@@ -1,7 +1,7 @@
 """A gyroscope on a nutating top: does the integral of what it reads give the attitude that the body has?"""
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
 from plumbline.harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
 
@@ -9,7 +9,6 @@ DURATION, RATE = 2.0, 120.0
 EQUATOR, POLE = 1.0, 2.0
 """Moments of inertia [kg m2]."""
 MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
-SINGLE = 2.0**-24
 
 
 class P(Parameters):
@@ -56,11 +55,11 @@ CASE = Case(
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920),
     headline=gyroscope_attitude_error.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a free top never diverges"),
+        stays_finite("a free top never diverges"),
         Check(
-            metric=gyroscope_attitude_error,
-            at_most=_angle,
-            because="an engine that turns by the rate of a step's start or end is off by |w'| dt/2 a second, one that turns by "
+            gyroscope_attitude_error,
+            _angle,
+            "an engine that turns by the rate of a step's start or end is off by |w'| dt/2 a second, one that turns by "
             "2 atan(w dt/2) by |w|^3 dt^2/12, and the integral of readings at intervals T by |w''| T^2/12; rounding",
         ),
     ),

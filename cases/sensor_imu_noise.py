@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.allan import (
     SLOPES,
     Channel,
@@ -14,19 +15,16 @@ from plumbline.harness.metrics.allan import (
     gyroscope_allan_score,
     slope_bound,
 )
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.metrics.noise_bias import inertial_bias_score
 from plumbline.harness.metrics.noise_independence import inertial_correlation_score
-from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 
 DURATION = 200.0
 RATE = 120.0
 MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
-SINGLE = 2.0**-24
-"""Relative rounding of a float32: an engine in single precision is judged as such."""
 
 GYROSCOPE = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)
 ACCELEROMETER = AxisNoise(density=2e-3, bias=0.2, instability=1e-2, instability_time=0.2, random_walk=1.5e-2)
@@ -40,13 +38,7 @@ class P(Parameters):
 
 def _scene(p: P) -> Scene:
     """A free ball turning about z at `spin` [rad/s], with a sensor `lever` [m] off its axis, turned against the ball."""
-    ball = Body(
-        name="ball",
-        mass=1.0,
-        inertia=sphere_inertia(1.0, 0.5),
-        visual=(PlacedShape(shape=Sphere(radius=0.5)),),
-        w_WB=(0.0, 0.0, p.spin),
-    )
+    ball = Body.ball("ball", 0.5, touches=False, w_WB=(0.0, 0.0, p.spin))
     imu = Imu(
         name="imu",
         body="ball",
@@ -91,9 +83,9 @@ def _slope_checks() -> tuple[Check, ...]:
 
     return tuple(
         Check(
-            metric=SLOPES[channel, regime],
-            at_most=partial(bound, law, regime),
-            because="the part that the law's other processes have in the slope over this window, and five standard deviations",
+            SLOPES[channel, regime],
+            partial(bound, law, regime),
+            "the part that the law's other processes have in the slope over this window, and five standard deviations",
         )
         for channel, law in laws.items()
         for regime in regimes
@@ -117,22 +109,22 @@ CASE = Case(
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
     headline=accelerometer_ideal_error.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a free ball never diverges"),
+        stays_finite("a free ball never diverges"),
         Check(
-            metric=accelerometer_ideal_error,
-            at_most=_acceleration,
-            because="w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
+            accelerometer_ideal_error,
+            _acceleration,
+            "w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
             "velocities that are differenced",
         ),
         Check(
-            metric=gyroscope_ideal_error,
-            at_most=lambda _, p: 16 * SINGLE * p.spin,
-            because="no torque acts, so the rate stays what it was; a few roundings in single precision",
+            gyroscope_ideal_error,
+            lambda _, p: 16 * SINGLE * p.spin,
+            "no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),
-        Check(metric=gyroscope_allan_score, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(metric=accelerometer_allan_score, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(metric=inertial_bias_score, at_most=5.0, because=FIVE + "the largest of 6 in 3 of a million"),
-        Check(metric=inertial_correlation_score, at_most=5.0, because=FIVE + "the largest of 15 pairs in 9 of a million"),
+        Check(gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_bias_score, 5.0, FIVE + "the largest of 6 in 3 of a million"),
+        Check(inertial_correlation_score, 5.0, FIVE + "the largest of 15 pairs in 9 of a million"),
         *_slope_checks(),
     ),
 )

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
@@ -17,7 +17,6 @@ from plumbline.harness.truths.rest import at_rest
 
 DURATION, RATE = 0.2, 10.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
-SINGLE = 2.0**-24
 REACH = 8.0
 GRAZING = 0.01
 """No beam of the default pattern meets a face at a smaller cosine of incidence; a test holds this."""
@@ -77,22 +76,17 @@ CASE = Case(
     sample_interval=0.1,
     headline=range_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=range_error_max,
-            at_most=RANGE_BOUND,
-            because="vertices and faces in single precision: eight roundings of the reach over the cosine of the most grazing "
-            "beam",
+            range_error_max,
+            RANGE_BOUND,
+            "vertices and faces in single precision: eight roundings of the reach over the cosine of the most grazing beam",
         ),
+        Check(range_false_return_share, 0.0, "no beam passes an edge so closely that rounding decides what it meets"),
         Check(
-            metric=range_false_return_share,
-            at_most=0.0,
-            because="no beam passes an edge so closely that rounding decides what it meets",
-        ),
-        Check(
-            metric=intensity_error_max,
-            at_most=64 * SINGLE,
-            because="normals are those of faces and do not move with the hit; a few roundings in single precision",
+            intensity_error_max,
+            64 * SINGLE,
+            "normals are those of faces and do not move with the hit; a few roundings in single precision",
         ),
     ),
     observe=(range_error_rms,),

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
@@ -94,22 +94,22 @@ CASE = Case(
     sample_interval=0.1,
     headline=range_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=range_error_max,
-            at_most=EXACT,
-            because="a root of a quadratic in double precision: 20 roundings of 6 m and of its ratio to the smallest radius, "
+            range_error_max,
+            EXACT,
+            "a root of a quadratic in double precision: 20 roundings of 6 m and of its ratio to the smallest radius, "
             "enlarged by 1/cos^2 of the most grazing beam, 20 * 2^-53 * 6 * 20/.005^2; an approximate ray is off by more",
         ),
         Check(
-            metric=range_false_return_share,
-            at_most=0.0,
-            because="no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
+            range_false_return_share,
+            0.0,
+            "no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
         ),
         Check(
-            metric=intensity_error_max,
-            at_most=EXACT / (0.3 * GRAZING),
-            because="a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
+            intensity_error_max,
+            EXACT / (0.3 * GRAZING),
+            "a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
             "the most curved shape (radius .3 m) by that over the radius",
         ),
     ),

@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.energy import energy_drift_max
 from plumbline.harness.metrics.flips import flip_count_error, flip_period_error
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max
@@ -90,22 +90,18 @@ CASE = Case(
     headline=flip_period_error.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a free body never diverges"),
+        stays_finite("a free body never diverges"),
         Check(
-            metric=flip_count_error,
-            at_most=1.0,
-            because="the last flip may lie on either side of the end of the run, and no other may be lost or won",
+            flip_count_error, 1.0, "the last flip may lie on either side of the end of the run, and no other may be lost or won"
         ),
         Check(
-            metric=flip_period_error,
-            at_most=_period,
-            because="what the period becomes when the energy errs by twice as much as in a first-order method; a whole period "
+            flip_period_error,
+            _period,
+            "what the period becomes when the energy errs by twice as much as in a first-order method; a whole period "
             "where that error reaches the separatrix",
         ),
         Check(
-            metric=angular_momentum_drift_max,
-            at_most=lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[1] * dt,
-            because=FIRST_ORDER,
+            angular_momentum_drift_max, lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[1] * dt, FIRST_ORDER
         ),
     ),
     observe=(energy_drift_max, attitude_error_max),

@@ -12,17 +12,15 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Parameters
-from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
+from plumbline.harness.case.bounds import settled_speed, stands, supported
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     ConvexHull,
     Effect,
     PlacedShape,
-    Plane,
     Scene,
     Surface,
     axis_angle,
@@ -32,7 +30,6 @@ from plumbline.harness.scene.values import Matrix3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 THICKNESS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 1.0, 0.4, 2000.0, 0.8
 SETTLED, DURATION = 1.0, 2.0
 
@@ -84,7 +81,7 @@ def scene(p: P) -> Scene:
     corners, away = voussoir(p.thickness * RADIUS, count)
     mass, inertia = _inertia(corners)
     hull = ConvexHull(vertices=tuple((float(x), y, float(z)) for x, z in corners for y in (-DEPTH / 2, DEPTH / 2)))
-    bodies = [Body.fixed("ground", Plane())]
+    bodies = [Body.ground("default")]
     for i in range(count):
         # From the springing at -x over the crown to that at +x; a turn about y by t takes z to (sin t, 0, cos t).
         turn = math.pi * ((i + 0.5) / count - 0.5)
@@ -100,7 +97,7 @@ def scene(p: P) -> Scene:
         )
     return Scene(
         bodies=tuple(bodies),
-        surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),),
+        surfaces=(Surface.rough(p.friction),),
         narrow=Effect.GYROSCOPIC,
     )
 

@@ -12,14 +12,12 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, stays_finite, supported
 from plumbline.harness.metrics.energy import energy_rise_max
 from plumbline.harness.metrics.jitter import rest_drift, rms_spin
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.threading import unthreaded
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Box,
     PlacedShape,
@@ -35,7 +33,6 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.trajectory import Floats
 
-G = -EARTH_GRAVITY[2]
 RINGS = 2
 DENSITY = 7850.0
 """Steel [kg/m3]."""
@@ -165,7 +162,7 @@ def scene(p: P) -> Scene:
             )
         )
     bowl = Body(name="bowl", motion="static", material="steel", collision=_bowl())
-    law = Surface(between=("steel", "steel"), static_friction=p.friction, kinetic_friction=p.friction)
+    law = Surface.rough(p.friction, ("steel", "steel"))
     return Scene(bodies=(bowl, *bodies), surfaces=(law,))
 
 
@@ -188,40 +185,40 @@ CASE = Case(
     sample_interval=1 / 20,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what lies in a bowl stays there"),
+        stays_finite("what lies in a bowl stays there"),
         Check(
-            metric=unthreaded,
-            at_most=0.0,
-            because="a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
+            unthreaded,
+            0.0,
+            "a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
             "mm; over the top nothing lifts it",
         ),
         bears("a body", SETTLED),
         settled_speed(SETTLED),
         Check(
-            metric=rms_spin,
-            at_most=lambda dt, _: G * dt / FLATS,
-            because="g dt, what one step of gravity gives a body before its supports take it away, at the edge of a nut",
+            rms_spin,
+            lambda dt, _: G * dt / FLATS,
+            "g dt, what one step of gravity gives a body before its supports take it away, at the edge of a nut",
             start=SETTLED,
         ),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt, _: SHARE * G * dt * (DURATION - SETTLED),
-            because="the speed of 0.01 g, the noise of a consumer accelerometer, over one step, kept up in one direction for "
+            rest_drift,
+            lambda dt, _: SHARE * G * dt * (DURATION - SETTLED),
+            "the speed of 0.01 g, the noise of a consumer accelerometer, over one step, kept up in one direction for "
             "the whole window",
             start=SETTLED,
         ),
         supported(SETTLED, DURATION),
         Check(
-            metric=energy_rise_max,
-            at_most=_given_back,
-            because="exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
+            energy_rise_max,
+            _given_back,
+            "exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
             "critically damped spring that cannot pull, exp(-2) of the speed of a blow; half the square of g dt, one step of "
             "gravity; and g times a millimetre, by which contacts may give way and come back",
         ),
         Check(
-            metric=energy_rise_max,
-            at_most=lambda dt, _: 1.5 * (G * dt) ** 2,
-            because="at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
+            energy_rise_max,
+            lambda dt, _: 1.5 * (G * dt) ** 2,
+            "at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
             start=SETTLED,
         ),
     ),

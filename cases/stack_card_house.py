@@ -50,8 +50,8 @@ def scene(p: P) -> Scene:
             for side, way in (("left", 1.0), ("right", -1.0))
         ]
         laws += [
-            Surface(between=(name, f"plate_{name}"), static_friction=friction, kinetic_friction=friction),
-            Surface(between=(name, name), static_friction=GRIP, kinetic_friction=GRIP),
+            Surface.rough(friction, (name, f"plate_{name}")),
+            Surface.rough(GRIP, (name, name)),
         ]
     apart = (("firm", "loose"), ("firm", "plate_loose"), ("loose", "plate_firm"))
     return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart, narrow=Effect.GYROSCOPIC)
@@ -70,15 +70,15 @@ CASE = Case(
     hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),
     checks=(
         Check(
-            metric=frame_friction_error,
-            at_most=lambda _, p: p.margin / 2,
-            because="the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
+            frame_friction_error,
+            lambda _, p: p.margin / 2,
+            "the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
             "critical one, and if not, it lies more than half of it off",
         ),
         Check(
-            metric=frame_standing_time,
-            at_most=lambda dt, _: DURATION - dt.outer,
-            because="the firm house stands for the whole run, which ends within a step of its nominal length",
+            frame_standing_time,
+            lambda dt, _: DURATION - dt.outer,
+            "the firm house stands for the whole run, which ends within a step of its nominal length",
         ),
     ),
     observe=(penetration,),

@@ -3,16 +3,15 @@
 import math
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
+from plumbline.harness.case.bounds import G, settled_speed, stands, supported
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.load_split import load_split_error
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 MASS = 1.0
 SMALL, APART = 0.1, 0.4
 """Half edge of the small cubes, and their centres' distance from the middle [m]."""
@@ -34,10 +33,9 @@ def scene(p: P) -> Scene:
         for name, x in (("left", -APART), ("right", APART))
     ]
     heavy = Body.box("heavy", LARGE, mass=p.ratio * MASS, p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + p.drop))
-    ground = Body.fixed("ground", Plane())
     return Scene(
-        bodies=(ground, *small, heavy),
-        surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),),
+        bodies=(Body.ground("default"), *small, heavy),
+        surfaces=(Surface.rough(p.friction),),
         narrow=Effect.GYROSCOPIC,
     )
 
@@ -70,9 +68,9 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
         Check(
-            metric=load_split_error,
-            at_most=lambda dt, _: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
-            because="statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
+            load_split_error,
+            lambda dt, _: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
+            "statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
             "distance d, it changes the shares by s/(2 d); and the mean forces of the window miss those of rest by the change "
             "of the load's momentum, m g dt, and of its angular momentum, m g dt times the half length",
             start=SETTLED,

@@ -5,15 +5,14 @@ contact passes on, each time, only what the light body alone can take.
 """
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
 SOFTNESS = 1e-5
@@ -39,8 +38,7 @@ def scene(p: P) -> Scene:
         )
         for name, mass, height in (("light", MASS, HALF), ("heavy", p.ratio * MASS, 3 * HALF))
     ]
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),))
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
 def expected(time: Floats, p: P) -> Trajectory:
@@ -64,9 +62,9 @@ CASE = Case(
     checks=(
         stands(DURATION, "the stack stands"),
         Check(
-            metric=stack_height_error,
-            at_most=lambda dt, p: 2 * (G * dt**2 * (1 + SOFTNESS * p.ratio) + GIVE) / (3 * HALF),
-            because="before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
+            stack_height_error,
+            lambda dt, p: 2 * (G * dt**2 * (1 + SOFTNESS * p.ratio) + GIVE) / (3 * HALF),
+            "before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
             "solver that keeps its matrix regular by such a share (ODE User Guide, Constraint Force Mixing); and a millimetre "
             "for each contact, which it may give way under weight",

@@ -7,7 +7,7 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 """
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics.overhang import overhang_limit_error
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
@@ -45,10 +45,7 @@ def scene(p: P) -> Scene:
                     p_WB=(end - HALF[0], y, 2 * TABLE[2] + HALF[2] * (2 * level + 1)),
                 )
             )
-    laws = tuple(
-        Surface(between=pair, static_friction=p.friction, kinetic_friction=p.friction)
-        for pair in (("brick", "brick"), ("brick", "table"))
-    )
+    laws = tuple(Surface.rough(p.friction, pair) for pair in (("brick", "brick"), ("brick", "table")))
     return Scene(bodies=tuple(bodies), surfaces=laws, narrow=Effect.GYROSCOPIC)
 
 
@@ -65,12 +62,12 @@ CASE = Case(
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
         Check(
-            metric=overhang_limit_error,
-            at_most=0.01,
-            because="the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
+            overhang_limit_error,
+            0.01,
+            "the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
             "if not, the next bracket's lies 1.5 % off",
         ),
-        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
+        stays_finite("every number of every sampled state has to be finite"),
     ),
     observe=(penetration,),
     headline="overhang_limit_error",

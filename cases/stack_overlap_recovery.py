@@ -5,14 +5,13 @@ rest where they touch: an overlap is an error of position, and holds no energy.
 """
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import bears, settled_speed
+from plumbline.harness.case.bounds import G, bears, settled_speed
 from plumbline.harness.metrics.ejection import ejection_speed
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 2.0, 3.0
 
@@ -31,10 +30,7 @@ def _boxes(overlap: float) -> tuple[Body, Body]:
 
 def scene(p: P) -> Scene:
     """Two equal cubes, the lower on the ground, the upper inside of it by the share `overlap` of an edge."""
-    ground = Body.fixed("ground", Plane())
-    return Scene(
-        bodies=(ground, *_boxes(p.overlap)), surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),)
-    )
+    return Scene(bodies=(Body.ground("default"), *_boxes(p.overlap)), surfaces=(Surface.rough(p.friction),))
 
 
 def expected(time: Floats, _: P) -> Trajectory:
@@ -58,14 +54,14 @@ CASE = Case(
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(
         Check(
-            metric=ejection_speed,
-            at_most=lambda dt, _: G * dt,
-            because="g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
+            ejection_speed,
+            lambda dt, _: G * dt,
+            "g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
         ),
         Check(
-            metric=residual_kinetic_energy,
-            at_most=lambda dt, _: (G * dt) ** 2 / 2,
-            because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
+            residual_kinetic_energy,
+            lambda dt, _: (G * dt) ** 2 / 2,
+            "(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
         ),
         settled_speed(SETTLED, "a box"),

@@ -9,17 +9,15 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import settled_speed
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.overlap import overlap
 from plumbline.harness.metrics.world_spread import world_spread
 from plumbline.harness.props.robots.container import container
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene, Surface
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 RADIUS, DENSITY = 0.05, 1000.0
 SETTLED, DURATION = 0.5, 1.0
 
@@ -57,10 +55,7 @@ def scene(p: P) -> Scene:
         Body.ball(f"ball_{k}", RADIUS, mass=mass, material="ball", p_WB=(RADIUS * centre).tolist())
         for k, centre in enumerate(packing(count))
     ]
-    laws = tuple(
-        Surface(between=pair, static_friction=p.friction, kinetic_friction=p.friction)
-        for pair in (("ball", "ball"), ("ball", "wall"))
-    )
+    laws = tuple(Surface.rough(p.friction, pair) for pair in (("ball", "ball"), ("ball", "wall")))
     return Scene(bodies=(*container(RADIUS * side(count), "wall"), *balls), surfaces=laws)
 
 
@@ -85,14 +80,12 @@ CASE = Case(
     worlds="worlds",
     hard=Axis(parameter="n", unit="1", easy=10, extreme=10_000),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
+        stays_finite("every number of every sampled state has to be finite"),
         Check(
-            metric=overlap,
-            at_most=RADIUS,
-            because="the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall",
+            overlap, RADIUS, "the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall"
         ),
         settled_speed(SETTLED, "a ball"),
-        Check(metric=world_spread, at_most=0.0, because="equal input gives an equal future, bit for bit"),
+        Check(world_spread, 0.0, "equal input gives an equal future, bit for bit"),
     ),
     observe=(rest_drift,),
     insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},

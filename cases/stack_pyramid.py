@@ -9,12 +9,11 @@ import math
 from collections.abc import Iterator
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Effect,
     Plane,
@@ -24,7 +23,6 @@ from plumbline.harness.scene import (
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 MASS = 1.0
 SETTLED, DURATION = 0.5, 1.0
 HALF = (0.1, 0.1, 0.05)
@@ -74,7 +72,6 @@ def balls(rows: int) -> Iterator[Body]:
 
 def scene(p: P) -> Scene:
     """Both pyramids, beside each other, exactly touching."""
-    ground = Body.fixed("ground", Plane(), material="ground")
     walls = [
         Body.fixed(
             name,
@@ -88,8 +85,8 @@ def scene(p: P) -> Scene:
     # Planes have no end: without this the bricks would stand inside of a wall of the hollow.
     apart = (("brick", "wall"), ("brick", "ball"), ("ball", "ground"))
     return Scene(
-        bodies=(ground, *walls, *bricks(round(p.rows)), *balls(round(p.rows))),
-        surfaces=tuple(Surface(between=pair, static_friction=p.friction, kinetic_friction=p.friction) for pair in touching),
+        bodies=(Body.ground(), *walls, *bricks(round(p.rows)), *balls(round(p.rows))),
+        surfaces=tuple(Surface.rough(p.friction, pair) for pair in touching),
         apart=apart,
         narrow=Effect.GYROSCOPIC,
     )
@@ -116,9 +113,9 @@ CASE = Case(
     checks=(
         stands(DURATION, "the pyramids stand"),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt, p: math.sqrt(3.0) * p.rows * (G * dt**2 + GIVE),
-            because="before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
+            rest_drift,
+            lambda dt, p: math.sqrt(3.0) * p.rows * (G * dt**2 + GIVE),
+            "before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
             "under weight; if the contacts of each row gave as much, the top would sink by that for each row, and sqrt(3) "
             "times as deep between walls of 54.7 degrees",
         ),

@@ -6,16 +6,14 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.case.shared_checks.rest import settled_speed
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
 from plumbline.harness.metrics.jitter import rest_drift, rms_spin
 from plumbline.harness.props.robots.container import container
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from plumbline.harness.trajectory import Floats, State
 
-G = -EARTH_GRAVITY[2]
 EDGE, MASS, HALF = 3, 1.0, 0.05
 ROOM = 1.3
 """Width of the container over that of EDGE bodies side by side."""
@@ -48,10 +46,7 @@ def scene(p: P) -> Scene:
                 p_WB=(x, y, HALF * (1 + 2.1 * layer)),
             )
         )
-    laws = tuple(
-        Surface(between=pair, static_friction=p.friction, kinetic_friction=p.friction)
-        for pair in (("stone", "stone"), ("stone", "wall"))
-    )
+    laws = tuple(Surface.rough(p.friction, pair) for pair in (("stone", "stone"), ("stone", "wall")))
     return Scene(bodies=(*container(ROOM * EDGE * HALF, "wall"), *bodies), surfaces=laws)
 
 
@@ -79,11 +74,11 @@ CASE = Case(
     duration=DURATION,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
+        stays_finite("every number of every sampled state has to be finite"),
         Check(
-            metric=inscribed_overlap,
-            at_most=HALF,
-            because="the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
+            inscribed_overlap,
+            HALF,
+            "the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a body"),
     ),

@@ -4,15 +4,14 @@ A box that creeps by a micrometre a second passes every check of a few seconds; 
 """
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
 from plumbline.harness.metrics.energy import energy_gain_max
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.stack import lean, stack_height_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 600.0, 60.0
 
@@ -26,8 +25,7 @@ def scene(p: P) -> Scene:
     """n equal cubes, one on the other."""
     half = (HALF, HALF, HALF)
     boxes = tuple(Body.box(f"box_{k}", half, mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * k + 1))) for k in range(round(p.n)))
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=p.friction, kinetic_friction=p.friction),))
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
 def expected(time: Floats, p: P) -> Trajectory:
@@ -51,9 +49,9 @@ CASE = Case(
     checks=(
         stands(DURATION, "the tower stands"),
         Check(
-            metric=stack_height_error,
-            at_most=lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
-            because="boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
+            stack_height_error,
+            lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
+            "boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
             "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; and a millimetre for "
             "each contact, which it may give way under weight. Neither grows in ten minutes",
         ),

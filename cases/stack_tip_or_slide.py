@@ -7,10 +7,10 @@ Source: Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3.
 import math
 
 from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics.tipping import tipping_angle_error, wrong_fates
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, axis_angle, rotate
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, axis_angle, rotate
 
-G = -EARTH_GRAVITY[2]
 MASS = 1.0
 HALF = (0.05, 0.05, 0.1)
 THICKNESS, WIDTH, SPACING = 0.2, 0.2, 1.0
@@ -51,7 +51,7 @@ def scene(p: P) -> Scene:
                 ),
                 Body.box(f"box_{material}_{i}", HALF, mass=MASS, material=f"box_{material}", p_WB=(0.0, here, 0.0), q_WB=turn),
             ]
-    laws = tuple(Surface(between=(f"box_{m}", m), static_friction=mu, kinetic_friction=mu) for m, mu in rows)
+    laws = tuple(Surface.rough(mu, (f"box_{m}", m)) for m, mu in rows)
     among = (("box_rough", "box_rough"), ("box_rough", "box_slippery"), ("box_slippery", "box_slippery"))
     across = (("box_rough", "slippery"), ("box_slippery", "rough"))
     return Scene(bodies=tuple(bodies), surfaces=laws, apart=(*among, *across), narrow=Effect.GYROSCOPIC)
@@ -68,16 +68,12 @@ CASE = Case(
     duration=DURATION,
     checks=(
         Check(
-            metric=tipping_angle_error,
-            at_most=0.01,
-            because="the inclines next to the threshold stand 2 % of b/h to both sides; if they are told apart the middle lies "
+            tipping_angle_error,
+            0.01,
+            "the inclines next to the threshold stand 2 % of b/h to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
-        Check(
-            metric=wrong_fates,
-            at_most=0.0,
-            because="no incline is at a threshold: on each one statics has one answer",
-        ),
+        Check(wrong_fates, 0.0, "no incline is at a threshold: on each one statics has one answer"),
     ),
     headline="tipping_angle_error",
 )

@@ -4,8 +4,8 @@ What moves is the engine's: too few iterations of its solver, drives that fight 
 """
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import supported
-from plumbline.harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
+from plumbline.harness.case.bounds import G, supported
+from plumbline.harness.case.standing import feet_stay, holds_its_pose, stands_up, still
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.joint_gap import joint_gap_max
 from plumbline.harness.metrics.penetration import penetration
@@ -18,7 +18,6 @@ from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 LEG = 0.4
 """Length of thighs and shanks [m], roughly."""
 DURATION, SETTLED = 3.0, 1.5
@@ -67,9 +66,9 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt, _: G * dt,
-            because="g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
+            rms_speed,
+            lambda dt, _: G * dt,
+            "g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
             "lives longer than the run",
             start=SETTLED,
         ),

@@ -1,7 +1,8 @@
 """Quadrupeds that hold themselves up: n machines side by side, each in the pose in which its PD drives bear its weight."""
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.case.shared_checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
+from plumbline.harness.case.bounds import G
+from plumbline.harness.case.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
 from plumbline.harness.metrics.contact_force import support_force_error
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.joint_gap import joint_gap_max
@@ -15,7 +16,6 @@ from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
 SPACING, ROW = 1.0, 4
 DURATION, SETTLED = 3.0, 1.5
 STEADY = 1.0
@@ -65,17 +65,17 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt, _: SHARE * G * dt,
-            because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step",
+            rms_speed,
+            lambda dt, _: SHARE * G * dt,
+            "0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step",
             start=SETTLED,
         ),
         still(LEG),
         feet_stay(SETTLED, DURATION),
         Check(
-            metric=support_force_error,
-            at_most=lambda dt, _: SHARE * dt / (DURATION - SETTLED) + 1e-6,
-            because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
+            support_force_error,
+            lambda dt, _: SHARE * dt / (DURATION - SETTLED) + 1e-6,
+            "the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),

@@ -21,13 +21,11 @@ from itertools import combinations
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.shared_checks.rest import GIVE
+from plumbline.harness.case.bounds import GIVE, G, stays_finite
 from plumbline.harness.metrics.cam_follower import cam_follower_gap
-from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.metrics.position import position_error_max, position_error_rms
 from plumbline.harness.metrics.velocity import velocity_error_max, velocity_error_rms
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     WORLD,
     Body,
     ConvexHull,
@@ -44,7 +42,6 @@ from plumbline.harness.scene import (
 from plumbline.harness.trajectory import Floats, Integers, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate
 
-G = -EARTH_GRAVITY[2]
 RADIUS, ECCENTRICITY, MASS, SPACING = 0.1, 0.03, 1.0, 0.3
 HALF = (0.12, 0.12, 0.02)
 """Half extents of a follower [m]: its face covers every corner that may be the highest one."""
@@ -213,18 +210,18 @@ CASE = Case(
     duration=DURATION,
     sample_interval=1 / 240,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what rides on a cam goes up and down with it"),
+        stays_finite("what rides on a cam goes up and down with it"),
         Check(
-            metric=cam_follower_gap,
-            at_most=_own,
-            because="before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
+            cam_follower_gap,
+            _own,
+            "before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "
             "into the face for a step; and a millimetre, which a contact may give way under weight",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, p: _lost(p.facets, p.geometry) + _own(dt, p),
-            because="r (1 - cos(c)): the highest corner lies in the ball of radius r and over the largest ball that the facets "
+            position_error_max,
+            lambda dt, p: _lost(p.facets, p.geometry) + _own(dt, p),
+            "r (1 - cos(c)): the highest corner lies in the ball of radius r and over the largest ball that the facets "
             "hold; and what an engine may add, the bound of the gap between cam and follower",
         ),
     ),

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Rays
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
 from plumbline.harness.sensors.rays import first_hits
@@ -23,7 +23,6 @@ GOLDEN_ANGLE = math.pi * (3 - math.sqrt(5))
 EYE = (0.0, 0.0, 1.2)
 CHANNELS, COLUMNS = 32, 1024
 WIDTH, HEIGHT, FOCAL = 640, 480, 500.0
-SINGLE = 2.0**-24
 ROUNDING = 8 * SINGLE * REACH
 
 
@@ -99,17 +98,17 @@ CASE = Case(
     ladder=(1 / 240,),
     headline=range_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=range_error_median,
-            at_most=ROUNDING,
-            because="single precision: eight roundings of the longest range; half of all rays meet their surface less "
+            range_error_median,
+            ROUNDING,
+            "single precision: eight roundings of the longest range; half of all rays meet their surface less "
             "askew than that enlarges",
         ),
         Check(
-            metric=range_false_return_share,
-            at_most=2 * ROUNDING / (1.0 / FOCAL),
-            because="a ray may err where it passes an edge within the rounding above; the nearest solids stand 2 m away, "
+            range_false_return_share,
+            2 * ROUNDING / (1.0 / FOCAL),
+            "a ray may err where it passes an edge within the rounding above; the nearest solids stand 2 m away, "
             "where the closest rays are 2 m/FOCAL apart, so that, were every ray beside an edge, this share would be in doubt",
         ),
     ),

@@ -86,9 +86,9 @@ CASE = Case(
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            metric=tunnel_probability,
-            at_most=0.0,
-            because="a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
+            tunnel_probability,
+            0.0,
+            "a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),

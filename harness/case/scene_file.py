@@ -75,9 +75,9 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
         scene=lambda _: scene,
         checks=(
             Check(
-                metric=divergence.divergence,
-                at_most=0.0,
-                because="every number of every sampled state has to be finite; whether it is right, engines have to agree on",
+                divergence.divergence,
+                0.0,
+                "every number of every sampled state has to be finite; whether it is right, engines have to agree on",
             ),
         ),
         observe=(*OBSERVED, own_readings.gyroscope_off_motion, own_readings.range_off_geometry) if scene.sensors else OBSERVED,

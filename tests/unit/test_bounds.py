@@ -60,9 +60,8 @@ def test_no_bound_reads_a_constant_in_place_of_a_parameter(name: str) -> None:
     scene = meaning[CASES[name].scene.__name__]
     fields = [node for statement in module.body if isinstance(statement, ast.ClassDef) for node in statement.body]
     own = {field.value.id for field in fields if isinstance(field, ast.AnnAssign) and isinstance(field.value, ast.Name)}
-    ahead = [
-        read for node in ast.walk(module) if isinstance(node, ast.keyword) and node.arg == "at_most" for read in _names(node)
-    ]
+    checks = [node for node in ast.walk(module) if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Check"]
+    ahead = [read for check in checks for read in _names(check.args[1])]
     read = set[str]()
     while ahead:
         one = ahead.pop()

@@ -55,10 +55,11 @@ def test_the_period_of_stick_and_slip_is_that_of_the_docstring() -> None:
     assert isinstance(truth, Trajectory)
     v = truth.v_WB[:, 1, 0]
     begins = time[1:][(v[:-1] <= 1e-9) & (v[1:] > 1e-9)]
-    w = math.sqrt(module.P().stiffness / module.MASS)
-    stretch = (module.STATIC - module.KINETIC) * G / w**2
-    slip = 2 / w * (math.pi - math.atan(stretch * w / module.DRAWN))
-    assert np.diff(begins) == pytest.approx(2 * stretch / module.DRAWN + slip, abs=2e-4)
+    own = module.P()
+    w = math.sqrt(own.stiffness / module.MASS)
+    stretch = (own.static - own.kinetic) * G / w**2
+    slip = 2 / w * (math.pi - math.atan(stretch * w / own.drawn))
+    assert np.diff(begins) == pytest.approx(2 * stretch / own.drawn + slip, abs=2e-4)
 
 
 def test_four_feet_take_the_spin_that_their_moment_takes() -> None:

@@ -42,11 +42,6 @@ def _rounding(dt: float, p: P) -> float:
     return SINGLE * (abs(p.speed) + G * DURATION) * DURATION / dt
 
 
-def _attitude(dt: float, p: P) -> float:
-    """What 2 atan(w dt/2) a step falls short of w dt, and two roundings a step."""
-    return DURATION * abs(p.spin) ** 3 * dt**2 / 12 + 2 * _rounding(dt, p) * DURATION
-
-
 CASE = Case(
     name="flight_box",
     title="A free box",
@@ -78,7 +73,7 @@ CASE = Case(
         ),
         Check(
             attitude_error_max,
-            _attitude,
+            lambda dt, p: DURATION * abs(p.spin) ** 3 * dt**2 / 12 + 2 * _rounding(dt, p) * DURATION,
             "q + dt/2 w q, brought back to length one, turns by 2 atan(w dt/2) = w dt - (w dt)^3/12 a step, the "
             "largest error among the usual updates; two roundings a step, of rate and attitude, more",
         ),

@@ -74,16 +74,6 @@ def _velocity(dt: float, p: P) -> float:
     return 2 * (-EARTH_GRAVITY[2] * dt + _change(p.velocity, p.linear_damping) * p.linear_damping * dt / (2 * math.e)) + SINGLE
 
 
-def _position(dt: float, p: P) -> float:
-    """The velocity's error all the way, and half a step of the change of velocity for a staggered scheme."""
-    return DURATION * _velocity(dt, p) + _change(p.velocity, p.linear_damping) * dt / 2
-
-
-def _spin(dt: float, p: P) -> float:
-    """A rate off by c^2 dt/2 at its worst instant, c t = 1; twice for higher orders."""
-    return 2 * float(np.linalg.norm(p.spin)) * p.angular_damping * dt / (2 * math.e) + SINGLE
-
-
 CASE = Case(
     name="flight_damped",
     title="Damped fall",
@@ -107,13 +97,13 @@ CASE = Case(
         ),
         Check(
             position_error_max,
-            _position,
+            lambda dt, p: DURATION * _velocity(dt, p) + _change(p.velocity, p.linear_damping) * dt / 2,
             "the largest error of the velocity for the whole flight, and half a step of its change for a scheme that "
             "keeps position and velocity half a step apart",
         ),
         Check(
             angular_velocity_error_max,
-            _spin,
+            lambda dt, p: 2 * float(np.linalg.norm(p.spin)) * p.angular_damping * dt / (2 * math.e) + SINGLE,
             "a factor 1 - c dt decays at c + c^2 dt/2, worst at c t = 1: w0 c dt/(2 e), taken twice for higher orders",
         ),
     ),

@@ -120,11 +120,7 @@ def expected(time: Floats, p: P) -> Converged | None:
     if not _slides_on(fine, p.friction):
         return None
     truth, other = placed(time, fine), placed(time, coarse)
-    return Converged(
-        trajectory=truth,
-        position_error=float(np.linalg.norm(truth.p_WB - other.p_WB, axis=-1).max(initial=0.0)),
-        velocity_error=float(np.linalg.norm(truth.v_WB - other.v_WB, axis=-1).max(initial=0.0)),
-    )
+    return Converged.between(truth, other)
 
 
 @lru_cache(maxsize=16)

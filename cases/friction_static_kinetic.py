@@ -104,11 +104,6 @@ def _way(dt: float, p: P) -> float:
     return fastest * 3 * _slips(p.static, p.kinetic, p.stiffness, p.drawn) * dt
 
 
-def _speed(dt: float, p: P) -> float:
-    """The swing's acceleration over the time by which it is late, and one step of friction at its end."""
-    return _way(dt, p) * math.sqrt(p.stiffness / MASS) + p.static * G * dt
-
-
 CASE = Case(
     name="friction_static_kinetic",
     title="Stick and slip",
@@ -132,7 +127,7 @@ CASE = Case(
         ),
         Check(
             velocity_error_max,
-            _speed,
+            lambda dt, p: _way(dt, p) * math.sqrt(p.stiffness / MASS) + p.static * G * dt,
             "the swing's acceleration over the time by which it is late, and one step of friction at its end",
         ),
         *forces_obey_coulomb(),

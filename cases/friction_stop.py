@@ -6,7 +6,7 @@ Source: Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 3/4
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters, Step
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
@@ -51,16 +51,6 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-def _way(dt: float, p: P) -> float:
-    """One and a half steps' way over the shortest whole one."""
-    return 1.5 * p.speed * dt / (p.speed**2 / (2 * max(p.frictions) * G))
-
-
-def _time(dt: Step, p: P) -> float:
-    """A step and the one between two calls over the shortest time to a tenth of the speed."""
-    return (dt + dt.outer) / (0.9 * p.speed / (max(p.frictions) * G))
-
-
 CASE = Case(
     name="friction_stop",
     title="Sliding to a stop",
@@ -76,13 +66,13 @@ CASE = Case(
     checks=(
         Check(
             stop_distance_error,
-            _way,
+            lambda dt, p: 1.5 * p.speed * dt / (p.speed**2 / (2 * max(p.frictions) * G)),
             "a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
             "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
         ),
         Check(
             stop_time_error,
-            _time,
+            lambda dt, p: (dt + dt.outer) / (0.9 * p.speed / (max(p.frictions) * G)),
             "one step without a contact at the start, the resolution of what is told at the end; relative to the "
             "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),

@@ -97,16 +97,6 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-def _late(dt: float, p: P) -> float:
-    """A speed of one free step, g tan(angle) dt at most, seen as an acceleration, over g."""
-    return 2 * max(p.steepness) * p.friction * dt / DURATION
-
-
-def _creep(_dt: float, p: P) -> float:
-    """A tenth of the mean speed [m/s] of the slowest slider."""
-    return 0.1 * _acceleration(min(steep for steep in p.steepness if steep > 1.0), p.friction) * DURATION / 2
-
-
 CASE = Case(
     name="friction_threshold",
     title="The angle of friction",
@@ -127,13 +117,13 @@ CASE = Case(
         ),
         Check(
             incline_acceleration_error,
-            _late,
+            lambda dt, p: 2 * max(p.steepness) * p.friction * dt / DURATION,
             "the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
             "s/t^2 sees as an acceleration of 2 g sin(angle) dt/t; sin < tan = 0.75 at the steepest",
         ),
         Check(
             creep_speed,
-            _creep,
+            lambda _dt, p: 0.1 * _acceleration(min(steep for steep in p.steepness if steep > 1.0), p.friction) * DURATION / 2,
             "a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
             start=DURATION / 2,
         ),

@@ -86,11 +86,6 @@ def _height(dt: float, p: P) -> float:
     return (2 + max(2, SPRING_STEPS / 3)) * dt / _fall(p.drop)
 
 
-def _late(dt: float, p: P) -> float:
-    """Half a step of a staggered fall; a step's way off the ground at the least speed that flies twice; the impact itself."""
-    return (0.5 + 1 / min([e for e in p.restitutions if e > 0], default=1.0) + max(1 + 2, SPRING_STEPS)) * dt
-
-
 def _end(dt: float, p: P) -> float:
     """The bound [s] on the end of bouncing, of the largest restitution that ends within the run; a sample where none does."""
     resting = [e for e in p.restitutions if 0 < e < 1 and _fall(p.drop) * (1 + e) / (1 - e) < DURATION]
@@ -124,7 +119,7 @@ CASE = Case(
         Check(bounce_height_error, _height, f"{HEIGHT}; t0 is the time of fall"),
         Check(
             impact_time_error,
-            _late,
+            lambda dt, p: (0.5 + 1 / min([e for e in p.restitutions if e > 0], default=1.0) + max(1 + 2, SPRING_STEPS)) * dt,
             "a staggered fall lands half a step early; a ball turned v dt off the ground lands v dt/(e v) off, 3.4 dt "
             "at e = 0.3, the least that flies twice; and the impact takes its time: a step, after which a speed g dt off "
             "makes 2 dt, or the ten steps of a spring, which a slower rebound only shortens",

@@ -68,10 +68,7 @@ def scene(p: P) -> Scene:
     ]
     return Scene(
         bodies=(box, *spheres),
-        surfaces=(
-            Surface(between=("sphere", "sphere"), restitution=1.0),
-            Surface(between=("sphere", "box"), restitution=1.0),
-        ),
+        surfaces=(Surface(between=("sphere", "sphere"), restitution=1.0), Surface(between=("sphere", "box"), restitution=1.0)),
         gravity=(0.0, 0.0, 0.0),
     )
 

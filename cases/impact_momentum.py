@@ -53,11 +53,7 @@ def scene(p: P) -> Scene:
                 w_WB=(p.spin * axis / np.linalg.norm(axis)).tolist(),
             )
         )
-    return Scene(
-        bodies=tuple(cubes),
-        surfaces=(Surface.rough(p.friction),),
-        gravity=(0.0, 0.0, 0.0),
-    )
+    return Scene(bodies=tuple(cubes), surfaces=(Surface.rough(p.friction),), gravity=(0.0, 0.0, 0.0))
 
 
 CASE = Case(

@@ -11,6 +11,7 @@ from plumbline.harness.metrics.joint_gap import joint_gap_max
 from plumbline.harness.metrics.position import position_error_final, position_error_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.first_order import true_motion
 
 DURATION = 2.0
 LENGTH, MASS, THICKNESS = 0.2, 1.0, 0.02
@@ -84,31 +85,14 @@ def acceleration(theta: Floats, rate: Floats) -> Floats:
     return np.asarray(np.linalg.solve(coupling * np.cos(apart), push), dtype=np.float64)
 
 
-def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:
-    """The motion by Dormand and Prince's method of order 8."""
-    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
-
-    def change(_t: float, y: Floats) -> Floats:
-        return np.concatenate([y[n:], acceleration(y[:n], y[n:])])
-
-    if len(time) == 0:
-        return Trajectory.of(time, n)
-    start = np.concatenate([np.full(n, np.radians(angle)), np.zeros(n)])
-    solution = solve_ivp(change, (0.0, max(float(time[-1]), 1e-9)), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
-    if not solution.success:
-        raise RuntimeError(f"the reference integration stopped: {solution.message}")
-    return placed(time, solution.y.T[:, :n], solution.y.T[:, n:])
-
-
 @lru_cache(maxsize=8)
 def _reference(times: tuple[float, ...], n: int, angle: float) -> Converged:
     time = np.array(times)
-    fine, coarse = (_solve(time, n, angle, rtol) for rtol in (1e-12, 1e-10))
-    return Converged(
-        trajectory=fine,
-        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
-        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max(initial=0.0)),
+    start = np.full(n, np.radians(angle)).tolist(), [0.0] * n
+    fine, coarse = (
+        placed(time, y[:, :n], y[:, n:]) for y in (true_motion(acceleration, *start, time, rtol) for rtol in (1e-12, 1e-10))
     )
+    return Converged.between(fine, coarse)
 
 
 def expected(time: Floats, p: P) -> Converged:

@@ -14,6 +14,7 @@ from plumbline.harness.metrics.velocity import velocity_error_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
+from plumbline.harness.truths.first_order import true_motion
 
 DURATION = 5.0
 
@@ -46,33 +47,16 @@ def _scene(p: P) -> Scene:
     )
 
 
-def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
-    """Angles and rates, (t, 4), by Dormand and Prince's method of order 8."""
-    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
-
-    def change(_t: float, y: Floats) -> Floats:
-        return np.concatenate([y[2:], acceleration(y[:2], y[2:])])
-
-    start = [*np.radians([upper, lower]), 0.0, 0.0]
-    if len(time) == 0:
-        return np.zeros((0, 4))
-    end = max(float(time[-1]), 1e-9)
-    solution = solve_ivp(change, (0.0, end), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
-    if not solution.success:
-        raise RuntimeError(f"the reference integration stopped: {solution.message}")
-    angles: Floats = solution.y.T
-    return angles
+def _solve(time: Floats, p: P, rtol: float) -> Floats:
+    """Angles and rates, (t, 4)."""
+    return true_motion(acceleration, np.radians([p.upper, p.lower]).tolist(), [0.0, 0.0], time, rtol)
 
 
 def _expected(time: Floats, p: P) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-13; the error bar is the distance to 1e-11, a hundred times
     the tolerance and so far above the error of the finer one."""
-    fine, coarse = (placed(time, _solve(time, p.upper, p.lower, rtol)) for rtol in (1e-13, 1e-11))
-    return Converged(
-        trajectory=fine,
-        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
-        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max(initial=0.0)),
-    )
+    fine, coarse = (placed(time, _solve(time, p, rtol)) for rtol in (1e-13, 1e-11))
+    return Converged.between(fine, coarse)
 
 
 def _energy_of(y: Floats) -> Floats:
@@ -104,7 +88,7 @@ def _first_order(p: P) -> tuple[float, float, float]:
 
     start = [*np.radians([p.upper, p.lower]), 0.0, 0.0]
     other = solve_ivp(change, (0.0, DURATION), start, "DOP853", t_eval=times, rtol=1e-11, atol=1e-12).y.T
-    true = _solve(times, p.upper, p.lower, 1e-12)
+    true = _solve(times, p, 1e-12)
     truth = placed(times, true)
     moved = np.linalg.norm(placed(times, other).p_WB - truth.p_WB, axis=-1).max() / small
     energy = _energy_of(other).sum(axis=1)

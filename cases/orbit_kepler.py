@@ -144,10 +144,7 @@ CASE = Case(
     duration=PERIODS * PERIOD_TIME,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 180, 1 / 240, 1 / 480),
     headline=phase_error.name,
-    checks=(
-        stays_finite("the orbit stays half a metre clear of the centre"),
-        *(_check(metric) for metric in CHECKED),
-    ),
+    checks=(stays_finite("the orbit stays half a metre clear of the centre"), *(_check(metric) for metric in CHECKED)),
     observe=(
         orbit_energy_drift_staggered_max,
         orbit_energy_drift_final,

@@ -10,8 +10,7 @@ from plumbline.harness.metrics.contact_force import support_force_error
 from plumbline.harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 5.0, 6.0
@@ -29,16 +28,10 @@ def scene(p: P) -> Scene:
     """A single box and, beside it, a column of n; all start exactly touching."""
     places = [(-1.0, 0.0, HALF)] + [(0.0, 0.0, HALF * (2 * i + 1)) for i in range(round(p.n))]
     boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=centre) for i, centre in enumerate(places)]
-    return Scene(
-        bodies=(Body.ground("default"), *boxes),
-        surfaces=(Surface.rough(p.friction),),
-    )
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="rest_jitter",

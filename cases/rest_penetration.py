@@ -23,8 +23,7 @@ from plumbline.harness.scene import (
     sphere_inertia,
 )
 from plumbline.harness.scene.values import Matrix3
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
@@ -57,10 +56,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=(Body.ground("default"), body), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="rest_penetration",

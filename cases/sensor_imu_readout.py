@@ -71,11 +71,6 @@ def _expected(time: Floats, p: P) -> Trajectory:
     return replace(truth, streams=streams)
 
 
-def _rounding(_: float, p: P) -> float:
-    """Of the greatest spin [rad/s], 64 times over."""
-    return 64 * SINGLE * p.spin_up * DURATION
-
-
 CASE = Case(
     name="sensor_imu_readout",
     title="Digits of an inertial sensor",
@@ -102,7 +97,7 @@ CASE = Case(
         ),
         Check(
             gyroscope_ideal_error,
-            _rounding,
+            lambda _, p: 64 * SINGLE * p.spin_up * DURATION,
             "a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
             "single precision",
         ),

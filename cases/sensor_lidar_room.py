@@ -135,10 +135,6 @@ def _turned(dt: float, p: P) -> float:
     return p.turning**3 * dt**2 / 12 * DURATION + 64 * SINGLE
 
 
-def _range(dt: float, p: P) -> float:
-    return LONGEST * _turned(dt, p) / GRAZING
-
-
 CASE = Case(
     name="sensor_lidar_room",
     title="Range finders in flight",
@@ -155,7 +151,7 @@ CASE = Case(
         stays_finite("a free ball never diverges"),
         Check(
             range_error_max,
-            _range,
+            lambda dt, p: LONGEST * _turned(dt, p) / GRAZING,
             "an attitude that is off by e moves the end of a beam of length r along its wall by r e/cos of incidence: "
             "e is w^3 dt^2/12 a second for 2 atan(w dt/2) a step, and rounding in single precision",
         ),

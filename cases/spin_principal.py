@@ -62,11 +62,6 @@ def _angle(dt: float, p: P) -> float:
     return lag + _grown(p)
 
 
-def _rate(dt: float, p: P) -> float:
-    """One rounding in single precision a step, and its growth about the middle axis."""
-    return abs(p.spin) * (SINGLE * DURATION / dt + _grown(p))
-
-
 CASE = Case(
     name="spin_principal",
     title="Spin about principal axes",
@@ -91,7 +86,7 @@ CASE = Case(
         ),
         Check(
             angular_velocity_error_max,
-            _rate,
+            lambda dt, p: abs(p.spin) * (SINGLE * DURATION / dt + _grown(p)),
             "nothing acts on the spin: one rounding in single precision a step, and its growth about the middle axis",
         ),
     ),

@@ -27,8 +27,8 @@ from plumbline.harness.scene import (
     principal_inertia,
 )
 from plumbline.harness.scene.values import Matrix3
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.rest import resting
 
 THICKNESS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 1.0, 0.4, 2000.0, 0.8
 SETTLED, DURATION = 1.0, 2.0
@@ -95,17 +95,11 @@ def scene(p: P) -> Scene:
                 q_WB=axis_angle((0.0, 1.0, 0.0), turn),
             )
         )
-    return Scene(
-        bodies=tuple(bodies),
-        surfaces=(Surface.rough(p.friction),),
-        narrow=Effect.GYROSCOPIC,
-    )
+    return Scene(bodies=tuple(bodies), surfaces=(Surface.rough(p.friction),), narrow=Effect.GYROSCOPIC)
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest, as it is above the least thickness."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
+"""Rest, as it is above the least thickness."""
 
 CASE = Case(
     name="stack_arch",
@@ -120,11 +114,7 @@ CASE = Case(
     with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="thickness", unit="1", easy=0.3, extreme=0.1),
-    checks=(
-        stands(DURATION, "the arch stands"),
-        settled_speed(SETTLED, "a block"),
-        supported(SETTLED, DURATION),
-    ),
+    checks=(stands(DURATION, "the arch stands"), settled_speed(SETTLED, "a block"), supported(SETTLED, DURATION)),
     observe=(stack_height_error, penetration, rest_drift),
     headline="stack_height_error",
 )

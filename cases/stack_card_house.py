@@ -49,10 +49,7 @@ def scene(p: P) -> Scene:
             )
             for side, way in (("left", 1.0), ("right", -1.0))
         ]
-        laws += [
-            Surface.rough(friction, (name, f"plate_{name}")),
-            Surface.rough(GRIP, (name, name)),
-        ]
+        laws += [Surface.rough(friction, (name, f"plate_{name}")), Surface.rough(GRIP, (name, name))]
     apart = (("firm", "loose"), ("firm", "plate_loose"), ("loose", "plate_firm"))
     return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart, narrow=Effect.GYROSCOPIC)
 

@@ -10,8 +10,7 @@ from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
@@ -29,22 +28,13 @@ def scene(p: P) -> Scene:
     """Two equal cubes, exactly touching: the lower of MASS, the upper of `ratio` times as much."""
     cube = (PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),)
     boxes = [
-        Body(
-            name=name,
-            mass=mass,
-            inertia=box_inertia(mass, (HALF, HALF, HALF)),
-            collision=cube,
-            p_WB=(0.0, 0.0, height),
-        )
+        Body(name=name, mass=mass, inertia=box_inertia(mass, (HALF, HALF, HALF)), collision=cube, p_WB=(0.0, 0.0, height))
         for name, mass, height in (("light", MASS, HALF), ("heavy", p.ratio * MASS, 3 * HALF))
     ]
     return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_mass_ratio",

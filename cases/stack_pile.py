@@ -15,8 +15,8 @@ from plumbline.harness.metrics.overlap import overlap
 from plumbline.harness.metrics.world_spread import world_spread
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.rest import resting
 
 RADIUS, DENSITY = 0.05, 1000.0
 SETTLED, DURATION = 0.5, 1.0
@@ -59,10 +59,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=(*container(RADIUS * side(count), "wall"), *balls), surfaces=laws)
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_pile",

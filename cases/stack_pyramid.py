@@ -20,8 +20,7 @@ from plumbline.harness.scene import (
     Scene,
     Surface,
 )
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 MASS = 1.0
 SETTLED, DURATION = 0.5, 1.0
@@ -92,10 +91,7 @@ def scene(p: P) -> Scene:
     )
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_pyramid",

@@ -9,8 +9,7 @@ from plumbline.harness.metrics.energy import energy_gain_max
 from plumbline.harness.metrics.jitter import rest_drift
 from plumbline.harness.metrics.stack import lean, stack_height_error
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 600.0, 60.0
@@ -28,10 +27,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_ten_minutes",

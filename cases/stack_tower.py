@@ -6,8 +6,7 @@ from plumbline.harness.metrics.contact_residuals import cone_residual, dissipati
 from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 5.0, 4.0
@@ -25,16 +24,10 @@ def scene(p: P) -> Scene:
     boxes = [
         Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(p.n))
     ]
-    return Scene(
-        bodies=(Body.ground("default"), *boxes),
-        surfaces=(Surface.rough(p.friction),),
-    )
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_tower",

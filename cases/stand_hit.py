@@ -112,11 +112,6 @@ def _handed_on(dt: float, p: P) -> float:
     return dt * rate**2 * lever + 1e-6 * MASS * p.speed
 
 
-def _turned(dt: float, p: P) -> float:
-    """One step's turn of what is handed on, and the hinges' gaps."""
-    return _swung(p.speed, p.friction)[0] * dt + _shifted(dt, p)
-
-
 CASE = Case(
     name="stand_hit",
     title="A ball hits a robot",
@@ -147,7 +142,7 @@ CASE = Case(
         ),
         Check(
             angular_momentum_drift_max,
-            _turned,
+            lambda dt, p: _swung(p.speed, p.friction)[0] * dt + _shifted(dt, p),
             "in joint coordinates that pull acts in a direction which is a step old, w dt of what is handed on; the "
             "halves of an impulse act at a hinge's two anchors; where these are a micrometre apart, the ball's "
             "momentum, handed on once by every hinge, shifts so much of the angular momentum",

@@ -15,8 +15,7 @@ from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.humanoid import humanoid
 from plumbline.harness.props.robots.robot import MATERIAL, bearing
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 LEG = 0.4
 """Length of thighs and shanks [m], roughly."""
@@ -41,10 +40,7 @@ def scene(p: P) -> Scene:
     )
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stand_humanoid",

@@ -13,8 +13,7 @@ from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
 SPACING, ROW = 1.0, 4
 DURATION, SETTLED = 3.0, 1.5
@@ -41,10 +40,7 @@ def scene(p: P) -> Scene:
     )
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(p), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stand_quadruped",

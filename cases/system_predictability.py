@@ -60,11 +60,7 @@ def scene(p: P) -> Scene:
             Body.fixed(f"bump_{k}", Sphere(radius=BUMP), material="bump", p_WB=centre.tolist()),
             Body.ball(f"ball_{k}", RADIUS, mass=MASS, material="ball", p_WB=(centre + (REACH - DEPTH) * aside).tolist()),
         ]
-    return Scene(
-        bodies=tuple(bodies),
-        surfaces=(Surface.rough(FRICTION, ("ball", "bump")),),
-        apart=(("ball", "ball"),),
-    )
+    return Scene(bodies=tuple(bodies), surfaces=(Surface.rough(FRICTION, ("ball", "bump")),), apart=(("ball", "ball"),))
 
 
 def tilts(time: Floats, start: Floats) -> Floats:
@@ -80,11 +76,7 @@ def tilts(time: Floats, start: Floats) -> Floats:
     x = np.minimum(due, last)
     for _ in range(8):
         two, four, six = (np.sinh(k * x) for k in (2, 4, 6))
-        integrals = (
-            x / 2 + two / 4,
-            3 * x / 8 + two / 4 + four / 32,
-            5 * x / 16 + 15 * two / 64 + 3 * four / 64 + six / 192,
-        )
+        integrals = (x / 2 + two / 4, 3 * x / 8 + two / 4 + four / 32, 5 * x / 16 + 15 * two / 64 + 3 * four / 64 + six / 192)
         reached = x + m / 2 * integrals[0] + 3 * m**2 / 8 * integrals[1] + 5 * m**3 / 16 * integrals[2]
         x = np.clip(x - (reached - due) * np.sqrt(1 - m * np.cosh(x) ** 2), 0.0, last)
     angles: Floats = 2 * np.arcsin(small * np.cosh(x))

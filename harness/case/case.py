@@ -105,6 +105,12 @@ class Converged:
     position_error: float
     velocity_error: float
 
+    @classmethod
+    def between(cls, fine: Trajectory, coarse: Trajectory) -> Self:
+        """The finer of two, whose error bars are the largest distances to the coarser one."""
+        p, v = (np.linalg.norm(a - b, axis=-1) for a, b in ((fine.p_WB, coarse.p_WB), (fine.v_WB, coarse.v_WB)))
+        return cls(trajectory=fine, position_error=float(p.max(initial=0.0)), velocity_error=float(v.max(initial=0.0)))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:

@@ -64,16 +64,18 @@ def test_the_period_of_stick_and_slip_is_that_of_the_docstring() -> None:
 
 def test_four_feet_take_the_spin_that_their_moment_takes() -> None:
     module = friction_spinning
-    stops = module.SPIN / module.deceleration(module.P().friction)
+    own = module.P()
+    stops = own.spin / module.deceleration(own.friction)
     assert stops < module.DURATION - 0.1
     truth = module.CASE.truth_at(np.array([stops / 2, stops, module.DURATION]), module.CASE.parameters)
     assert isinstance(truth, Trajectory)
-    np.testing.assert_allclose(truth.w_WB[:, 1, 2], [module.SPIN / 2, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(truth.w_WB[:, 1, 2], [own.spin / 2, 0.0, 0.0], atol=1e-12)
     # The work of the feet over their way is the energy of the spin.
     angle = 2 * math.atan2(truth.q_WB[1, 1, 3], truth.q_WB[1, 1, 0]) % (2 * math.pi)
-    turned = module.SPIN * stops / 2
+    turned = own.spin * stops / 2
     assert angle == pytest.approx(turned % (2 * math.pi), abs=1e-9)
-    assert module.FRICTION * module.MASS * G * module.OUT * turned == pytest.approx(module.INERTIA[2][2] * module.SPIN**2 / 2)
+    work = own.friction * module.MASS * G * module.OUT * turned
+    assert work == pytest.approx(module.INERTIA[2][2] * own.spin**2 / 2)
     scene = module.CASE.scene(module.CASE.parameters)
     feet = [placed.p_BS for placed in scene.body("stool").collision]
     assert sorted(math.hypot(x, y) for x, y, _ in feet) == pytest.approx([module.OUT] * 4)

@@ -4,10 +4,12 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.position import position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.metrics.errors import (
+    angular_velocity_error_max,
+    attitude_error_max,
+    position_error_max,
+    velocity_error_max,
+)
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 

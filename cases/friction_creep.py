@@ -4,9 +4,9 @@ import math
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.creep import creep_speed
+from plumbline.harness.metrics.errors import position_error_final, position_error_max
 from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.slide import creep_speed
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 

@@ -11,8 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.metrics.isotropy import heading_error, polar_spread
-from plumbline.harness.metrics.slide import centre_rise, stop_distance_error
+from plumbline.harness.metrics.slide import centre_rise, heading_error, polar_spread, stop_distance_error
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 

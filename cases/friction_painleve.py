@@ -17,11 +17,10 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics.contacts import impulse_max
 from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.impulse import impulse_max
+from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
 from plumbline.harness.metrics.painleve import painleve_coefficient
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
 from plumbline.harness.scene import (
     Body,
     Capsule,

@@ -7,9 +7,8 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
 from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 

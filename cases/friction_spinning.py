@@ -9,9 +9,12 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final, angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import (
+    angular_velocity_error_final,
+    angular_velocity_error_max,
+    attitude_error_max,
+    position_error_max,
+)
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, cylinder_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb
-from plumbline.harness.metrics.creep import creep_speed
-from plumbline.harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
+from plumbline.harness.metrics.slide import creep_speed
+from plumbline.harness.metrics.statics import incline_acceleration_error, threshold_angle_error
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -7,9 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.radius import radius_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.metrics.errors import position_error_final, position_error_max, radius_error_max, velocity_error_max
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 

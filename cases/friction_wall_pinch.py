@@ -6,9 +6,8 @@ towards the wall.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.creep import creep_speed
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
+from plumbline.harness.metrics.slide import creep_speed
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 

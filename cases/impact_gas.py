@@ -10,9 +10,9 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.containment import escaped_share
 from plumbline.harness.metrics.energy import energy_drift_final, energy_growth_rate
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
+from plumbline.harness.metrics.overlaps import escaped_share
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats
 

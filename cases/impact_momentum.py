@@ -9,14 +9,13 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import forces_keep_momentum, stays_finite
 from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
-from plumbline.harness.metrics.meetings import pairs_met
 from plumbline.harness.metrics.momentum import (
     angular_momentum_drift_final,
     angular_momentum_drift_max,
     momentum_drift_final,
     momentum_drift_max,
 )
+from plumbline.harness.metrics.overlaps import inscribed_overlap, pairs_met
 from plumbline.harness.scene import Body, Scene, Surface, axis_angle
 
 MASS, HALF, AWAY = 1.0, 0.1, 0.5

@@ -11,9 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SPRING_STEPS, forces_keep_momentum, stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
-from plumbline.harness.metrics.position import position_error_final
-from plumbline.harness.metrics.velocity import velocity_error_final
+from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final, velocity_error_final
 from plumbline.harness.scene import Body, Scene, Surface, sphere_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory

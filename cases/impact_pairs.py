@@ -11,10 +11,8 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import SOLVED, SPRING_STEPS, forces_keep_momentum, stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
+from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final, velocity_error_final
 from plumbline.harness.metrics.momentum import momentum_drift_max
-from plumbline.harness.metrics.position import position_error_final
-from plumbline.harness.metrics.velocity import velocity_error_final
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest

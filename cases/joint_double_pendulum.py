@@ -6,11 +6,15 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.metrics.errors import (
+    attitude_error_max,
+    position_error_final,
+    position_error_max,
+    position_error_rms,
+    velocity_error_max,
+)
+from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses

@@ -12,8 +12,8 @@ from plumbline.harness.case import Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import position_error_max
+from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses

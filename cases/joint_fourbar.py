@@ -10,10 +10,9 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, stays_finite
-from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.errors import attitude_error_max, position_error_final, position_error_max
+from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion

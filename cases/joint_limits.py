@@ -4,10 +4,9 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics.errors import position_error_final, position_error_max
 from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max
+from plumbline.harness.metrics.joints import joint_gap_max, limit_overshoot_final, limit_overshoot_max
 from plumbline.harness.scene import WORLD, Body, Effect, Limits, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 

@@ -10,7 +10,7 @@ from plumbline.harness.metrics.energy import (
     energy_drift_staggered_max,
     energy_growth_rate,
 )
-from plumbline.harness.metrics.joint_gap import joint_gap_final, joint_gap_max
+from plumbline.harness.metrics.joints import joint_gap_final, joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats
 

@@ -14,10 +14,14 @@ from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metric import Metric
-from plumbline.harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
-from plumbline.harness.metrics.phase import period_error, phase_error
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.radius import radius_error_final, radius_error_max
+from plumbline.harness.metrics.errors import position_error_final, position_error_max, radius_error_final, radius_error_max
+from plumbline.harness.metrics.orbit import (
+    orbit_energy_drift_final,
+    orbit_energy_drift_max,
+    orbit_energy_drift_staggered_max,
+    period_error,
+    phase_error,
+)
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Floats, State, Trajectory
 

@@ -5,10 +5,8 @@ Nothing acts but weight and support, so nothing moves. What moves is the engine'
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics.contact_flips import contact_flips
-from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.metrics.contacts import contact_flips, penetration, support_force_error
 from plumbline.harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 

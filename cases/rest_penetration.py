@@ -3,8 +3,8 @@
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
 from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.metrics.contacts import penetration, reported_penetration
 from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration, reported_penetration
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -6,8 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.colour_error import colour_error_max, colour_error_median
-from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.metrics.pictures import colour_error_max, colour_error_median, silhouette_iou
 from plumbline.harness.scene import Appearance, Body, Box, Camera, PlacedShape, Scene, Sphere, Sun, Vector3, axis_angle
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.sight import Sight

@@ -6,11 +6,16 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median
-from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
-from plumbline.harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
-from plumbline.harness.metrics.depth_quantisation import disparity_step_error
-from plumbline.harness.metrics.range_wrap import range_unwrapped_share
+from plumbline.harness.metrics.depth_noise import (
+    depth_correlation_score,
+    depth_lost_but_answered_share,
+    depth_mean_score,
+    depth_missing_score,
+    depth_spread_score,
+    disparity_step_error,
+    range_unwrapped_share,
+)
+from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median
 from plumbline.harness.scene import (
     Appearance,
     Body,

@@ -4,9 +4,7 @@ from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from plumbline.harness.metrics.pixel_error import pixel_error
-from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Scene, Sphere
 from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
 from plumbline.harness.trajectory import Floats, Trajectory

@@ -7,8 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters, Step
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
-from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back

@@ -15,9 +15,8 @@ from plumbline.harness.metrics.allan import (
     gyroscope_allan_score,
     slope_bound,
 )
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from plumbline.harness.metrics.noise_bias import inertial_bias_score
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
+from plumbline.harness.metrics.inertial_noise import inertial_bias_score, inertial_correlation_score
+from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back

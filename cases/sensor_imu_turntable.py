@@ -7,7 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back

@@ -6,13 +6,13 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
+from plumbline.harness.metrics.inertial_readings import time_stamp_error
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
     range_error_rms,
     range_false_return_share,
 )
-from plumbline.harness.metrics.stream_stamps import time_stamp_error
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -4,11 +4,14 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
-from plumbline.harness.metrics.noise_spectrum import inertial_spectrum_score
+from plumbline.harness.metrics.inertial_noise import (
+    inertial_correlation_score,
+    inertial_distribution_distance,
+    inertial_histogram_score,
+    inertial_spectrum_score,
+)
+from plumbline.harness.metrics.inertial_readings import time_stamp_error
 from plumbline.harness.metrics.range_noise import range_correlation_score, range_mean_score, range_spread_score
-from plumbline.harness.metrics.stream_stamps import time_stamp_error
 from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 

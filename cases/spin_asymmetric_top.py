@@ -6,11 +6,15 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_final, attitude_error_max, attitude_error_rms
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.errors import (
+    angular_velocity_error_max,
+    attitude_error_final,
+    attitude_error_max,
+    attitude_error_rms,
+    position_error_max,
+)
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max
-from plumbline.harness.metrics.position import position_error_max
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory

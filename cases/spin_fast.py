@@ -4,9 +4,8 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max
+from plumbline.harness.metrics.errors import angular_velocity_error_max, attitude_error_max
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3

@@ -4,11 +4,10 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.precession import nutation_amplitude, precession_rate_error
+from plumbline.harness.metrics.errors import attitude_error_max, position_error_final, position_error_max
+from plumbline.harness.metrics.joints import joint_gap_max
+from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
 from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product

@@ -6,10 +6,10 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.attitude import attitude_error_max
 from plumbline.harness.metrics.energy import energy_drift_max
-from plumbline.harness.metrics.flips import flip_count_error, flip_period_error
+from plumbline.harness.metrics.errors import attitude_error_max
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.metrics.spin import flip_count_error, flip_period_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory

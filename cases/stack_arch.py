@@ -13,8 +13,8 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Parameters
 from plumbline.harness.case.bounds import settled_speed, stands, supported
+from plumbline.harness.metrics.contacts import penetration
 from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
 from plumbline.harness.scene import (
     Body,

@@ -13,9 +13,9 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, stays_finite, supported
+from plumbline.harness.metrics.contacts import penetration
 from plumbline.harness.metrics.energy import energy_rise_max
 from plumbline.harness.metrics.jitter import rest_drift, rms_spin
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.threading import unthreaded
 from plumbline.harness.scene import (
     Body,

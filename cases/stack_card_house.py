@@ -8,8 +8,8 @@ Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.
 import math
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
-from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.contacts import penetration
+from plumbline.harness.metrics.statics import critical_friction, frame_friction_error, frame_standing_time
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
 GRIP, MASS = 1.0, 0.1

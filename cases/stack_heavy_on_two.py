@@ -4,9 +4,8 @@ import math
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, settled_speed, stands, supported
+from plumbline.harness.metrics.contacts import load_split_error, penetration
 from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.load_split import load_split_error
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory

@@ -6,8 +6,8 @@ contact passes on, each time, only what the light body alone can take.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
+from plumbline.harness.metrics.contacts import penetration
 from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import stack_height_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.truths.rest import resting

@@ -8,8 +8,8 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.overhang import overhang_limit_error
-from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.contacts import penetration
+from plumbline.harness.metrics.statics import overhang_limit_error
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 
 MASS = 1.0

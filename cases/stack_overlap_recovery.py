@@ -6,8 +6,8 @@ rest where they touch: an overlap is an error of position, and holds no energy.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, bears, settled_speed
-from plumbline.harness.metrics.ejection import ejection_speed
 from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics.overlaps import ejection_speed
 from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory

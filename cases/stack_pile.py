@@ -10,9 +10,9 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import settled_speed, stays_finite
+from plumbline.harness.metrics.equivalence import world_spread
 from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.overlap import overlap
-from plumbline.harness.metrics.world_spread import world_spread
+from plumbline.harness.metrics.overlaps import overlap
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
+from plumbline.harness.metrics.contacts import penetration
 from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
 from plumbline.harness.scene import (
     Body,

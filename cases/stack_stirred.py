@@ -8,8 +8,8 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
 from plumbline.harness.metrics.jitter import rest_drift, rms_spin
+from plumbline.harness.metrics.overlaps import inscribed_overlap
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from plumbline.harness.trajectory import Floats, State

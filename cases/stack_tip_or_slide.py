@@ -8,7 +8,7 @@ import math
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics.tipping import tipping_angle_error, wrong_fates
+from plumbline.harness.metrics.statics import tipping_angle_error, wrong_fates
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, axis_angle, rotate
 
 MASS = 1.0

@@ -3,7 +3,7 @@
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, supported
 from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.metrics.contacts import penetration
 from plumbline.harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting

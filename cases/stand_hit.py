@@ -11,14 +11,14 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, stays_finite
 from plumbline.harness.metrics.energy import held_energy_gain_max
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
-from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.metrics.momentum import (
     angular_momentum_drift_final,
     angular_momentum_drift_max,
     momentum_drift_final,
     momentum_drift_max,
 )
+from plumbline.harness.metrics.overlaps import inscribed_overlap
 from plumbline.harness.metrics.vibration import vibration_frequency, vibration_rms
 from plumbline.harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL

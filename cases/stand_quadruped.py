@@ -3,11 +3,9 @@
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G
 from plumbline.harness.case.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.metrics.contacts import penetration, support_force_error
 from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.pose import pose_error_rms
+from plumbline.harness.metrics.joints import joint_gap_max, pose_error_rms
 from plumbline.harness.metrics.vibration import vibration_frequency
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped

@@ -23,8 +23,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, stays_finite
 from plumbline.harness.metrics.cam_follower import cam_follower_gap
-from plumbline.harness.metrics.position import position_error_max, position_error_rms
-from plumbline.harness.metrics.velocity import velocity_error_max, velocity_error_rms
+from plumbline.harness.metrics.errors import position_error_max, position_error_rms, velocity_error_max, velocity_error_rms
 from plumbline.harness.scene import (
     WORLD,
     Body,

@@ -11,9 +11,9 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import position_error_max
+from plumbline.harness.metrics.joints import joint_gap_max
+from plumbline.harness.metrics.overlaps import inscribed_overlap
 from plumbline.harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
+from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final
 from plumbline.harness.metrics.passage import passage_probability, passage_probability_high, passage_probability_low, sink_depth
-from plumbline.harness.metrics.position import position_error_final
 from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product

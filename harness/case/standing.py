@@ -6,8 +6,8 @@ The measure of a tremble is 0.01 g, the noise of a consumer accelerometer (300 m
 from plumbline.harness.case import Check
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics.energy import held_energy_gain_max
-from plumbline.harness.metrics.foot_slip import foot_slip
-from plumbline.harness.metrics.pose import pose_error_max
+from plumbline.harness.metrics.joints import pose_error_max
+from plumbline.harness.metrics.slide import foot_slip
 from plumbline.harness.metrics.stack import standing_height
 from plumbline.harness.metrics.vibration import vibration_rms
 from plumbline.harness.props.robots.floor import PRESSED

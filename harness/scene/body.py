@@ -37,11 +37,6 @@ def _defect(inertia: Matrix3) -> str:
     return ""
 
 
-def _shape_field(shape: Shape, touches: bool) -> dict[str, tuple[PlacedShape, ...]]:
-    """The field of a body that holds its one shape: what touches, or what is drawn alone."""
-    return {"collision" if touches else "visual": (PlacedShape(shape=shape),)}
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Body:
     """A rigid body whose frame B has its origin at the centre of mass.
@@ -95,13 +90,15 @@ class Body:
     def box(cls, name: str, half_extents: Vector3, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
         """A solid box [m, kg] that touches, or is only seen. Args: fields: the others of a body."""
         inertia, shape = box_inertia(mass, half_extents), Box(half_extents=half_extents)
-        return cls(name=name, mass=mass, inertia=inertia, **_shape_field(shape, touches), **fields)
+        fields["collision" if touches else "visual"] = (PlacedShape(shape=shape),)
+        return cls(name=name, mass=mass, inertia=inertia, **fields)
 
     @classmethod
     def ball(cls, name: str, radius: float, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
         """A solid ball [m, kg] that touches, or is only seen. Args: fields: the others of a body."""
         inertia, shape = sphere_inertia(mass, radius), Sphere(radius=radius)
-        return cls(name=name, mass=mass, inertia=inertia, **_shape_field(shape, touches), **fields)
+        fields["collision" if touches else "visual"] = (PlacedShape(shape=shape),)
+        return cls(name=name, mass=mass, inertia=inertia, **fields)
 
     @classmethod
     def fixed(cls, name: str, shape: Shape, **fields: Any) -> Self:

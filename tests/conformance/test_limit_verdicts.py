@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.case import Case
-from plumbline.harness.metrics.meetings import pairs_met
+from plumbline.harness.metrics.overlaps import pairs_met
 from plumbline.harness.search.first_break import Ruler
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment, Limit

@@ -90,7 +90,7 @@ def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
         ),
         (
             HARNESS / "metrics" / "position.py",
-            "runs anew 2: the adapter's source changed: harness/metrics/position.py",
+            "runs anew 2: the adapter's source changed: harness/metrics/errors.py",
         ),
     ],
     ids=lambda value: value.name if isinstance(value, Path) else "",

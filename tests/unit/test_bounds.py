@@ -11,7 +11,7 @@ import pytest
 from plumbline.cases.system_level_of_detail import inner
 from plumbline.harness.adapter import Settings
 from plumbline.harness.case import Check
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.scene import EARTH_GRAVITY
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment

@@ -11,7 +11,7 @@ import pytest
 from plumbline.adapters.reference import ADAPTER
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
 from plumbline.harness.statistics.richardson import extrapolate
 from plumbline.harness.trajectory import Floats, Trajectory

@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.cases.stack_card_house import P, scene
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
+from plumbline.harness.metrics.statics import critical_friction, frame_friction_error, frame_standing_time
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Trajectory
 

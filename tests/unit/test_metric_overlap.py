@@ -9,7 +9,7 @@ import pytest
 from plumbline.cases import stack_tower
 from plumbline.cases.stack_pile import RADIUS, P, expected, scene
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.overlap import overlap
+from plumbline.harness.metrics.overlaps import overlap
 from plumbline.harness.trajectory import Trajectory
 
 FIRST = 5  # after the floor and four walls

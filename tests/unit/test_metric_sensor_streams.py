@@ -13,11 +13,14 @@ from plumbline.cases import sensor_streams
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metric.inertial_residual import inertial_residual
 from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
-from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, delay, gyroscope_lag_error
-from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
-from plumbline.harness.metrics.noise_spectrum import difference_spectrum, inertial_spectrum_score
-from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.metrics.inertial_noise import (
+    difference_spectrum,
+    inertial_correlation_score,
+    inertial_distribution_distance,
+    inertial_histogram_score,
+    inertial_spectrum_score,
+)
+from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, delay, gyroscope_lag_error, time_stamp_error
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
 from plumbline.harness.sensors.imu_errors import read_out, sensed
 from plumbline.harness.sensors.imu_noise import three_axes

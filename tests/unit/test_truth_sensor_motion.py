@@ -20,8 +20,12 @@ from plumbline.cases import (
 )
 from plumbline.cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
 from plumbline.harness.case import Case
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
+from plumbline.harness.metrics.inertial_readings import (
+    accelerometer_ideal_error,
+    accelerometer_lag_error,
+    gyroscope_ideal_error,
+    gyroscope_lag_error,
+)
 from plumbline.harness.scene import Lidar, Scene, rotation_matrix
 from plumbline.harness.sensors import lidar as scanning
 from plumbline.harness.sensors.rays import first_hits

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.cases.stack_card_house import CASE, GRIP, HALF, P, scene
-from plumbline.harness.metrics.frames import critical_friction
+from plumbline.harness.metrics.statics import critical_friction
 from plumbline.harness.scene import Body, Scene, rotate
 from plumbline.harness.trajectory import Floats, Trajectory
 from tests.limit_analysis import GROUND, Point, stands

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.cases.stack_overhang import CASE, FACTORS, P, scene
-from plumbline.harness.metrics.overhang import harmonic_overhang
+from plumbline.harness.metrics.statics import harmonic_overhang
 from plumbline.harness.scene import Body, Box, Scene
 from plumbline.harness.trajectory import Trajectory
 from tests.limit_analysis import GROUND, Point, stands

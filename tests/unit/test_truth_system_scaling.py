@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from plumbline.cases.system_scaling import CASE, INTERVAL, KINDS, MASS, PUSH, TWIST, P, control, expected, noise, scene
-from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
 

@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from plumbline.harness.metrics.frames import frame_friction_error
-from plumbline.harness.metrics.overhang import _stacks, overhang_limit_error
+from plumbline.harness.metrics.statics import _stacks, frame_friction_error, overhang_limit_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle, box_inertia
 from plumbline.harness.study import plugins
 from plumbline.harness.study.foreseen_cost import scene_at

@@ -14,7 +14,7 @@ import numpy as np
 from plumbline.harness.findings.sensor_readings.channel import Channel
 from plumbline.harness.findings.sensor_readings.noise import Noise, spread_interval
 from plumbline.harness.metrics.allan import expected_variance, octaves, overlapping_variance, windows
-from plumbline.harness.metrics.noise_bias import variance_of_mean
+from plumbline.harness.metrics.inertial_noise import variance_of_mean
 from plumbline.harness.scene import AxisNoise, Imu
 from plumbline.harness.statistics.proportion import Z_95
 from plumbline.harness.trajectory import Floats

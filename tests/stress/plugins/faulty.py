@@ -16,11 +16,11 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unavailable, Unsupported
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics import position
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Camera, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
-POSITION = position.position_error_max
+POSITION = errors.position_error_max
 
 
 SLEEP = "86399.25"

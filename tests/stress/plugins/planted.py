@@ -9,11 +9,11 @@ from planted_faults import BY_NAME
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics import position
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Camera, Imu, Lidar, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
-POSITION = position.position_error_max
+POSITION = errors.position_error_max
 
 
 class Falling:

@@ -1,44 +1,27 @@
 """Errors against the truth, over the bodies that a force moves.
 
-Position error: distance between the centres of mass of answer and truth, over the bodies that a force moves.
-
-Velocity error: distance between the velocities of the centres of mass of answer and truth, in W.
-
-Attitude error: angle of the rotation between answer and truth, the geodesic distance on SO(3).
-
-Angular velocity error: distance between the angular velocities of answer and truth, in W.
-
-Radius error: how far bodies leave their distance from the vertical through the origin, as a share of the truth's.
+Of positions and velocities the distance between those of answer and truth, of the centres of mass, in W; of attitudes the angle
+of the rotation between them, the geodesic distance on SO(3); the radius error is how far bodies leave their distance from the
+vertical through the origin, as a share of the truth's.
 """
 
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run
-from plumbline.harness.metric.series import three
+from plumbline.harness.metric.series import Series, three
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import angle_between
 
 
-def _distance(run: Run) -> Floats:
-    truth, bodies = run.truth, run.movable
-    distance: Floats = np.linalg.norm(run.actual.p_WB[:, bodies] - truth.p_WB[:, bodies], axis=-1)
+def _distance(array: str) -> Series:
+    """Between what answer and truth have in one of their arrays, (t, n)."""
+
+    def distance(run: Run) -> Floats:
+        truth, bodies = getattr(run.truth, array), run.movable
+        apart: Floats = np.linalg.norm(getattr(run.actual, array)[:, bodies] - truth[:, bodies], axis=-1)
+        return apart
+
     return distance
-
-
-position_error_max, position_error_rms, position_error_final = three(
-    "position_error", "m", "definition: |p_WB - p_WB of the truth|", _distance
-)
-
-
-def _difference(run: Run) -> Floats:
-    truth, bodies = run.truth, run.movable
-    difference: Floats = np.linalg.norm(run.actual.v_WB[:, bodies] - truth.v_WB[:, bodies], axis=-1)
-    return difference
-
-
-velocity_error_max, velocity_error_rms, velocity_error_final = three(
-    "velocity_error", "m/s", "definition: |v_WB - v_WB of the truth|", _difference
-)
 
 
 def _angle(run: Run) -> Floats:
@@ -46,23 +29,7 @@ def _angle(run: Run) -> Floats:
     return angle_between(truth.q_WB[:, bodies], run.actual.q_WB[:, bodies])
 
 
-attitude_error_max, attitude_error_rms, attitude_error_final = three(
-    "attitude_error", "rad", "Huynh, Metrics for 3D Rotations (2009), equation 23", _angle
-)
-
-
-def _angular_velocity_difference(run: Run) -> Floats:
-    truth, bodies = run.truth, run.movable
-    difference: Floats = np.linalg.norm(run.actual.w_WB[:, bodies] - truth.w_WB[:, bodies], axis=-1)
-    return difference
-
-
-angular_velocity_error_max, angular_velocity_error_rms, angular_velocity_error_final = three(
-    "angular_velocity_error", "rad/s", "definition: |w_WB - w_WB of the truth|", _angular_velocity_difference
-)
-
-
-def _error(run: Run) -> Floats:
+def _radius(run: Run) -> Floats:
     truth, bodies = run.truth, run.movable
     here, there = (np.hypot(t.p_WB[:, bodies, 0], t.p_WB[:, bodies, 1]) for t in (run.actual, truth))
     if np.size(there) and not there.min() > 0:
@@ -71,6 +38,18 @@ def _error(run: Run) -> Floats:
     return error
 
 
+position_error_max, position_error_rms, position_error_final = three(
+    "position_error", "m", "definition: |p_WB - p_WB of the truth|", _distance("p_WB")
+)
+velocity_error_max, velocity_error_rms, velocity_error_final = three(
+    "velocity_error", "m/s", "definition: |v_WB - v_WB of the truth|", _distance("v_WB")
+)
+angular_velocity_error_max, angular_velocity_error_rms, angular_velocity_error_final = three(
+    "angular_velocity_error", "rad/s", "definition: |w_WB - w_WB of the truth|", _distance("w_WB")
+)
+attitude_error_max, attitude_error_rms, attitude_error_final = three(
+    "attitude_error", "rad", "Huynh, Metrics for 3D Rotations (2009), equation 23", _angle
+)
 radius_error_max, radius_error_rms, radius_error_final = three(
-    "radius_error", "1", "definition: distance from the z axis of W over the truth's, less 1", _error
+    "radius_error", "1", "definition: distance from the z axis of W over the truth's, less 1", _radius
 )

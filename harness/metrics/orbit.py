@@ -13,7 +13,7 @@ cubic through four samples, alike in answer and truth, so that the interpolation
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.metric.series import last
+from plumbline.harness.metric.series import two
 from plumbline.harness.trajectory import Floats
 
 SOURCE = (
@@ -46,14 +46,7 @@ def _drift(run: Run, half_steps: float) -> Floats:
     return drift
 
 
-@metric("1", SOURCE)
-def orbit_energy_drift_max(run: Run) -> Floats:
-    return _drift(run, 0.0)
-
-
-@metric("1", SOURCE)
-def orbit_energy_drift_final(run: Run) -> float:
-    return last(_drift(run, 0.0))
+orbit_energy_drift_max, orbit_energy_drift_final = two("orbit_energy_drift", "1", SOURCE, lambda run: _drift(run, 0.0))
 
 
 @metric("1", SOURCE, even=True)

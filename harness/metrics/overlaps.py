@@ -23,7 +23,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Scene, Sphere, rotation_matrix
+from plumbline.harness.scene import Body, Box, ConvexHull, Plane, Scene, Sphere, TriangleMesh, rotation_matrix, width
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
@@ -77,15 +77,8 @@ def _inscribed(body: Body) -> float | None:
     """Radius [m] of the ball about the centre of mass that the body's only shape holds; None for other bodies."""
     if len(body.collision) != 1 or any(body.collision[0].p_BS):
         return None
-    match body.collision[0].shape:
-        case Sphere(radius=radius) | Capsule(radius=radius):
-            return radius
-        case Box(half_extents=half) | Ellipsoid(semi_axes=half):
-            return min(half)
-        case Cylinder(radius=radius, half_length=half_length):
-            return min(radius, half_length)
-        case _:
-            return None
+    shape = body.collision[0].shape
+    return None if isinstance(shape, Plane | ConvexHull | TriangleMesh) else width(shape) / 2
 
 
 @metric("m")

@@ -4,12 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_max,
-    attitude_error_max,
-    position_error_max,
-    velocity_error_max,
-)
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -54,27 +49,27 @@ CASE = Case(
     expected=expected,
     parameters=P(),
     duration=DURATION,
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a parabola never diverges"),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: 1.01 * G * dt * DURATION / 2 + _rounding(dt, p) * DURATION,
             "semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single precision more",
         ),
         Check(
-            velocity_error_max,
+            errors.velocity_error_max,
             _rounding,
             "under a constant force every one-step method gives velocity exactly; what is left is a rounding a step",
         ),
         Check(
-            angular_velocity_error_max,
+            errors.angular_velocity_error_max,
             _rounding,
             "about a principal axis no torque acts: the same roundings, of a rate below the speed",
         ),
         Check(
-            attitude_error_max,
+            errors.attitude_error_max,
             lambda dt, p: DURATION * abs(p.spin) ** 3 * dt**2 / 12 + 2 * _rounding(dt, p) * DURATION,
             "q + dt/2 w q, brought back to length one, turns by 2 atan(w dt/2) = w dt - (w dt)^3/12 a step, the "
             "largest error among the usual updates; two roundings a step, of rate and attitude, more",

@@ -6,12 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_max,
-    position_error_final,
-    position_error_max,
-    velocity_error_max,
-)
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -87,28 +82,28 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("damping calms: no speed can grow beyond all bounds"),
         Check(
-            velocity_error_max,
+            errors.velocity_error_max,
             _velocity,
             "damping as a factor 1 - c dt after gravity ends g dt below the terminal speed and decays at c + c^2 dt/2; "
             "the two errors are added at their worst and taken twice for higher orders. A coefficient that is off by 5 % "
             "misses the terminal speed by 0.25 m/s",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: DURATION * _velocity(dt, p) + _change(p.velocity, p.linear_damping) * dt / 2,
             "the largest error of the velocity for the whole flight, and half a step of its change for a scheme that "
             "keeps position and velocity half a step apart",
         ),
         Check(
-            angular_velocity_error_max,
+            errors.angular_velocity_error_max,
             lambda dt, p: 2 * float(np.linalg.norm(p.spin)) * p.angular_damping * dt / (2 * math.e) + SINGLE,
             "a factor 1 - c dt decays at c + c^2 dt/2, worst at c t = 1: w0 c dt/(2 e), taken twice for higher orders",
         ),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

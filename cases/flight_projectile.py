@@ -4,15 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_max,
-    attitude_error_max,
-    position_error_final,
-    position_error_max,
-    position_error_rms,
-    velocity_error_max,
-)
+from plumbline.harness.metrics import energy, errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -68,29 +60,29 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a parabola never diverges"),
         Check(
-            position_error_max,
+            errors.position_error_max,
             _first_order,
             "semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single-precision "
             "rounding are added. Damping of 0.04/s would add 0.04 v t^2/2 = 0.25 m sideways alone",
         ),
         Check(
-            velocity_error_max,
+            errors.velocity_error_max,
             _rounding,
             "under a constant force every one-step method gives velocity exactly; what is left is one rounding a step, "
             "counted in single precision and all in one direction",
         ),
-        Check(attitude_error_max, 1e-6, "nothing turns the body; 1e-6 rad is single-precision rounding"),
-        Check(angular_velocity_error_max, 1e-6, "nothing turns the body; single-precision rounding"),
+        Check(errors.attitude_error_max, 1e-6, "nothing turns the body; 1e-6 rad is single-precision rounding"),
+        Check(errors.angular_velocity_error_max, 1e-6, "nothing turns the body; single-precision rounding"),
         Check(
-            energy_drift_max,
+            energy.energy_drift_max,
             lambda dt, p: 2.0 * G * _first_order(dt, p) / _speeds(p.velocity)[0] ** 2,
             "kinetic energy is exact, so energy errs by m g times the position error, over the largest kinetic energy",
         ),
     ),
-    observe=(position_error_rms, position_error_final, energy_drift_staggered_max),
+    observe=(errors.position_error_rms, errors.position_error_final, energy.energy_drift_staggered_max),
 )

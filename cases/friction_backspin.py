@@ -7,13 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_final,
-    position_error_final,
-    position_error_max,
-    velocity_error_final,
-    velocity_error_max,
-)
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
@@ -68,30 +62,30 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=velocity_error_max.name,
+    headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,
     with_contacts=True,
     checks=(
         stays_finite("a rolling ball never diverges"),
         Check(
-            velocity_error_final,
+            errors.velocity_error_final,
             lambda dt, p: _speed(dt, p) / 2,
             "friction exchanges speed and spin at a fixed rate, so that the final speed does not hang on when it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
         Check(
-            velocity_error_max,
+            errors.velocity_error_max,
             _speed,
             "a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
             "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            angular_velocity_error_final,
+            errors.angular_velocity_error_final,
             lambda dt, p: _speed(dt, p) / (SOLID * RADIUS),
             "the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
@@ -99,5 +93,5 @@ CASE = Case(
         # It slips until 2 (v0 - r w0)/(7 mu g) = 0.78 s.
         *forces_obey_coulomb(end=0.7),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

@@ -4,9 +4,7 @@ import math
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.errors import position_error_final, position_error_max
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.slide import creep_speed
+from plumbline.harness.metrics import errors, jitter, slide
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -58,24 +56,24 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=creep_speed.name,
+    headline=slide.creep_speed.name,
     scale=1e-3,
     with_contacts=True,
     checks=(
         stays_finite("what rests stays where it is"),
         Check(
-            creep_speed,
+            slide.creep_speed,
             1e-5,
             "ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
             "holding an object would see; Coulomb's law allows none",
             start=SETTLED,
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: 2 * G * math.sin(math.radians(p.angle)) * dt**2 + GIVE,
             f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(rms_speed, position_error_final),
+    observe=(jitter.rms_speed, errors.position_error_final),
 )

@@ -17,10 +17,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.contacts import impulse_max
-from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
-from plumbline.harness.metrics.painleve import painleve_coefficient
+from plumbline.harness.metrics import contacts, energy, errors, painleve
 from plumbline.harness.scene import (
     Body,
     Capsule,
@@ -154,22 +151,24 @@ CASE = Case(
     dt=1 / 960,
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
     hard=Axis(parameter="friction", unit="1", easy=0.5, extreme=3.0),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     checks=(
         stays_finite("a rod with friction only loses energy"),
-        Check(position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, FIRST_ORDER),
+        Check(errors.position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, FIRST_ORDER),
         Check(
-            impulse_max,
+            contacts.impulse_max,
             lambda dt, p: 2 * MASS * float(np.sqrt(p.speed**2 + 2 * G * HALF)) + MASS * G * dt.outer,
             "an impulse is the change of momentum less that by weight, and without energy from nowhere the centre is "
             "never faster than v^2 = v0^2 + 2 g l: m times twice that speed, and m g dt. A law that is solved for forces where "
             "it has none has no bound at all",
         ),
         Check(
-            energy_gain_max, 1e-6, "friction takes 200 W from the first step on, and nothing gives; 1e-6 for single precision"
+            energy.energy_gain_max,
+            1e-6,
+            "friction takes 200 W from the first step on, and nothing gives; 1e-6 for single precision",
         ),
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    observe=(painleve_coefficient, velocity_error_max, position_error_final),
+    observe=(painleve.painleve_coefficient, errors.velocity_error_max, errors.position_error_final),
 )

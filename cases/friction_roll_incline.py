@@ -10,12 +10,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_max,
-    position_error_final,
-    position_error_max,
-    velocity_error_max,
-)
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
@@ -82,27 +77,27 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=velocity_error_max.name,
+    headline=errors.velocity_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
         stays_finite("a rolling ball never diverges"),
         Check(
-            velocity_error_max,
+            errors.velocity_error_max,
             _speed,
             "a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: _speed(dt, p) * DURATION,
             "the error of the speed all the way; half a step of way is less than that",
         ),
         Check(
-            angular_velocity_error_max,
+            errors.angular_velocity_error_max,
             lambda dt, p: _speed(dt, p) / (min(p.factors) * RADIUS),
             "the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

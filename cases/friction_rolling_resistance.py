@@ -7,8 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
-from plumbline.harness.metrics.jitter import rms_speed
+from plumbline.harness.metrics import errors, jitter
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -85,29 +84,29 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
         stays_finite("a ball that slows down never diverges"),
         Check(
-            velocity_error_max,
+            errors.velocity_error_max,
             _speed,
             "a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
             "k)) each, for the largest coefficient",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
             "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            rms_speed,
+            jitter.rms_speed,
             _speed,
             "all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a step",
             start=DURATION - 0.25,
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

@@ -9,12 +9,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_final,
-    angular_velocity_error_max,
-    attitude_error_max,
-    position_error_max,
-)
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, cylinder_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -84,29 +79,29 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=angular_velocity_error_max.name,
+    headline=errors.angular_velocity_error_max.name,
     converges="once",
     scale=SPIN,
     with_contacts=True,
     checks=(
         stays_finite("a spin that is braked never diverges"),
         Check(
-            angular_velocity_error_max,
+            errors.angular_velocity_error_max,
             _rate,
             "a first step without a contact and a last one rubbed through to its end: mu m g rho dt/I each",
         ),
         Check(
-            attitude_error_max,
+            errors.attitude_error_max,
             lambda dt, p: _rate(dt, p) * DURATION + abs(p.spin) * dt,
             "the error of the spin all the way, and a staggered scheme's half step of turning, taken twice",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, _: 2 * G * dt**2 + GIVE,
             "the feet's forces along the ground cancel; a first step of free fall, and a millimetre for contacts that give way",
         ),
         Check(
-            angular_velocity_error_final,
+            errors.angular_velocity_error_final,
             lambda dt, p: deceleration(p.friction) * dt,
             "at rest friction takes any spin that is less than it can take in a step",
         ),

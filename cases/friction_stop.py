@@ -8,8 +8,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
+from plumbline.harness.metrics import jitter, slide
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -65,25 +64,25 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            stop_distance_error,
+            slide.stop_distance_error,
             lambda dt, p: 1.5 * p.speed * dt / (p.speed**2 / (2 * max(p.frictions) * G)),
             "a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
             "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
         ),
         Check(
-            stop_time_error,
+            slide.stop_time_error,
             lambda dt, p: (dt + dt.outer) / (0.9 * p.speed / (max(p.frictions) * G)),
             "one step without a contact at the start, the resolution of what is told at the end; relative to the "
             "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),
         Check(
-            centre_rise,
+            slide.centre_rise,
             lambda dt, _: G * dt**2 + GIVE,
             "nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
             "moves at most g dt for dt; and one that gives way by a millimetre may swing up by as much",
         ),
         Check(
-            rms_speed,
+            jitter.rms_speed,
             lambda dt, p: min(p.frictions) * G * dt,
             "friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
             start=1.25,

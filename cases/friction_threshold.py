@@ -10,8 +10,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb
-from plumbline.harness.metrics.slide import creep_speed
-from plumbline.harness.metrics.statics import incline_acceleration_error, threshold_angle_error
+from plumbline.harness.metrics import slide, statics
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -110,19 +109,19 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            threshold_angle_error,
+            statics.threshold_angle_error,
             0.01,
             "the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
         Check(
-            incline_acceleration_error,
+            statics.incline_acceleration_error,
             lambda dt, p: 2 * max(p.steepness) * p.friction * dt / DURATION,
             "the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
             "s/t^2 sees as an acceleration of 2 g sin(angle) dt/t; sin < tan = 0.75 at the steepest",
         ),
         Check(
-            creep_speed,
+            slide.creep_speed,
             lambda _dt, p: 0.1 * _acceleration(min(steep for steep in p.steepness if steep > 1.0), p.friction) * DURATION / 2,
             "a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
             start=DURATION / 2,

@@ -6,8 +6,7 @@ towards the wall.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
-from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
-from plumbline.harness.metrics.slide import creep_speed
+from plumbline.harness.metrics import errors, slide
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -74,19 +73,19 @@ CASE = Case(
     duration=DURATION,
     parameters=P(),
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
         stays_finite("a sliding box never diverges"),
-        Check(velocity_error_max, _speed, "a first step without a contact is a step of free fall, taken twice"),
+        Check(errors.velocity_error_max, _speed, "a first step without a contact is a step of free fall, taken twice"),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: _speed(dt, p) * DURATION + 1e-3,
             "the error of the speed all the way, and a millimetre for contacts that give way under the push",
         ),
         Check(
-            creep_speed,
+            slide.creep_speed,
             1e-4,
             "a tenth of a millimetre a second: a gripper that holds an object for ten seconds loses a millimetre. "
             "Coulomb's law allows none",
@@ -94,5 +93,5 @@ CASE = Case(
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

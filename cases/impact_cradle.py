@@ -9,8 +9,7 @@ import math
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SOLVED, stays_finite
-from plumbline.harness.metrics.energy import energy_drift_final, energy_gain_max
-from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.metrics import energy, momentum
 from plumbline.harness.metrics.row import last_share_error, touching_last_share
 from plumbline.harness.scene import Body, Scene, Surface
 
@@ -80,18 +79,18 @@ CASE = Case(
             "for single precision",
         ),
         Check(
-            momentum_drift_max,
+            momentum.momentum_drift_max,
             lambda _, p: 1e-6 * len(p.gaps) * MASS * p.speed,
             "a blow gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(
-            energy_gain_max,
+            energy.energy_gain_max,
             lambda dt, p: 2 * _handed_on(dt, p),
             "no impact makes energy, however many balls touch; energy, being a square, errs by twice what the speeds "
             "handed on may err by",
         ),
         Check(
-            energy_drift_final,
+            energy.energy_drift_final,
             lambda _, p: 2 * math.cos(math.pi / p.balls) ** (2 * SWEEPS),
             "with e = 1 Newton's law keeps the energy of any set of contacts that are struck together, since each "
             "impulse works on as much approach as parting; ten sweeps of Gauss and Seidel, the fewest in use, leave the share "

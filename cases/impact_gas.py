@@ -10,9 +10,8 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
+from plumbline.harness.metrics import momentum, overlaps
 from plumbline.harness.metrics.energy import energy_drift_final, energy_growth_rate
-from plumbline.harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
-from plumbline.harness.metrics.overlaps import escaped_share
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats
 
@@ -104,14 +103,14 @@ CASE = Case(
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
     checks=(
         stays_finite("a gas with bounded energy cannot diverge"),
-        Check(escaped_share, 0.0, "walls keep the gas in; what ignores them would keep all three sums too"),
+        Check(overlaps.escaped_share, 0.0, "walls keep the gas in; what ignores them would keep all three sums too"),
         Check(
-            momentum_drift_max,
+            momentum.momentum_drift_max,
             lambda _, p: 1e-6 * p.edge**3 * MASS * p.speed,
             "an impact gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(
-            angular_momentum_drift_max,
+            momentum.angular_momentum_drift_max,
             1e-6,
             "an impact acts along one line on both, with equal arms; 1e-6 for single precision. What moves spheres "
             "apart without an impulse shifts momentum aside",

@@ -8,14 +8,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import forces_keep_momentum, stays_finite
-from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.momentum import (
-    angular_momentum_drift_final,
-    angular_momentum_drift_max,
-    momentum_drift_final,
-    momentum_drift_max,
-)
-from plumbline.harness.metrics.overlaps import inscribed_overlap, pairs_met
+from plumbline.harness.metrics import energy, momentum, overlaps
 from plumbline.harness.scene import Body, Scene, Surface, axis_angle
 
 MASS, HALF, AWAY = 1.0, 0.1, 0.5
@@ -72,27 +65,31 @@ CASE = Case(
     sample_interval=0.0,
     checks=(
         stays_finite("blows without restitution take energy away"),
-        Check(pairs_met, 1.0, "the question is what a blow does: where no two cubes meet, none is asked"),
+        Check(overlaps.pairs_met, 1.0, "the question is what a blow does: where no two cubes meet, none is asked"),
         Check(
-            inscribed_overlap,
+            overlaps.inscribed_overlap,
             lambda dt, p: 2 * (p.speed + np.sqrt(3) * HALF * p.spin) * dt,
             "cubes do not pass through each other; one step's way at the greatest speed of closing, that of two "
             "corners, may lie between the touch and its discovery. Without this, bodies that never touch would pass",
         ),
         Check(
-            momentum_drift_max,
+            momentum.momentum_drift_max,
             lambda _, p: 1e-6 * 8 * MASS * p.speed,
             "a blow gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(
-            angular_momentum_drift_max,
+            momentum.angular_momentum_drift_max,
             1e-6,
             "a blow and its reaction act at one point, and cubes tumble at a constant rate in between; 1e-6 for single "
             "precision. What moves bodies apart without an impulse shifts momentum aside",
         ),
-        Check(energy_gain_max, 1e-6, "blows with friction and without restitution make no energy; 1e-6 for single precision"),
+        Check(
+            energy.energy_gain_max,
+            1e-6,
+            "blows with friction and without restitution make no energy; 1e-6 for single precision",
+        ),
         forces_keep_momentum(),
     ),
-    observe=(momentum_drift_final, angular_momentum_drift_final),
-    headline=angular_momentum_drift_max.name,
+    observe=(momentum.momentum_drift_final, momentum.angular_momentum_drift_final),
+    headline=momentum.angular_momentum_drift_max.name,
 )

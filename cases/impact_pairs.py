@@ -11,8 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import SOLVED, SPRING_STEPS, forces_keep_momentum, stays_finite
-from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final, velocity_error_final
-from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.metrics import errors, momentum
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -106,22 +105,22 @@ CASE = Case(
     sample_interval=0.0,
     checks=(
         stays_finite("balls that have met fly on"),
-        Check(velocity_error_final, IMPULSE, NO_STEP),
+        Check(errors.velocity_error_final, IMPULSE, NO_STEP),
         Check(
-            position_error_final,
+            errors.position_error_final,
             lambda dt, _: max(2, SPRING_STEPS / 2) * 2 * SPEED * dt + IMPULSE * DURATION,
             "the impact may come one step early or late and take one step, in which the lighter ball goes the change "
             "of its velocity astray, at most twice the speed of closing; or take a spring's ten steps, half of which it goes "
             "so astray; and the bound on its velocity for the rest of the run",
         ),
         Check(
-            momentum_drift_max,
+            momentum.momentum_drift_max,
             lambda _dt, p: 1e-6 * 4 * len(p.restitutions) * (p.ratio + 1) * MASS * SPEED,
             "an impact gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
-        Check(angular_velocity_error_final, EXACT / RADIUS, "a blow along the line of centres turns nothing"),
+        Check(errors.angular_velocity_error_final, EXACT / RADIUS, "a blow along the line of centres turns nothing"),
         forces_keep_momentum(),
     ),
-    headline=velocity_error_final.name,
+    headline=errors.velocity_error_final.name,
     scale=SPEED,
 )

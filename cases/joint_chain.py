@@ -6,9 +6,8 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import position_error_final, position_error_max
-from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.first_order import true_motion
@@ -144,18 +143,18 @@ CASE = Case(
     parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=64, lost=0.1),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a hanging chain never diverges"),
-        Check(position_error_max, lambda dt, p: 2 * first_order(p)[0] * dt, WHY),
+        Check(errors.position_error_max, lambda dt, p: 2 * first_order(p)[0] * dt, WHY),
         Check(energy_drift_max, lambda dt, p: 2 * first_order(p)[1] * dt, WHY),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             lambda dt, p: 5 * (first_order(p)[2] * dt) ** 2 / LENGTH + 1e-6,
             "a step along the tangent leaves the circle by (v dt)^2/(2 d), d half a rod, of which a solver that "
             "corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(energy_drift_staggered_max, position_error_final),
+    observe=(energy_drift_staggered_max, errors.position_error_final),
 )

@@ -4,15 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import (
-    attitude_error_max,
-    position_error_final,
-    position_error_max,
-    radius_error_final,
-    radius_error_max,
-)
-from plumbline.harness.metrics.joints import joint_gap_max
+from plumbline.harness.metrics import energy, errors, joints
 from plumbline.harness.scene import WORLD, Ball, Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -92,28 +84,34 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=radius_error_max.name,
+    headline=errors.radius_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a circle never diverges"),
         Check(
-            radius_error_max,
+            errors.radius_error_max,
             _radius,
             "position and velocity half a step apart start the ball w dt/2 of the radius off its circle, about which "
             "it then swings by as much; taken four times for maximal coordinates and higher orders. The gap is added",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             _position,
             "the error of the radius, and the phase that it makes up to the end: the rate changes by "
             "tan(theta)^2/2 = 1/6 of the radius' share, taken as one",
         ),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             _gap,
             "a step along the tangent leaves the sphere by (v dt)^2/(2 l), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(radius_error_final, position_error_final, attitude_error_max, energy_drift_max, energy_drift_staggered_max),
+    observe=(
+        errors.radius_error_final,
+        errors.position_error_final,
+        errors.attitude_error_max,
+        energy.energy_drift_max,
+        energy.energy_drift_staggered_max,
+    ),
 )

@@ -6,15 +6,8 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import (
-    attitude_error_max,
-    position_error_final,
-    position_error_max,
-    position_error_rms,
-    velocity_error_max,
-)
-from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
@@ -115,14 +108,14 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a double pendulum never diverges"),
-        Check(position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, WHY),
+        Check(errors.position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, WHY),
         Check(energy_drift_max, lambda dt, p: 2 * _first_order(p)[1] * dt, WHY),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             lambda dt, p: 5 * (_first_order(p)[2] * dt) ** 2 / (2 * D) + 1e-6,
             "a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
@@ -131,9 +124,9 @@ CASE = Case(
     observe=(
         energy_drift_staggered_max,
         energy_drift_final,
-        position_error_rms,
-        position_error_final,
-        velocity_error_max,
-        attitude_error_max,
+        errors.position_error_rms,
+        errors.position_error_final,
+        errors.velocity_error_max,
+        errors.attitude_error_max,
     ),
 )

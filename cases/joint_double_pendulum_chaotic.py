@@ -10,10 +10,8 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Converged, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import ensemble, errors, joints
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from plumbline.harness.metrics.errors import position_error_max
-from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
@@ -138,7 +136,7 @@ def _late(p: P) -> tuple[float, float]:
     """Of the reference once the starts have parted: the standard error of the difference of two means of the members' kinetic
     energies, as a share of that mean; and the largest kinetic energy of all over the mean of all."""
     run = _roughly(p.upper, p.lower, p.members)
-    late = kinetic_energies(scene(p), run.between(PARTED, DURATION))
+    late = ensemble.kinetic_energies(scene(p), run.between(PARTED, DURATION))
     instants = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     chance = float(np.sqrt(2 * np.var(late, ddof=1) / len(late)) / late.mean())
     return chance, float(instants.max() / late.sum())
@@ -161,10 +159,10 @@ CASE = Case(
     parameters=P(),
     dt=1 / 480,
     ladder=(1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     checks=(
         stays_finite("a pendulum never diverges, chaotic or not"),
-        Check(position_error_max, lambda dt, p: 2 * _position_per_step(p) * dt, FIRST_ORDER, end=HORIZON),
+        Check(errors.position_error_max, lambda dt, p: 2 * _position_per_step(p) * dt, FIRST_ORDER, end=HORIZON),
         Check(
             energy_drift_max,
             lambda dt, p: 2 * _euler(dt, p)[0],
@@ -172,13 +170,13 @@ CASE = Case(
             "eight starts, which see enough of the chaos for its largest error to be typical",
         ),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             lambda dt, p: 5 * (2 * _euler(dt, p)[1] * dt) ** 2 / (2 * D) + 1e-6,
             "a step along the tangent leaves the circle by (v dt)^2/(2 d), v twice that of the centre, of which a "
             "solver that corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
         Check(
-            ensemble_energy_error,
+            ensemble.ensemble_energy_error,
             _average,
             "by 5 s the starts have forgotten each other, and the means of two sets of eight differ by chance, five "
             "standard errors of which come up once in thousands; and a step that changes the energy changes how fast the "
@@ -186,5 +184,5 @@ CASE = Case(
             start=PARTED,
         ),
     ),
-    observe=(ensemble_spread, energy_drift_staggered_max, energy_drift_final),
+    observe=(ensemble.ensemble_spread, energy_drift_staggered_max, energy_drift_final),
 )

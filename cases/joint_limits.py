@@ -4,9 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.errors import position_error_final, position_error_max
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joints import joint_gap_max, limit_overshoot_final, limit_overshoot_max
+from plumbline.harness.metrics import errors, jitter, joints
 from plumbline.harness.scene import WORLD, Body, Effect, Limits, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -98,38 +96,38 @@ CASE = Case(
     parameters=P(),
     hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0, lost=0.1),
     sample_interval=1 / 240,
-    headline=limit_overshoot_max.name,
+    headline=joints.limit_overshoot_max.name,
     checks=(
         stays_finite("a rod between two stops goes nowhere else"),
         Check(
-            limit_overshoot_max,
+            joints.limit_overshoot_max,
             _way,
             "a stop that is noticed only once it is passed is passed by at most one step's way at the speed of the blow",
         ),
         Check(
-            limit_overshoot_final,
+            joints.limit_overshoot_final,
             1e-3,
             "a thousandth of a radian, as far as a millimetre at the end of a rod of one metre, is what a stop may "
             "give way under the rod's weight and still be a stop",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: D * 3 * _way(dt, p) + 2e-3,
             "the swing errs by half a step's way and by the period's error, the blow comes up to a step late and "
             "passes the stop by one more: three steps' way, and what a stop may give way",
         ),
         Check(
-            rms_speed,
+            jitter.rms_speed,
             lambda dt, _: G * dt,
             "at rest on the stop nothing is left but the velocity that gravity gives in a step and the stop takes back",
             start=2.0,
         ),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             _gap,
             "five steps' departure along the tangent, (v dt)^2/(2 d) each, and one step's way at the blow, whose "
             "impulse the hinge bears",
         ),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

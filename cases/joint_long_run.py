@@ -4,13 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.energy import (
-    energy_drift_final,
-    energy_drift_max,
-    energy_drift_staggered_max,
-    energy_growth_rate,
-)
-from plumbline.harness.metrics.joints import joint_gap_final, joint_gap_max
+from plumbline.harness.metrics import energy, joints
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats
 
@@ -67,22 +61,22 @@ CASE = Case(
     dt=1 / 1000,
     # A million steps belong to the case's own step; over the ladder the thousand seconds take 20 000 to 120 000.
     ladder=(1 / 20, 1 / 30, 1 / 45, 1 / 60, 1 / 90, 1 / 120),
-    headline=energy_growth_rate.name,
+    headline=energy.energy_growth_rate.name,
     checks=(
         stays_finite("a pendulum never diverges"),
         Check(
-            energy_drift_max,
+            energy.energy_drift_max,
             _swing,
             "position and velocity half a step apart make an energy that swings by (w0/2) dt, taken twice, and a "
             "hinge's gap adds its height. Neither grows with the length of the run",
         ),
         Check(
-            energy_growth_rate,
+            energy.energy_growth_rate,
             lambda dt, p: _swing(dt, p) / DURATION,
             "what only swings has no trend beyond its swing over the length of the run. A damping of 1e-3/s would lose "
             "the energy of half an hour's motion in this run",
         ),
-        Check(joint_gap_max, _gap, "as in a short run: five steps' departure along the tangent"),
+        Check(joints.joint_gap_max, _gap, "as in a short run: five steps' departure along the tangent"),
     ),
-    observe=(energy_drift_final, energy_drift_staggered_max, joint_gap_final),
+    observe=(energy.energy_drift_final, energy.energy_drift_staggered_max, joints.joint_gap_final),
 )

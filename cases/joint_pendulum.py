@@ -7,16 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import (
-    attitude_error_max,
-    position_error_final,
-    position_error_max,
-    position_error_rms,
-    velocity_error_max,
-)
-from plumbline.harness.metrics.joints import joint_gap_max, joint_gap_rms
-from plumbline.harness.metrics.orbit import period_error, phase_error
+from plumbline.harness.metrics import energy, errors, joints, orbit
 from plumbline.harness.scene import (
     WORLD,
     Body,
@@ -142,43 +133,43 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a pendulum never diverges"),
         Check(
-            position_error_max,
+            errors.position_error_max,
             _position,
             "released half a step ahead, a first-order method errs by v dt/2, taken twice for maximal coordinates and "
             "higher orders; the period's error up to the end and the gap of the hinge are added",
         ),
         Check(
-            period_error,
+            orbit.period_error,
             _period_error,
             "a staggered method's period errs by (w0 dt)^2/24, taken twice; a hinge that gives way makes the rod "
             "longer; 1e-6 for interpolation between samples",
         ),
         Check(
-            energy_drift_max,
+            energy.energy_drift_max,
             _energy,
             "position and velocity half a step apart make (w0/2) dt without any loss, taken twice for maximal "
             "coordinates and higher orders; a hinge's gap adds its height. Damping of 0.04/s would lose a third in 10 s",
         ),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             _gap,
             "a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
     observe=(
-        energy_drift_staggered_max,
-        energy_drift_final,
-        phase_error,
-        position_error_rms,
-        position_error_final,
-        velocity_error_max,
-        attitude_error_max,
-        joint_gap_rms,
+        energy.energy_drift_staggered_max,
+        energy.energy_drift_final,
+        orbit.phase_error,
+        errors.position_error_rms,
+        errors.position_error_final,
+        errors.velocity_error_max,
+        errors.attitude_error_max,
+        joints.joint_gap_rms,
     ),
 )

@@ -6,13 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.errors import (
-    attitude_error_max,
-    position_error_final,
-    position_error_max,
-    position_error_rms,
-    velocity_error_max,
-)
+from plumbline.harness.metrics import errors
 from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Prismatic, Scene, Spring
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -113,15 +107,15 @@ CASE = Case(
     duration=DURATION,
     parameters=P(),
     hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4, lost=1.0),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     scale=STRETCH,
     checks=(
         stays_finite("a damped mass comes to rest"),
-        Check(position_error_max, lambda dt, p: float(2 * _first_order(p)[0]) * dt, FIRST_ORDER),
-        Check(velocity_error_max, lambda dt, p: float(2 * _first_order(p)[1]) * dt, FIRST_ORDER),
+        Check(errors.position_error_max, lambda dt, p: float(2 * _first_order(p)[0]) * dt, FIRST_ORDER),
+        Check(errors.velocity_error_max, lambda dt, p: float(2 * _first_order(p)[1]) * dt, FIRST_ORDER),
         Check(joint_gap_max, 1e-6, "nothing pushes a mass off its rail; 1e-6 m is single-precision rounding"),
-        Check(attitude_error_max, 1e-6, "nothing turns a mass on its rail; single-precision rounding"),
+        Check(errors.attitude_error_max, 1e-6, "nothing turns a mass on its rail; single-precision rounding"),
     ),
-    observe=(position_error_rms, position_error_final),
+    observe=(errors.position_error_rms, errors.position_error_final),
 )

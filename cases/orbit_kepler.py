@@ -14,14 +14,7 @@ from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metric import Metric
-from plumbline.harness.metrics.errors import position_error_final, position_error_max, radius_error_final, radius_error_max
-from plumbline.harness.metrics.orbit import (
-    orbit_energy_drift_final,
-    orbit_energy_drift_max,
-    orbit_energy_drift_staggered_max,
-    period_error,
-    phase_error,
-)
+from plumbline.harness.metrics import errors, orbit
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
@@ -110,7 +103,7 @@ def textbook(dt: float, lead: float, duration: float, every: int, p: P) -> Traje
     return run
 
 
-CHECKED = (phase_error, period_error, radius_error_max, orbit_energy_drift_max)
+CHECKED = (orbit.phase_error, orbit.period_error, errors.radius_error_max, orbit.orbit_energy_drift_max)
 
 
 @lru_cache(maxsize=16)
@@ -147,13 +140,13 @@ CASE = Case(
     parameters=P(),
     duration=PERIODS * PERIOD_TIME,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 180, 1 / 240, 1 / 480),
-    headline=phase_error.name,
+    headline=orbit.phase_error.name,
     checks=(stays_finite("the orbit stays half a metre clear of the centre"), *(_check(metric) for metric in CHECKED)),
     observe=(
-        orbit_energy_drift_staggered_max,
-        orbit_energy_drift_final,
-        radius_error_final,
-        position_error_max,
-        position_error_final,
+        orbit.orbit_energy_drift_staggered_max,
+        orbit.orbit_energy_drift_final,
+        errors.radius_error_final,
+        errors.position_error_max,
+        errors.position_error_final,
     ),
 )

@@ -5,8 +5,7 @@ Nothing acts but weight and support, so nothing moves. What moves is the engine'
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics.contacts import contact_flips, penetration, support_force_error
-from plumbline.harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
+from plumbline.harness.metrics import contacts, jitter
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
@@ -46,42 +45,45 @@ CASE = Case(
     with_contacts=True,
     checks=(
         Check(
-            rms_speed,
+            jitter.rms_speed,
             lambda dt, _: SHARE * G * dt,
             "0.01 g, the noise of a consumer accelerometer, over one step",
             start=SETTLED,
         ),
         Check(
-            rms_spin,
+            jitter.rms_spin,
             lambda dt, _: SHARE * G * dt / HALF,
             "the speed of 0.01 g over one step, at the edge of a box",
             start=SETTLED,
         ),
         Check(
-            rms_second_difference,
+            jitter.rms_second_difference,
             lambda dt, _: SHARE * G * dt**2,
             "0.01 g, the noise of a consumer accelerometer: one mounted on the box would see no more than its own",
             start=SETTLED,
         ),
         Check(
-            height_spread, lambda dt, _: 2 * SHARE * G * dt**2, "up and down by the way of 0.01 g over one step", start=SETTLED
+            jitter.height_spread,
+            lambda dt, _: 2 * SHARE * G * dt**2,
+            "up and down by the way of 0.01 g over one step",
+            start=SETTLED,
         ),
         Check(
-            rest_drift,
+            jitter.rest_drift,
             lambda dt, _: SHARE * G * dt * (DURATION - SETTLED),
             "the speed of 0.01 g over one step, kept up in one direction for the whole window",
             start=SETTLED,
         ),
-        Check(contact_flips, 0.0, "a body at rest neither gains nor loses a point of contact", start=SETTLED),
+        Check(contacts.contact_flips, 0.0, "a body at rest neither gains nor loses a point of contact", start=SETTLED),
         Check(
-            support_force_error,
+            contacts.support_force_error,
             lambda dt, _: SHARE * dt / (DURATION - SETTLED) + 1e-6,
             "the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(penetration,),
+    observe=(contacts.penetration,),
     headline="rms_speed",
     scale=G / 240,
 )

@@ -2,9 +2,7 @@
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
-from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from plumbline.harness.metrics.contacts import penetration, reported_penetration
-from plumbline.harness.metrics.jitter import rest_drift
+from plumbline.harness.metrics import contact_residuals, contacts, jitter
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -75,15 +73,20 @@ CASE = Case(
     checks=(
         bears("the body"),
         Check(
-            rest_drift,
+            jitter.rest_drift,
             lambda dt, _: G * dt**2 + GIVE,
             "what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
         ),
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(reported_penetration, signorini_residual, cone_residual, dissipation_residual),
+    observe=(
+        contacts.reported_penetration,
+        contact_residuals.signorini_residual,
+        contact_residuals.cone_residual,
+        contact_residuals.dissipation_residual,
+    ),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps a body in its place"},
-    headline=penetration.name,
+    headline=contacts.penetration.name,
     scale=HALF,
 )

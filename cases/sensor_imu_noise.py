@@ -7,16 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics.allan import (
-    SLOPES,
-    Channel,
-    Regime,
-    accelerometer_allan_score,
-    gyroscope_allan_score,
-    slope_bound,
-)
-from plumbline.harness.metrics.inertial_noise import inertial_bias_score, inertial_correlation_score
-from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics import allan, inertial_noise, inertial_readings
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -74,15 +65,15 @@ def _acceleration(dt: float, p: P) -> float:
 
 def _slope_checks() -> tuple[Check, ...]:
     count = round(DURATION * RATE)
-    laws: dict[Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
-    regimes: tuple[Regime, ...] = ("white", "floor", "random_walk")
+    laws: dict[allan.Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
+    regimes: tuple[allan.Regime, ...] = ("white", "floor", "random_walk")
 
-    def bound(law: AxisNoise, regime: Regime, _dt: float, _p: P) -> float:
-        return slope_bound(law, regime, count, 1.0 / RATE)
+    def bound(law: AxisNoise, regime: allan.Regime, _dt: float, _p: P) -> float:
+        return allan.slope_bound(law, regime, count, 1.0 / RATE)
 
     return tuple(
         Check(
-            SLOPES[channel, regime],
+            allan.SLOPES[channel, regime],
             partial(bound, law, regime),
             "the part that the law's other processes have in the slope over this window, and five standard deviations",
         )
@@ -106,24 +97,24 @@ CASE = Case(
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
-    headline=accelerometer_ideal_error.name,
+    headline=inertial_readings.accelerometer_ideal_error.name,
     checks=(
         stays_finite("a free ball never diverges"),
         Check(
-            accelerometer_ideal_error,
+            inertial_readings.accelerometer_ideal_error,
             _acceleration,
             "w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
             "velocities that are differenced",
         ),
         Check(
-            gyroscope_ideal_error,
+            inertial_readings.gyroscope_ideal_error,
             lambda _, p: 16 * SINGLE * p.spin,
             "no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),
-        Check(gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(inertial_bias_score, 5.0, FIVE + "the largest of 6 in 3 of a million"),
-        Check(inertial_correlation_score, 5.0, FIVE + "the largest of 15 pairs in 9 of a million"),
+        Check(allan.gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(allan.accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_noise.inertial_bias_score, 5.0, FIVE + "the largest of 6 in 3 of a million"),
+        Check(inertial_noise.inertial_correlation_score, 5.0, FIVE + "the largest of 15 pairs in 9 of a million"),
         *_slope_checks(),
     ),
 )

@@ -4,13 +4,7 @@ from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.range_error import (
-    intensity_error_max,
-    range_error_max,
-    range_error_median,
-    range_error_rms,
-    range_false_return_share,
-)
+from plumbline.harness.metrics import range_error
 from plumbline.harness.scene import (
     WORLD,
     Appearance,
@@ -92,26 +86,26 @@ CASE = Case(
     duration=DURATION,
     parameters=P(),
     sample_interval=0.1,
-    headline=range_error_max.name,
+    headline=range_error.range_error_max.name,
     checks=(
         stays_finite("nothing moves, so nothing can grow"),
         Check(
-            range_error_max,
+            range_error.range_error_max,
             EXACT,
             "a root of a quadratic in double precision: 20 roundings of 6 m and of its ratio to the smallest radius, "
             "enlarged by 1/cos^2 of the most grazing beam, 20 * 2^-53 * 6 * 20/.005^2; an approximate ray is off by more",
         ),
         Check(
-            range_false_return_share,
+            range_error.range_false_return_share,
             0.0,
             "no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
         ),
         Check(
-            intensity_error_max,
+            range_error.intensity_error_max,
             EXACT / (0.3 * GRAZING),
             "a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
             "the most curved shape (radius .3 m) by that over the radius",
         ),
     ),
-    observe=(range_error_rms, range_error_median),
+    observe=(range_error.range_error_rms, range_error.range_error_median),
 )

@@ -4,14 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.inertial_noise import (
-    inertial_correlation_score,
-    inertial_distribution_distance,
-    inertial_histogram_score,
-    inertial_spectrum_score,
-)
-from plumbline.harness.metrics.inertial_readings import time_stamp_error
-from plumbline.harness.metrics.range_noise import range_correlation_score, range_mean_score, range_spread_score
+from plumbline.harness.metrics import inertial_noise, inertial_readings, range_noise
 from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -76,27 +69,27 @@ CASE = Case(
     sample_interval=1.0,
     dt=1 / 200,
     ladder=(1 / 200, 1 / 400, 1 / 600, 1 / 800),
-    headline=inertial_correlation_score.name,
+    headline=inertial_noise.inertial_correlation_score.name,
     checks=(
         stays_finite("nothing moves, so nothing can grow"),
         Check(
-            inertial_correlation_score,
+            inertial_noise.inertial_correlation_score,
             4.0,
             f"4/sqrt(N): the largest of {PAIRS} pairs of independent axes exceeds it under 4 of 1000 seeds, and the "
             "seed is the run's own; equal streams reach sqrt(N)",
         ),
-        Check(inertial_spectrum_score, 5.0, FIVE + f"the largest of {12 * 6} octaves in 4 of 100 000"),
+        Check(inertial_noise.inertial_spectrum_score, 5.0, FIVE + f"the largest of {12 * 6} octaves in 4 of 100 000"),
         Check(
-            inertial_distribution_distance,
+            inertial_noise.inertial_distribution_distance,
             2.73,
             "Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
-        Check(inertial_histogram_score, 5.0, FIVE + "the largest of 12 in 7 of a million"),
-        Check(range_mean_score, 5.0, FIVE + "of one"),
-        Check(range_spread_score, 5.0, FIVE + "of one"),
-        Check(range_correlation_score, 5.0, FIVE + "the largest of three"),
+        Check(inertial_noise.inertial_histogram_score, 5.0, FIVE + "the largest of 12 in 7 of a million"),
+        Check(range_noise.range_mean_score, 5.0, FIVE + "of one"),
+        Check(range_noise.range_spread_score, 5.0, FIVE + "of one"),
+        Check(range_noise.range_correlation_score, 5.0, FIVE + "the largest of three"),
         Check(
-            time_stamp_error,
+            inertial_readings.time_stamp_error,
             8 * float(np.finfo(np.float64).eps) * DURATION,
             "stamps are multiples of the interval to a few roundings, with none left out",
         ),

@@ -6,15 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_max,
-    attitude_error_final,
-    attitude_error_max,
-    attitude_error_rms,
-    position_error_max,
-)
-from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.metrics import energy, errors, momentum
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -68,14 +60,19 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=attitude_error_max.name,
+    headline=errors.attitude_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a free top never diverges"),
-        Check(attitude_error_max, _first_order(0), FIRST_ORDER),
-        Check(angular_momentum_drift_max, _first_order(1), FIRST_ORDER),
-        Check(energy_drift_max, _first_order(2), FIRST_ORDER),
-        Check(position_error_max, 1e-6, "no force acts; 1e-6 m is single-precision rounding"),
+        Check(errors.attitude_error_max, _first_order(0), FIRST_ORDER),
+        Check(momentum.angular_momentum_drift_max, _first_order(1), FIRST_ORDER),
+        Check(energy.energy_drift_max, _first_order(2), FIRST_ORDER),
+        Check(errors.position_error_max, 1e-6, "no force acts; 1e-6 m is single-precision rounding"),
     ),
-    observe=(attitude_error_rms, attitude_error_final, angular_velocity_error_max, energy_drift_staggered_max),
+    observe=(
+        errors.attitude_error_rms,
+        errors.attitude_error_final,
+        errors.angular_velocity_error_max,
+        energy.energy_drift_staggered_max,
+    ),
 )

@@ -4,9 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max
-from plumbline.harness.metrics.errors import angular_velocity_error_max, attitude_error_max
-from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.metrics import energy, errors, momentum
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -66,20 +64,20 @@ CASE = Case(
     parameters=P(),
     hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0, lost=0.1),
     sample_interval=1 / 240,
-    headline=angular_momentum_drift_max.name,
+    headline=momentum.angular_momentum_drift_max.name,
     checks=(
         stays_finite("a free rotation is bounded"),
         Check(
-            energy_drift_max,
+            energy.energy_drift_max,
             _room,
             "with the angular momentum it has, no direction of spin gives this body another energy than L^2/(2 I3).. "
             "L^2/(2 I1): a larger change proves that angular momentum was made or lost",
         ),
         Check(
-            angular_momentum_drift_max,
+            momentum.angular_momentum_drift_max,
             1.0,
             "an error as large as L itself: nothing of it was kept. How much was is the figure to look at",
         ),
     ),
-    observe=(energy_drift_final, attitude_error_max, angular_velocity_error_max),
+    observe=(energy.energy_drift_final, errors.attitude_error_max, errors.angular_velocity_error_max),
 )

@@ -4,9 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import attitude_error_max, position_error_final, position_error_max
-from plumbline.harness.metrics.joints import joint_gap_max
+from plumbline.harness.metrics import energy, errors, joints
 from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
 from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -110,7 +108,7 @@ CASE = Case(
     sample_interval=1 / 240,
     # The disc turns 0.83 rad in a step of 1/240; in a longer one no method could follow it.
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     scale=LENGTH,
     checks=(
@@ -128,11 +126,17 @@ CASE = Case(
             "motion, which nutates with that over I1 W_nut, taken twice; the gap of the joint tilts the axis as well",
         ),
         Check(
-            joint_gap_max,
+            joints.joint_gap_max,
             _gap,
             "a step along the tangent leaves the circle by (v dt)^2/(2 r) and a free fall of one step by g dt^2, of "
             "which a solver that corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(position_error_final, position_error_max, attitude_error_max, energy_drift_max, energy_drift_staggered_max),
+    observe=(
+        errors.position_error_final,
+        errors.position_error_max,
+        errors.attitude_error_max,
+        energy.energy_drift_max,
+        energy.energy_drift_staggered_max,
+    ),
 )

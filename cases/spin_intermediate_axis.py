@@ -6,9 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max
-from plumbline.harness.metrics.errors import attitude_error_max
-from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.metrics import energy, errors, momentum
 from plumbline.harness.metrics.spin import flip_count_error, flip_period_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
@@ -101,8 +99,10 @@ CASE = Case(
             "where that error reaches the separatrix",
         ),
         Check(
-            angular_momentum_drift_max, lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[1] * dt, FIRST_ORDER
+            momentum.angular_momentum_drift_max,
+            lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[1] * dt,
+            FIRST_ORDER,
         ),
     ),
-    observe=(energy_drift_max, attitude_error_max),
+    observe=(energy.energy_drift_max, errors.attitude_error_max),
 )

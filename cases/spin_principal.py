@@ -4,8 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max
-from plumbline.harness.metrics.errors import angular_velocity_error_max, attitude_error_final, attitude_error_max
+from plumbline.harness.metrics import energy, errors
 from plumbline.harness.scene import Body, Effect, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -71,23 +70,23 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=attitude_error_max.name,
+    headline=errors.attitude_error_max.name,
     converges="smoothly",
     scale=SPIN * DURATION,
     checks=(
         stays_finite("a constant spin never diverges"),
         Check(
-            attitude_error_max,
+            errors.attitude_error_max,
             _angle,
             "a quaternion advanced by its derivative and normalised turns by 2 atan(w dt/2), short by (w dt)^2/12 of "
             "the angle, taken twice; a rounding in single precision every step, and one that grows about the middle axis at "
             "the rate of its instability. A hidden damping of 0.04/s would lag by 0.2 rad",
         ),
         Check(
-            angular_velocity_error_max,
+            errors.angular_velocity_error_max,
             lambda dt, p: abs(p.spin) * (SINGLE * DURATION / dt + _grown(p)),
             "nothing acts on the spin: one rounding in single precision a step, and its growth about the middle axis",
         ),
     ),
-    observe=(attitude_error_final, energy_drift_max),
+    observe=(errors.attitude_error_final, energy.energy_drift_max),
 )

@@ -6,13 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.errors import (
-    angular_velocity_error_max,
-    attitude_error_final,
-    attitude_error_max,
-    attitude_error_rms,
-)
+from plumbline.harness.metrics import energy, errors
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max
 from plumbline.harness.scene import Body, Cylinder, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
@@ -80,13 +74,18 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    headline=attitude_error_max.name,
+    headline=errors.attitude_error_max.name,
     converges="smoothly",
     checks=(
         stays_finite("a free top never diverges"),
-        Check(attitude_error_max, _first_order(0), FIRST_ORDER),
+        Check(errors.attitude_error_max, _first_order(0), FIRST_ORDER),
         Check(angular_momentum_drift_max, _first_order(1), FIRST_ORDER),
-        Check(energy_drift_max, _first_order(2), FIRST_ORDER),
+        Check(energy.energy_drift_max, _first_order(2), FIRST_ORDER),
     ),
-    observe=(attitude_error_rms, attitude_error_final, angular_velocity_error_max, energy_drift_staggered_max),
+    observe=(
+        errors.attitude_error_rms,
+        errors.attitude_error_final,
+        errors.angular_velocity_error_max,
+        energy.energy_drift_staggered_max,
+    ),
 )

@@ -13,9 +13,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Parameters
 from plumbline.harness.case.bounds import settled_speed, stands, supported
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import (
     Body,
     ConvexHull,
@@ -115,6 +113,6 @@ CASE = Case(
     steady=SETTLED,
     hard=Axis(parameter="thickness", unit="1", easy=0.3, extreme=0.1),
     checks=(stands(DURATION, "the arch stands"), settled_speed(SETTLED, "a block"), supported(SETTLED, DURATION)),
-    observe=(stack_height_error, penetration, rest_drift),
+    observe=(stack.stack_height_error, contacts.penetration, jitter.rest_drift),
     headline="stack_height_error",
 )

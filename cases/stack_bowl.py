@@ -13,10 +13,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, stays_finite, supported
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.energy import energy_rise_max
-from plumbline.harness.metrics.jitter import rest_drift, rms_spin
-from plumbline.harness.metrics.threading import unthreaded
+from plumbline.harness.metrics import contacts, energy, jitter, threading
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -187,7 +184,7 @@ CASE = Case(
     checks=(
         stays_finite("what lies in a bowl stays there"),
         Check(
-            unthreaded,
+            threading.unthreaded,
             0.0,
             "a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
             "mm; over the top nothing lifts it",
@@ -195,13 +192,13 @@ CASE = Case(
         bears("a body", SETTLED),
         settled_speed(SETTLED),
         Check(
-            rms_spin,
+            jitter.rms_spin,
             lambda dt, _: G * dt / FLATS,
             "g dt, what one step of gravity gives a body before its supports take it away, at the edge of a nut",
             start=SETTLED,
         ),
         Check(
-            rest_drift,
+            jitter.rest_drift,
             lambda dt, _: SHARE * G * dt * (DURATION - SETTLED),
             "the speed of 0.01 g, the noise of a consumer accelerometer, over one step, kept up in one direction for "
             "the whole window",
@@ -209,19 +206,19 @@ CASE = Case(
         ),
         supported(SETTLED, DURATION),
         Check(
-            energy_rise_max,
+            energy.energy_rise_max,
             _given_back,
             "exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
             "critically damped spring that cannot pull, exp(-2) of the speed of a blow; half the square of g dt, one step of "
             "gravity; and g times a millimetre, by which contacts may give way and come back",
         ),
         Check(
-            energy_rise_max,
+            energy.energy_rise_max,
             lambda dt, _: 1.5 * (G * dt) ** 2,
             "at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
             start=SETTLED,
         ),
     ),
-    headline=penetration.name,
+    headline=contacts.penetration.name,
     scale=THICK,
 )

@@ -8,8 +8,7 @@ Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.
 import math
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.statics import critical_friction, frame_friction_error, frame_standing_time
+from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
 GRIP, MASS = 1.0, 0.1
@@ -28,7 +27,7 @@ class P(Parameters):
 def scene(p: P) -> Scene:
     """Both houses, each on a plate of its own, exactly touching; their gables point along y."""
     a = math.radians(p.angle)
-    critical = critical_friction(a, HALF[2], HALF[0])
+    critical = statics.critical_friction(a, HALF[2], HALF[0])
     card = (PlacedShape(shape=Box(half_extents=HALF)),)
     bodies, laws = [], []
     # A card leans by its inner edge on the foot, and by the upper inner edge of its face on the other card.
@@ -67,17 +66,17 @@ CASE = Case(
     hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),
     checks=(
         Check(
-            frame_friction_error,
+            statics.frame_friction_error,
             lambda _, p: p.margin / 2,
             "the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
             "critical one, and if not, it lies more than half of it off",
         ),
         Check(
-            frame_standing_time,
+            statics.frame_standing_time,
             lambda dt, _: DURATION - dt.outer,
             "the firm house stands for the whole run, which ends within a step of its nominal length",
         ),
     ),
-    observe=(penetration,),
+    observe=(contacts.penetration,),
     headline="frame_standing_time",
 )

@@ -4,9 +4,7 @@ import math
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, settled_speed, stands, supported
-from plumbline.harness.metrics.contacts import load_split_error, penetration
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -67,7 +65,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
         Check(
-            load_split_error,
+            contacts.load_split_error,
             lambda dt, _: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
             "statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
             "distance d, it changes the shares by s/(2 d); and the mean forces of the window miss those of rest by the change "
@@ -75,7 +73,7 @@ CASE = Case(
             start=SETTLED,
         ),
     ),
-    observe=(penetration, rest_drift, stack_height_error),
+    observe=(contacts.penetration, jitter.rest_drift, stack.stack_height_error),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="load_split_error",
 )

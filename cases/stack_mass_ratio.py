@@ -6,9 +6,7 @@ contact passes on, each time, only what the light body alone can take.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.truths.rest import resting
 
@@ -52,7 +50,7 @@ CASE = Case(
     checks=(
         stands(DURATION, "the stack stands"),
         Check(
-            stack_height_error,
+            stack.stack_height_error,
             lambda dt, p: 2 * (G * dt**2 * (1 + SOFTNESS * p.ratio) + GIVE) / (3 * HALF),
             "before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
@@ -62,7 +60,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
     ),
-    observe=(penetration, rest_drift),
+    observe=(contacts.penetration, jitter.rest_drift),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="stack_height_error",
 )

@@ -8,8 +8,7 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.statics import overhang_limit_error
+from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 
 MASS = 1.0
@@ -62,13 +61,13 @@ CASE = Case(
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
         Check(
-            overhang_limit_error,
+            statics.overhang_limit_error,
             0.01,
             "the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
             "if not, the next bracket's lies 1.5 % off",
         ),
         stays_finite("every number of every sampled state has to be finite"),
     ),
-    observe=(penetration,),
+    observe=(contacts.penetration,),
     headline="overhang_limit_error",
 )

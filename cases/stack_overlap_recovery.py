@@ -6,9 +6,7 @@ rest where they touch: an overlap is an error of position, and holds no energy.
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, bears, settled_speed
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.overlaps import ejection_speed
-from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
+from plumbline.harness.metrics import jitter, overlaps, stack
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -54,12 +52,12 @@ CASE = Case(
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(
         Check(
-            ejection_speed,
+            overlaps.ejection_speed,
             lambda dt, _: G * dt,
             "g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
         ),
         Check(
-            residual_kinetic_energy,
+            stack.residual_kinetic_energy,
             lambda dt, _: (G * dt) ** 2 / 2,
             "(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
@@ -67,7 +65,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         bears("a box", SETTLED),
     ),
-    observe=(lean, rest_drift),
+    observe=(stack.lean, jitter.rest_drift),
     insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
     headline="ejection_speed",
 )

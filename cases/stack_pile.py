@@ -10,9 +10,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import settled_speed, stays_finite
-from plumbline.harness.metrics.equivalence import world_spread
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.overlaps import overlap
+from plumbline.harness.metrics import equivalence, jitter, overlaps
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats
@@ -79,12 +77,14 @@ CASE = Case(
     checks=(
         stays_finite("every number of every sampled state has to be finite"),
         Check(
-            overlap, RADIUS, "the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall"
+            overlaps.overlap,
+            RADIUS,
+            "the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a ball"),
-        Check(world_spread, 0.0, "equal input gives an equal future, bit for bit"),
+        Check(equivalence.world_spread, 0.0, "equal input gives an equal future, bit for bit"),
     ),
-    observe=(rest_drift,),
+    observe=(jitter.rest_drift,),
     insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},
     headline="overlap",
     scale=RADIUS,

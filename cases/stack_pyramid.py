@@ -10,9 +10,7 @@ from collections.abc import Iterator
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
+from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import (
     Body,
     Effect,
@@ -109,7 +107,7 @@ CASE = Case(
     checks=(
         stands(DURATION, "the pyramids stand"),
         Check(
-            rest_drift,
+            jitter.rest_drift,
             lambda dt, p: math.sqrt(3.0) * p.rows * (G * dt**2 + GIVE),
             "before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
             "under weight; if the contacts of each row gave as much, the top would sink by that for each row, and sqrt(3) "
@@ -118,7 +116,7 @@ CASE = Case(
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(penetration, lean, residual_kinetic_energy),
+    observe=(contacts.penetration, stack.lean, stack.residual_kinetic_energy),
     headline="rest_drift",
     scale=RADIUS,
 )

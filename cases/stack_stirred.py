@@ -8,8 +8,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.jitter import rest_drift, rms_spin
-from plumbline.harness.metrics.overlaps import inscribed_overlap
+from plumbline.harness.metrics import jitter, overlaps
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from plumbline.harness.trajectory import Floats, State
@@ -76,13 +75,13 @@ CASE = Case(
     checks=(
         stays_finite("every number of every sampled state has to be finite"),
         Check(
-            inscribed_overlap,
+            overlaps.inscribed_overlap,
             HALF,
             "the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a body"),
     ),
-    observe=(rms_spin, rest_drift),
+    observe=(jitter.rms_spin, jitter.rest_drift),
     headline="inscribed_overlap",
     scale=HALF,
 )

@@ -5,9 +5,7 @@ A box that creeps by a micrometre a second passes every check of a few seconds; 
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
-from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import lean, stack_height_error
+from plumbline.harness.metrics import energy, jitter, stack
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
@@ -45,7 +43,7 @@ CASE = Case(
     checks=(
         stands(DURATION, "the tower stands"),
         Check(
-            stack_height_error,
+            stack.stack_height_error,
             lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
             "boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
             "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; and a millimetre for "
@@ -53,7 +51,7 @@ CASE = Case(
         ),
         settled_speed(SETTLED, "a box"),
     ),
-    observe=(rest_drift, lean, energy_gain_max),
+    observe=(jitter.rest_drift, stack.lean, energy.energy_gain_max),
     headline="rest_drift",
     scale=HALF,
 )

@@ -2,9 +2,7 @@
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, supported
-from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
+from plumbline.harness.metrics import contact_residuals, contacts, stack
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
@@ -43,9 +41,9 @@ CASE = Case(
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
-        Check(standing_height, 0.5, "the definition of a collapse: the top below half its height"),
+        Check(stack.standing_height, 0.5, "the definition of a collapse: the top below half its height"),
         Check(
-            stack_height_error,
+            stack.stack_height_error,
             lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
             "boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
             "so that the ground shows first and box k sees its support only after k steps, in which it falls "
@@ -53,7 +51,7 @@ CASE = Case(
             "may give way under weight",
         ),
         Check(
-            residual_kinetic_energy,
+            stack.residual_kinetic_energy,
             lambda dt, _: (G * dt) ** 2 / 2,
             "(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
@@ -61,6 +59,12 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
     ),
-    observe=(lean, penetration, signorini_residual, cone_residual, dissipation_residual),
+    observe=(
+        stack.lean,
+        contacts.penetration,
+        contact_residuals.signorini_residual,
+        contact_residuals.cone_residual,
+        contact_residuals.dissipation_residual,
+    ),
     headline="stack_height_error",
 )

@@ -10,16 +10,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, stays_finite
-from plumbline.harness.metrics.energy import held_energy_gain_max
-from plumbline.harness.metrics.joints import joint_gap_max
-from plumbline.harness.metrics.momentum import (
-    angular_momentum_drift_final,
-    angular_momentum_drift_max,
-    momentum_drift_final,
-    momentum_drift_max,
-)
-from plumbline.harness.metrics.overlaps import inscribed_overlap
-from plumbline.harness.metrics.vibration import vibration_frequency, vibration_rms
+from plumbline.harness.metrics import energy, joints, momentum, overlaps, vibration
 from plumbline.harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL
 from plumbline.harness.scene import Body, Scene, Surface, rotation_matrix
@@ -127,13 +118,13 @@ CASE = Case(
     checks=(
         stays_finite("a blow without restitution takes energy away"),
         Check(
-            inscribed_overlap,
+            overlaps.inscribed_overlap,
             lambda dt, p: p.speed * dt + GIVE,
             "the ball does not pass through the trunk: one step's way may lie between the touch and its discovery, and "
             "a contact may give by a millimetre. Without this, a ball that never touches would pass",
         ),
         Check(
-            momentum_drift_max,
+            momentum.momentum_drift_max,
             _handed_on,
             "what the ball loses the machine gets, and hinges and drives only hand it on. Joint coordinates do so to "
             "first order: parts that turn at w are held to their circles by m r w^2, in the direction of a step's start, and "
@@ -141,19 +132,25 @@ CASE = Case(
             "machine as one body. Bodies with coordinates of their own need none of it; 1e-6 more for single precision",
         ),
         Check(
-            angular_momentum_drift_max,
+            momentum.angular_momentum_drift_max,
             lambda dt, p: _swung(p.speed, p.friction)[0] * dt + _shifted(dt, p),
             "in joint coordinates that pull acts in a direction which is a step old, w dt of what is handed on; the "
             "halves of an impulse act at a hinge's two anchors; where these are a micrometre apart, the ball's "
             "momentum, handed on once by every hinge, shifts so much of the angular momentum",
         ),
         Check(
-            held_energy_gain_max,
+            energy.held_energy_gain_max,
             lambda _, p: 1e-6 * p.speed**2 / 2,
             "blows without restitution, friction and drives that hold a target take energy and give none; 1e-6 of the "
             "ball's, single precision",
         ),
     ),
-    observe=(momentum_drift_final, angular_momentum_drift_final, joint_gap_max, vibration_rms, vibration_frequency),
-    headline=angular_momentum_drift_max.name,
+    observe=(
+        momentum.momentum_drift_final,
+        momentum.angular_momentum_drift_final,
+        joints.joint_gap_max,
+        vibration.vibration_rms,
+        vibration.vibration_frequency,
+    ),
+    headline=momentum.angular_momentum_drift_max.name,
 )

@@ -6,10 +6,7 @@ What moves is the engine's: too few iterations of its solver, drives that fight 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, supported
 from plumbline.harness.case.standing import feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joints import joint_gap_max, pose_error_rms
-from plumbline.harness.metrics.vibration import vibration_frequency
+from plumbline.harness.metrics import contacts, jitter, joints, vibration
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.humanoid import humanoid
 from plumbline.harness.props.robots.robot import MATERIAL, bearing
@@ -61,7 +58,7 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            rms_speed,
+            jitter.rms_speed,
             lambda dt, _: G * dt,
             "g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
             "lives longer than the run",
@@ -71,7 +68,7 @@ CASE = Case(
         feet_stay(SETTLED, DURATION),
         supported(SETTLED, DURATION),
     ),
-    observe=(pose_error_rms, vibration_frequency, joint_gap_max, penetration),
+    observe=(joints.pose_error_rms, vibration.vibration_frequency, joints.joint_gap_max, contacts.penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

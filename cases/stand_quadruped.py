@@ -3,10 +3,7 @@
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G
 from plumbline.harness.case.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics.contacts import penetration, support_force_error
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joints import joint_gap_max, pose_error_rms
-from plumbline.harness.metrics.vibration import vibration_frequency
+from plumbline.harness.metrics import contacts, jitter, joints, vibration
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
@@ -59,7 +56,7 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            rms_speed,
+            jitter.rms_speed,
             lambda dt, _: SHARE * G * dt,
             "0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step",
             start=SETTLED,
@@ -67,14 +64,14 @@ CASE = Case(
         still(LEG),
         feet_stay(SETTLED, DURATION),
         Check(
-            support_force_error,
+            contacts.support_force_error,
             lambda dt, _: SHARE * dt / (DURATION - SETTLED) + 1e-6,
             "the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(pose_error_rms, vibration_frequency, joint_gap_max, penetration),
+    observe=(joints.pose_error_rms, vibration.vibration_frequency, joints.joint_gap_max, contacts.penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

@@ -22,8 +22,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import GIVE, G, stays_finite
-from plumbline.harness.metrics.cam_follower import cam_follower_gap
-from plumbline.harness.metrics.errors import position_error_max, position_error_rms, velocity_error_max, velocity_error_rms
+from plumbline.harness.metrics import cam_follower, errors
 from plumbline.harness.scene import (
     WORLD,
     Body,
@@ -211,20 +210,20 @@ CASE = Case(
     checks=(
         stays_finite("what rides on a cam goes up and down with it"),
         Check(
-            cam_follower_gap,
+            cam_follower.cam_follower_gap,
             _own,
             "before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "
             "into the face for a step; and a millimetre, which a contact may give way under weight",
         ),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, p: _lost(p.facets, p.geometry) + _own(dt, p),
             "r (1 - cos(c)): the highest corner lies in the ball of radius r and over the largest ball that the facets "
             "hold; and what an engine may add, the bound of the gap between cam and follower",
         ),
     ),
-    observe=(position_error_rms, velocity_error_max, velocity_error_rms),
-    headline=position_error_max.name,
+    observe=(errors.position_error_rms, errors.velocity_error_max, errors.velocity_error_rms),
+    headline=errors.position_error_max.name,
     scale=RADIUS,
 )

@@ -9,12 +9,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.balance import (
-    exit_time_error_rms,
-    growth_exponent_error,
-    lost_start_share,
-    smallest_followed_start,
-)
+from plumbline.harness.metrics import balance
 from plumbline.harness.scene import Body, Scene, Sphere, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -111,18 +106,18 @@ CASE = Case(
     checks=(
         stays_finite("balls that roll off fall, nothing more"),
         Check(
-            growth_exponent_error,
+            balance.growth_exponent_error,
             lambda dt, _: EXPONENT * dt,
             "a first-order method grows by 1 + L dt a step, where exp(L dt) is right: an exponent off by L dt/2, taken "
             "twice for the compliance of contact",
         ),
         Check(
-            lost_start_share,
+            balance.lost_start_share,
             0.0,
             "the roundings of double precision turn a line of 0.15 m at 3 m from the origin by 3e-15 rad, a millionth "
             "of the smallest start; and a growth as far off as its bound moves the fall by less than a tenfold start does",
         ),
     ),
-    observe=(smallest_followed_start, exit_time_error_rms),
-    headline=growth_exponent_error.name,
+    observe=(balance.smallest_followed_start, balance.exit_time_error_rms),
+    headline=balance.growth_exponent_error.name,
 )

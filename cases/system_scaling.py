@@ -11,9 +11,7 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.errors import position_error_max
-from plumbline.harness.metrics.joints import joint_gap_max
-from plumbline.harness.metrics.overlaps import inscribed_overlap
+from plumbline.harness.metrics import errors, joints, overlaps
 from plumbline.harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
@@ -126,17 +124,17 @@ CASE = Case(
     duration=DURATION,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=1000),
-    headline=inscribed_overlap.name,
+    headline=overlaps.inscribed_overlap.name,
     scale=HALF,
     checks=(
         stays_finite("forces of half a weight move things by metres, no farther"),
         Check(
-            position_error_max,
+            errors.position_error_max,
             lambda dt, _: 6 * PUSH / MASS * math.sqrt(DURATION * INTERVAL) * math.sqrt(3) * dt,
             "a first-order method errs by dt/2 times the change of velocity, a sum of random pushes whose components "
             "spread by sigma sqrt(t T)/m; six of these are never exceeded, and a factor of 2 is left to spare",
         ),
-        Check(inscribed_overlap, HALF, "the definition of broken: half the thinnest body"),
-        Check(joint_gap_max, ROD[0], "the definition of broken: half the thinnest body"),
+        Check(overlaps.inscribed_overlap, HALF, "the definition of broken: half the thinnest body"),
+        Check(joints.joint_gap_max, ROD[0], "the definition of broken: half the thinnest body"),
     ),
 )

@@ -9,15 +9,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.momentum import momentum_drift_max
-from plumbline.harness.metrics.passage import (
-    lateral_kick,
-    passage_probability,
-    passage_probability_high,
-    passage_probability_low,
-    rest_speed,
-    sink_depth,
-)
+from plumbline.harness.metrics import momentum, passage
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -94,17 +86,23 @@ CASE = Case(
     checks=(
         stays_finite("what has met without rebound rests"),
         Check(
-            passage_probability,
+            passage.passage_probability,
             0.0,
             "two solid spheres stop each other, at any phase: no two centres change sides; 0 of 128 put the "
             "probability under 2.9 % (Wilson, 95 %)",
         ),
         Check(
-            momentum_drift_max,
+            momentum.momentum_drift_max,
             lambda _, p: 1e-6 * 2 * p.phases * MASS * p.speed,
             "a stop that is not an impulse on both makes momentum; 1e-6 of all there is, single precision",
         ),
     ),
-    observe=(passage_probability_low, passage_probability_high, sink_depth, rest_speed, lateral_kick),
-    headline=passage_probability.name,
+    observe=(
+        passage.passage_probability_low,
+        passage.passage_probability_high,
+        passage.sink_depth,
+        passage.rest_speed,
+        passage.lateral_kick,
+    ),
+    headline=passage.passage_probability.name,
 )

@@ -11,8 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final
-from plumbline.harness.metrics.passage import passage_probability, passage_probability_high, passage_probability_low, sink_depth
+from plumbline.harness.metrics import errors, passage
 from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product
@@ -111,12 +110,18 @@ CASE = Case(
     checks=(
         stays_finite("what has been stopped rests"),
         Check(
-            passage_probability,
+            passage.passage_probability,
             0.0,
             "a post stops every rod, at any phase: none turns its middle beyond a post's; 0 of 64 put the probability "
             "under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(passage_probability_low, passage_probability_high, sink_depth, angular_velocity_error_final, position_error_final),
-    headline=passage_probability.name,
+    observe=(
+        passage.passage_probability_low,
+        passage.passage_probability_high,
+        passage.sink_depth,
+        errors.angular_velocity_error_final,
+        errors.position_error_final,
+    ),
+    headline=passage.passage_probability.name,
 )

@@ -9,8 +9,7 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
-from plumbline.harness.metrics.passage import sink_depth
-from plumbline.harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
+from plumbline.harness.metrics import passage, tunnelling
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -86,13 +85,13 @@ CASE = Case(
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            tunnel_probability,
+            tunnelling.tunnel_probability,
             0.0,
             "a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(tunnel_probability_low, tunnel_probability_high, sink_depth, stop_gap),
+    observe=(tunnelling.tunnel_probability_low, tunnelling.tunnel_probability_high, passage.sink_depth, tunnelling.stop_gap),
     headline="tunnel_probability",
     eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

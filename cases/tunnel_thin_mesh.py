@@ -13,14 +13,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics.passage import (
-    lateral_kick,
-    passage_probability,
-    passage_probability_high,
-    passage_probability_low,
-    rest_speed,
-    sink_depth,
-)
+from plumbline.harness.metrics import passage
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, TriangleMesh
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -133,22 +126,22 @@ CASE = Case(
     checks=(
         stays_finite("what has landed slides on"),
         Check(
-            passage_probability,
+            passage.passage_probability,
             0.0,
             "a ground lets no ball through, at any phase: no centre ends below its middle; 0 of 64 put the probability "
             "under 5.7 % (Wilson, 95 %)",
         ),
         Check(
-            lateral_kick,
+            passage.lateral_kick,
             lambda _, p: 1e-6 * math.hypot(p.speed, p.slide),
             "level ground without friction has no force along it, inner edge or not; 1e-6 of the speed for single precision",
         ),
         Check(
-            rest_speed,
+            passage.rest_speed,
             lambda dt, _: G * dt,
             "a ball at rest on the ground is given g dt by gravity in each step before the ground takes it away",
         ),
     ),
-    observe=(passage_probability_low, passage_probability_high, sink_depth),
-    headline=passage_probability.name,
+    observe=(passage.passage_probability_low, passage.passage_probability_high, passage.sink_depth),
+    headline=passage.passage_probability.name,
 )

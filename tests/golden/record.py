@@ -32,7 +32,7 @@ from plumbline.harness.store.store import TABLES, Store
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import Contacts, Trajectory
 from plumbline.harness.trial.accuracy import judge
-from plumbline.reports.html import rendered
+from plumbline.reports.html.report import rendered
 from tests.golden import engine_states
 
 CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")

@@ -2,48 +2,41 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, G, stays_finite
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION, MASS, HALF = 1.0, 1.0, (0.1, 0.2, 0.3)
-SPEED, SPIN = 5.0, 2.0
-SINGLE = 2.0**-24
-"""Relative rounding of a float32: an engine in single precision is judged as such."""
 
 
-def scene(speed: float = SPEED, spin: float = SPIN) -> Scene:
+class P(Parameters):
+    speed: float = 5.0
+    spin: float = 2.0
+
+
+def scene(p: P) -> Scene:
     """A box that could touch, thrown upwards at `speed` [m/s], turning about its longest axis at `spin` [rad/s]."""
-    box = Body.box("box", HALF, mass=MASS, v_WB=(1.0, 0.0, speed), w_WB=(0.0, 0.0, spin))
+    box = Body.box("box", HALF, mass=MASS, v_WB=(1.0, 0.0, p.speed), w_WB=(0.0, 0.0, p.spin))
     return Scene(bodies=(box,), surfaces=(Surface(),), narrow=Effect.GYROSCOPIC)
 
 
-def expected(time: Floats, speed: float = SPEED, spin: float = SPIN) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """x = v0 t + g t^2/2, and a turn by spin t about z, a principal axis."""
     truth = Trajectory.of(time, 1)
     t = truth.time[:, None]
-    start = np.array((1.0, 0.0, speed))
+    start = np.array((1.0, 0.0, p.speed))
     truth.p_WB[:, 0] = start * t + 0.5 * np.array(EARTH_GRAVITY) * t**2
     truth.v_WB[:, 0] = start + np.array(EARTH_GRAVITY) * t
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(spin * truth.time / 2), np.sin(spin * truth.time / 2)
-    truth.w_WB[:, 0, 2] = spin
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(p.spin * truth.time / 2), np.sin(p.spin * truth.time / 2)
+    truth.w_WB[:, 0, 2] = p.spin
     return truth
 
 
-def _rounding(dt: float, speed: float = SPEED) -> float:
+def _rounding(dt: float, p: P) -> float:
     """Speed [m/s] lost to rounding in single precision: half a unit in the last place, in the same direction every step."""
-    return SINGLE * (abs(speed) + G * DURATION) * DURATION / dt
-
-
-def _attitude(dt: float, speed: float = SPEED, spin: float = SPIN) -> float:
-    """What 2 atan(w dt/2) a step falls short of w dt, and two roundings a step."""
-    return DURATION * abs(spin) ** 3 * dt**2 / 12 + 2 * _rounding(dt, speed) * DURATION
+    return SINGLE * (abs(p.speed) + G * DURATION) * DURATION / dt
 
 
 CASE = Case(
@@ -54,31 +47,31 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"speed": SPEED, "spin": SPIN},
+    parameters=P(),
     duration=DURATION,
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a parabola never diverges"),
+        stays_finite("a parabola never diverges"),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, speed=SPEED: 1.01 * G * dt * DURATION / 2 + _rounding(dt, speed) * DURATION,
-            because="semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single precision more",
+            errors.position_error_max,
+            lambda dt, p: 1.01 * G * dt * DURATION / 2 + _rounding(dt, p) * DURATION,
+            "semi-implicit Euler errs by exactly g dt t/2, no consistent method by more; 1 % and single precision more",
         ),
         Check(
-            metric=velocity_error_max,
-            at_most=_rounding,
-            because="under a constant force every one-step method gives velocity exactly; what is left is a rounding a step",
+            errors.velocity_error_max,
+            _rounding,
+            "under a constant force every one-step method gives velocity exactly; what is left is a rounding a step",
         ),
         Check(
-            metric=angular_velocity_error_max,
-            at_most=_rounding,
-            because="about a principal axis no torque acts: the same roundings, of a rate below the speed",
+            errors.angular_velocity_error_max,
+            _rounding,
+            "about a principal axis no torque acts: the same roundings, of a rate below the speed",
         ),
         Check(
-            metric=attitude_error_max,
-            at_most=_attitude,
-            because="q + dt/2 w q, brought back to length one, turns by 2 atan(w dt/2) = w dt - (w dt)^3/12 a step, the "
+            errors.attitude_error_max,
+            lambda dt, p: DURATION * abs(p.spin) ** 3 * dt**2 / 12 + 2 * _rounding(dt, p) * DURATION,
+            "q + dt/2 w q, brought back to length one, turns by 2 atan(w dt/2) = w dt - (w dt)^3/12 a step, the "
             "largest error among the usual updates; two roundings a step, of rate and attitude, more",
         ),
     ),

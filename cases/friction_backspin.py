@@ -5,50 +5,51 @@ v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_final, velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
-G = -EARTH_GRAVITY[2]
 DURATION = 2.5
-SPEED, SPIN, FRICTION, RADIUS, MASS = 2.0, -60.0, 0.3, 0.1, 1.0
+SPEED, RADIUS, MASS = 2.0, 0.1, 1.0
 SOLID = 0.4
 """I/(m r^2) of a solid sphere."""
 
 
-def _scene(speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    speed: float = SPEED
+    spin: float = -60.0
+    friction: float = 0.3
+
+
+def _scene(p: P) -> Scene:
     """A ball on the ground with `speed` [m/s] along x and `spin` [rad/s] about y, where speed/r would be rolling."""
     ball = Body.ball(
-        "ball", RADIUS, mass=MASS, material="ball", p_WB=(0.0, 0.0, RADIUS), v_WB=(speed, 0.0, 0.0), w_WB=(0.0, spin, 0.0)
+        "ball", RADIUS, mass=MASS, material="ball", p_WB=(0.0, 0.0, RADIUS), v_WB=(p.speed, 0.0, 0.0), w_WB=(0.0, p.spin, 0.0)
     )
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, ball),
-        surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
+        bodies=(Body.ground(), ball),
+        surfaces=(Surface.rough(p.friction, ("ball", "ground")),),
         # A ball's inertia is the same about every axis.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Sliding against the ball's own spin, then rolling."""
     truth = Trajectory.of(time, 2)
-    way, v, turned, rim = rolling(truth.time, speed, spin * RADIUS, friction, SOLID, 0.0, G)
+    way, v, turned, rim = rolling(truth.time, p.speed, p.spin * RADIUS, p.friction, SOLID, 0.0, G)
     truth.p_WB[:, 1, 0], truth.p_WB[:, 1, 2] = way, RADIUS
     truth.v_WB[:, 1, 0], truth.w_WB[:, 1, 1] = v, rim / RADIUS
     truth.q_WB[:, 1, 0], truth.q_WB[:, 1, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
     return truth
 
 
-def _speed(dt: float, friction: float = FRICTION) -> float:
+def _speed(dt: float, p: P) -> float:
     """The first step may pass before there is a contact to rub, and the step in which slip ends may go on rubbing."""
-    return 2 * friction * G * dt
+    return 2 * p.friction * G * dt
 
 
 CASE = Case(
@@ -60,37 +61,37 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION},
-    headline=velocity_error_max.name,
+    parameters=P(),
+    headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
+        stays_finite("a rolling ball never diverges"),
         Check(
-            metric=velocity_error_final,
-            at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / 2,
-            because="friction exchanges speed and spin at a fixed rate, so that the final speed does not hang on when it acts; "
+            errors.velocity_error_final,
+            lambda dt, p: _speed(dt, p) / 2,
+            "friction exchanges speed and spin at a fixed rate, so that the final speed does not hang on when it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
+            errors.velocity_error_max,
+            _speed,
+            "a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, speed=SPEED, friction=FRICTION: _speed(dt, friction) * DURATION + speed * dt,
-            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+            errors.position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
+            "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=angular_velocity_error_final,
-            at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / (SOLID * RADIUS),
-            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+            errors.angular_velocity_error_final,
+            lambda dt, p: _speed(dt, p) / (SOLID * RADIUS),
+            "the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
         forces_keep_momentum(),
         # It slips until 2 (v0 - r w0)/(7 mu g) = 0.78 s.
         *forces_obey_coulomb(end=0.7),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

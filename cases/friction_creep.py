@@ -2,44 +2,43 @@
 
 import math
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.case.shared_checks.rest import GIVE
-from plumbline.harness.metrics.creep import creep_speed
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors, jitter, slide
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION, SETTLED = 2.5, 0.5
-ANGLE, FRICTION, MASS = 10.0, 0.5, 1.0
 HALF = (0.1, 0.1, 0.05)
 
 
-def _scene(angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Scene:
+class P(Parameters):
+    angle: float = 10.0
+    friction: float = 0.5
+    mass: float = 1.0
+
+
+def _scene(p: P) -> Scene:
     """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
-    lean = math.radians(angle)
-    box = Body.box("box", HALF, mass=mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
-    ground = Body.fixed("ground", Plane(), material="ground")
+    lean = math.radians(p.angle)
+    box = Body.box("box", HALF, mass=p.mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
     return Scene(
-        bodies=(ground, box),
+        bodies=(Body.ground(), box),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
-        surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface.rough(p.friction, ("box", "ground")),),
         # A box that lies still never turns.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, angle: float = ANGLE, friction: float = FRICTION, mass: float = MASS) -> Trajectory:  # noqa: ARG001
+def _expected(time: Floats, p: P) -> Trajectory:
     """Rest, where tan(angle) <= mu.
 
     Raises:
         ValueError: friction does not hold the box.
     """
-    if math.tan(math.radians(angle)) > friction:
-        raise ValueError(f"angle {angle} degrees, expected at most atan({friction}): the box slides")
+    if math.tan(math.radians(p.angle)) > p.friction:
+        raise ValueError(f"angle {p.angle} degrees, expected at most atan({p.friction}): the box slides")
     truth = Trajectory.of(time, 2)
     truth.p_WB[:, 1] = (0.0, 0.0, HALF[2])
     return truth
@@ -56,25 +55,25 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"angle": ANGLE, "friction": FRICTION, "mass": MASS},
-    headline=creep_speed.name,
+    parameters=P(),
+    headline=slide.creep_speed.name,
     scale=1e-3,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what rests stays where it is"),
+        stays_finite("what rests stays where it is"),
         Check(
-            metric=creep_speed,
-            at_most=1e-5,
-            start=SETTLED,
-            because="ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
+            slide.creep_speed,
+            1e-5,
+            "ten micrometres a second, a millimetre in two minutes, is the least that a user who leaves a robot "
             "holding an object would see; Coulomb's law allows none",
+            start=SETTLED,
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, angle=ANGLE: 2 * G * math.sin(math.radians(angle)) * dt**2 + GIVE,
-            because=f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
+            errors.position_error_max,
+            lambda dt, p: 2 * G * math.sin(math.radians(p.angle)) * dt**2 + GIVE,
+            f"{FIRST_STEP}; and a millimetre for contacts that give way under the weight",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(rms_speed, position_error_final),
+    observe=(jitter.rms_speed, errors.position_error_final),
 )

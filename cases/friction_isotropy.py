@@ -9,17 +9,21 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.metrics.isotropy import heading_error, polar_spread
-from plumbline.harness.metrics.slide import centre_rise, stop_distance_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.metrics.slide import centre_rise, heading_error, polar_spread, stop_distance_error
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
-DIRECTIONS, FRICTION, SPEED, MASS = 13, 0.5, 2.0, 1.0
+MASS = 1.0
 HALF = (0.1, 0.1, 0.025)
 """Half extents [m], flat enough that no push tips a box."""
+
+
+class P(Parameters):
+    directions: int = 13
+    friction: float = 0.5
+    speed: float = 2.0
 
 
 def _azimuths(directions: int) -> list[float]:
@@ -32,7 +36,7 @@ def _spacing(friction: float, speed: float) -> float:
     return speed**2 / (2 * friction * G) * 1.5 + 4 * HALF[0]
 
 
-def scene(directions: int = DIRECTIONS, friction: float = FRICTION, speed: float = SPEED) -> Scene:
+def scene(p: P) -> Scene:
     """`directions` boxes in a row along y, touching the ground, pushed at `speed` [m/s] at azimuths from x to y."""
     boxes = [
         Body.box(
@@ -40,38 +44,37 @@ def scene(directions: int = DIRECTIONS, friction: float = FRICTION, speed: float
             HALF,
             mass=MASS,
             material="box",
-            p_WB=(0.0, _spacing(friction, speed) * i, HALF[2]),
-            v_WB=(speed * math.cos(azimuth), speed * math.sin(azimuth), 0.0),
+            p_WB=(0.0, _spacing(p.friction, p.speed) * i, HALF[2]),
+            v_WB=(p.speed * math.cos(azimuth), p.speed * math.sin(azimuth), 0.0),
         )
-        for i, azimuth in enumerate(_azimuths(directions))
+        for i, azimuth in enumerate(_azimuths(p.directions))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *boxes),
-        surfaces=(Surface(between=("box", "ground"), static_friction=friction, kinetic_friction=friction),),
+        bodies=(Body.ground(), *boxes),
+        surfaces=(Surface.rough(p.friction, ("box", "ground")),),
         apart=(("box", "box"),),
         # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, directions: int = DIRECTIONS, friction: float = FRICTION, speed: float = SPEED) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: uniform deceleration along each push, then rest."""
-    truth = Trajectory.of(time, 1 + directions)
-    sliding = np.minimum(truth.time, speed / (friction * G))
-    way, rate = speed * sliding - friction * G * sliding**2 / 2, speed - friction * G * sliding
-    for i, azimuth in enumerate(_azimuths(directions), start=1):
+    truth = Trajectory.of(time, 1 + p.directions)
+    sliding = np.minimum(truth.time, p.speed / (p.friction * G))
+    way, rate = p.speed * sliding - p.friction * G * sliding**2 / 2, p.speed - p.friction * G * sliding
+    for i, azimuth in enumerate(_azimuths(p.directions), start=1):
         push = (math.cos(azimuth), math.sin(azimuth))
         truth.p_WB[:, i, :2] = np.outer(way, push)
-        truth.p_WB[:, i, 1] += _spacing(friction, speed) * (i - 1)
+        truth.p_WB[:, i, 1] += _spacing(p.friction, p.speed) * (i - 1)
         truth.p_WB[:, i, 2] = HALF[2]
         truth.v_WB[:, i, :2] = np.outer(rate, push)
     return truth
 
 
-def _step(dt: float, friction: float = FRICTION, speed: float = SPEED) -> float:
+def _step(dt: float, p: P) -> float:
     """One step's way v0 dt as a share of the whole one, v0^2/(2 mu g)."""
-    return speed * dt / (speed**2 / (2 * friction * G))
+    return p.speed * dt / (p.speed**2 / (2 * p.friction * G))
 
 
 CASE = Case(
@@ -82,26 +85,26 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"directions": DIRECTIONS, "friction": FRICTION, "speed": SPEED},
+    parameters=P(),
     duration=0.75,
     with_contacts=True,
     checks=(
         Check(
-            metric=polar_spread,
-            at_most=_step,
-            because="each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
+            polar_spread,
+            _step,
+            "each way is uncertain by half a step's way v0 dt/2 to both sides, so two differ by at most v0 dt; "
             "relative to v0^2/(2 mu g)",
         ),
         Check(
-            metric=heading_error,
-            at_most=_step,
-            because="friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
+            heading_error,
+            _step,
+            "friction opposes the velocity, so the path is straight; were it turned across for one whole step, the box "
             "would end v0 dt aside",
         ),
         Check(
-            metric=stop_distance_error,
-            at_most=lambda dt, friction=FRICTION, speed=SPEED: 1.5 * _step(dt, friction, speed),
-            because="half a step's way by a staggered scheme, one step's way before there is a contact to rub",
+            stop_distance_error,
+            lambda dt, p: 1.5 * _step(dt, p),
+            "half a step's way by a staggered scheme, one step's way before there is a contact to rub",
         ),
         forces_keep_momentum(),
         *forces_obey_coulomb(),

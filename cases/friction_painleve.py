@@ -15,21 +15,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Converged
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.impulse import impulse_max
-from plumbline.harness.metrics.painleve import painleve_coefficient
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
+from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import contacts, energy, errors, painleve
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Capsule,
     Effect,
     PlacedShape,
-    Plane,
     Scene,
     Sphere,
     Surface,
@@ -38,19 +31,22 @@ from plumbline.harness.scene import (
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
-G = -EARTH_GRAVITY[2]
-FRICTION, SPEED = 1.0, 8.0
-ANGLE = float(np.degrees(np.arctan(2.0)))
-"""Degrees between the rod and the ground: the angle at which the least friction suffices for the paradox."""
 MASS, HALF, RADIUS = 1.0, 1.0, 0.01
 """Half the length [m] of the rod between the centres of its rounded ends; these shift the critical friction by 1 %."""
 INERTIA = MASS * HALF**2 / 3
 DURATION = 0.125
 
 
-def scene(friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE) -> Scene:
+class P(Parameters):
+    friction: float = 1.0
+    speed: float = 8.0
+    angle: float = float(np.degrees(np.arctan(2.0)))
+    """Degrees between the rod and the ground: the angle at which the least friction suffices for the paradox."""
+
+
+def scene(p: P) -> Scene:
     """A rod on its foot at `angle` [degrees] to the ground, leaning towards +x and sliding at `speed` [m/s] towards -x."""
-    a = float(np.radians(angle))
+    a = float(np.radians(p.angle))
     ends = tuple(PlacedShape(shape=Sphere(radius=RADIUS), p_BS=(0.0, 0.0, side * HALF)) for side in (-1, 1))
     rod = Body(
         name="rod",
@@ -61,11 +57,10 @@ def scene(friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE
         material="rod",
         p_WB=(0.0, 0.0, RADIUS + HALF * float(np.sin(a))),
         q_WB=_attitude(np.array(a)).tolist(),
-        v_WB=(-speed, 0.0, 0.0),
+        v_WB=(-p.speed, 0.0, 0.0),
     )
-    ground = Body.fixed("ground", Plane(), material="ground")
-    law = Surface(between=("rod", "ground"), static_friction=friction, kinetic_friction=friction)
-    return Scene(bodies=(ground, rod), surfaces=(law,), narrow=Effect.GYROSCOPIC)
+    law = Surface.rough(p.friction, ("rod", "ground"))
+    return Scene(bodies=(Body.ground(), rod), surfaces=(law,), narrow=Effect.GYROSCOPIC)
 
 
 def _attitude(a: Floats) -> Floats:
@@ -106,38 +101,34 @@ def _slides_on(y: Floats, friction: float) -> bool:
     return bool(np.all(foot < 0)) and all(coefficient > 0 and normal > 0 for coefficient, normal in loads)
 
 
-def expected(time: Floats, friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE) -> Converged | None:
+def expected(time: Floats, p: P) -> Converged | None:
     """The sliding rod, integrated at a relative tolerance of 1e-12 with the distance to 1e-10 as its error bar; None where it
     does not slide to the end: in the paradox, and where its foot stops or lifts off."""
-    start, still = [0.0, float(np.radians(angle))], [-speed, 0.0]
-    if load(start[1], 0.0, friction)[0] <= 0:
+    start, still = [0.0, float(np.radians(p.angle))], [-p.speed, 0.0]
+    if load(start[1], 0.0, p.friction)[0] <= 0:
         return None
     try:
         fine, coarse = (
-            true_motion(lambda q, v: acceleration(q, v, friction), start, still, time, rtol) for rtol in (1e-12, 1e-10)
+            true_motion(lambda q, v: acceleration(q, v, p.friction), start, still, time, rtol) for rtol in (1e-12, 1e-10)
         )
     except RuntimeError:
         return None
-    if not _slides_on(fine, friction):
+    if not _slides_on(fine, p.friction):
         return None
     truth, other = placed(time, fine), placed(time, coarse)
-    return Converged(
-        trajectory=truth,
-        position_error=float(np.linalg.norm(truth.p_WB - other.p_WB, axis=-1).max(initial=0.0)),
-        velocity_error=float(np.linalg.norm(truth.v_WB - other.v_WB, axis=-1).max(initial=0.0)),
-    )
+    return Converged.between(truth, other)
 
 
 @lru_cache(maxsize=16)
-def _first_order(friction: float = FRICTION, speed: float = SPEED, angle: float = ANGLE) -> tuple[float, float]:
+def _first_order(p: P) -> tuple[float, float]:
     """Largest errors per dt of position [m/s] and velocity [m/s2]; NaN where there is no motion to err from."""
     times, small = np.linspace(0.0, DURATION, 101), 1e-6
-    start, still = [0.0, float(np.radians(angle))], [-speed, 0.0]
-    if expected(times, friction, speed, angle) is None:
+    start, still = [0.0, float(np.radians(p.angle))], [-p.speed, 0.0]
+    if expected(times, p) is None:
         return float("nan"), float("nan")
-    true = placed(times, true_motion(lambda q, v: acceleration(q, v, friction), start, still, times, 1e-12))
+    true = placed(times, true_motion(lambda q, v: acceleration(q, v, p.friction), start, still, times, 1e-12))
     moved = turned = 0.0
-    for y in first_order_motions(lambda q, v: acceleration(q, v, friction), start, still, times, small):
+    for y in first_order_motions(lambda q, v: acceleration(q, v, p.friction), start, still, times, small):
         other = placed(times, y)
         moved = max(moved, float(np.linalg.norm(other.p_WB - true.p_WB, axis=-1).max()) / small)
         turned = max(turned, float(np.linalg.norm(other.v_WB - true.v_WB, axis=-1).max()) / small)
@@ -152,7 +143,7 @@ CASE = Case(
     truth="converged reference",
     scene=scene,
     expected=expected,
-    parameters={"friction": FRICTION, "speed": SPEED, "angle": ANGLE},
+    parameters=P(),
     duration=DURATION,
     # Every step: the impulse of a blow lies in one of them.
     sample_interval=0.0,
@@ -160,24 +151,24 @@ CASE = Case(
     dt=1 / 960,
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
     hard=Axis(parameter="friction", unit="1", easy=0.5, extreme=3.0),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a rod with friction only loses energy"),
-        Check(metric=position_error_max, at_most=lambda dt, **rod: 2 * _first_order(**rod)[0] * dt, because=FIRST_ORDER),
+        stays_finite("a rod with friction only loses energy"),
+        Check(errors.position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, FIRST_ORDER),
         Check(
-            metric=impulse_max,
-            at_most=lambda _dt, outer, speed=SPEED: 2 * MASS * float(np.sqrt(speed**2 + 2 * G * HALF)) + MASS * G * outer,
-            because="an impulse is the change of momentum less that by weight, and without energy from nowhere the centre is "
+            contacts.impulse_max,
+            lambda dt, p: 2 * MASS * float(np.sqrt(p.speed**2 + 2 * G * HALF)) + MASS * G * dt.outer,
+            "an impulse is the change of momentum less that by weight, and without energy from nowhere the centre is "
             "never faster than v^2 = v0^2 + 2 g l: m times twice that speed, and m g dt. A law that is solved for forces where "
             "it has none has no bound at all",
         ),
         Check(
-            metric=energy_gain_max,
-            at_most=1e-6,
-            because="friction takes 200 W from the first step on, and nothing gives; 1e-6 for single precision",
+            energy.energy_gain_max,
+            1e-6,
+            "friction takes 200 W from the first step on, and nothing gives; 1e-6 for single precision",
         ),
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    observe=(painleve_coefficient, velocity_error_max, position_error_final),
+    observe=(painleve.painleve_coefficient, errors.velocity_error_max, errors.position_error_final),
 )

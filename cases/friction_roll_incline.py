@@ -5,31 +5,31 @@ g (sin(angle) - mu cos(angle)) where not. The incline is level ground in a field
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors
+from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
-G = -EARTH_GRAVITY[2]
 DURATION = 1.5
-ANGLE, FRICTION, RADIUS, MASS, SPACING = 30.0, 0.2, 0.1, 1.0, 1.0
-FACTORS = (0.4, 0.5, 2 / 3, 1.0)
-"""I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop: at 30 degrees and mu = 0.2 the first two roll, the others slip.
-All touch as spheres: only their inertia matters here."""
+RADIUS, MASS, SPACING = 0.1, 1.0, 1.0
 
 
-def _scene(angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Scene:
+class P(Parameters):
+    angle: float = 30.0
+    friction: float = 0.2
+    factors: tuple[float, ...] = (0.4, 0.5, 2 / 3, 1.0)
+    """I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop: at 30 degrees and mu = 0.2 the first two roll, the others
+    slip. All touch as spheres: only their inertia matters here."""
+
+
+def _scene(p: P) -> Scene:
     """One body for each inertia, side by side along y, at rest on ground from which gravity leans `angle` [degrees] to +x."""
-    lean = math.radians(angle)
+    lean = math.radians(p.angle)
     bodies = [
         Body(
             name=f"ball_{i}",
@@ -39,33 +39,32 @@ def _scene(angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[f
             material="ball",
             p_WB=(0.0, SPACING * i, RADIUS),
         )
-        for i, k in enumerate(factors)
+        for i, k in enumerate(p.factors)
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *bodies),
+        bodies=(Body.ground(), *bodies),
         gravity=(G * math.sin(lean), 0.0, -G * math.cos(lean)),
-        surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface.rough(p.friction, ("ball", "ground")),),
         apart=(("ball", "ball"),),
         # The inertia is the same about every axis.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, angle: float = ANGLE, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Rolling or slipping from the start, at a constant acceleration."""
-    truth, lean = Trajectory.of(time, 1 + len(factors)), math.radians(angle)
-    for i, k in enumerate(factors, start=1):
-        way, v, turned, rim = rolling(truth.time, 0.0, 0.0, friction, k, G * math.sin(lean), G * math.cos(lean))
+    truth, lean = Trajectory.of(time, 1 + len(p.factors)), math.radians(p.angle)
+    for i, k in enumerate(p.factors, start=1):
+        way, v, turned, rim = rolling(truth.time, 0.0, 0.0, p.friction, k, G * math.sin(lean), G * math.cos(lean))
         truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
         truth.v_WB[:, i, 0], truth.w_WB[:, i, 1] = v, rim / RADIUS
         truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
     return truth
 
 
-def _speed(dt: float, angle: float = ANGLE) -> float:
+def _speed(dt: float, p: P) -> float:
     """The first step may pass before there is a contact: then the body slides freely for it, and grips in the next."""
-    return 2 * G * math.sin(math.radians(angle)) * dt
+    return 2 * G * math.sin(math.radians(p.angle)) * dt
 
 
 CASE = Case(
@@ -77,28 +76,28 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"angle": ANGLE, "friction": FRICTION, "factors": FACTORS},
-    headline=velocity_error_max.name,
+    parameters=P(),
+    headline=errors.velocity_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
+        stays_finite("a rolling ball never diverges"),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
+            errors.velocity_error_max,
+            _speed,
+            "a first step without a contact is a step without friction, g sin(angle) dt too fast at most, taken twice",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, angle=ANGLE: _speed(dt, angle) * DURATION,
-            because="the error of the speed all the way; half a step of way is less than that",
+            errors.position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION,
+            "the error of the speed all the way; half a step of way is less than that",
         ),
         Check(
-            metric=angular_velocity_error_max,
-            at_most=lambda dt, angle=ANGLE, factors=FACTORS: _speed(dt, angle) / (min(factors) * RADIUS),
-            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+            errors.angular_velocity_error_max,
+            lambda dt, p: _speed(dt, p) / (min(p.factors) * RADIUS),
+            "the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

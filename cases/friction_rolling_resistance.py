@@ -3,20 +3,14 @@
 A moment c N against a rolling ball slows it by a = c g/(r (1 + k)), k = 2/5, until it stops after v0^2/(2 a).
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors, jitter
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 4.0
 SPEED, FRICTION, RADIUS, MASS, SPACING = 1.0, 0.5, 0.1, 1.0, 1.0
 COEFFICIENTS = (0.005, 0.01, 0.02)
@@ -25,14 +19,19 @@ SOLID = 0.4
 """I/(m r^2) of a solid sphere."""
 
 
+class P(Parameters):
+    speed: float = SPEED
+    coefficients: tuple[float, ...] = COEFFICIENTS
+
+
 def deceleration(coefficient: float, radius: float = RADIUS) -> float:
     """c g/(r (1 + k)) [m/s2] of a solid sphere."""
     return coefficient * G / (radius * (1 + SOLID))
 
 
-def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -> Scene:
+def _scene(p: P) -> Scene:
     """One ball for each coefficient [m], side by side along y, rolling along x at `speed` [m/s]."""
-    materials = [f"ball_{i}" for i in range(len(coefficients))]
+    materials = [f"ball_{i}" for i in range(len(p.coefficients))]
     balls = [
         Body.ball(
             material,
@@ -40,17 +39,15 @@ def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -
             mass=MASS,
             material=material,
             p_WB=(0.0, SPACING * i, RADIUS),
-            v_WB=(speed, 0.0, 0.0),
-            w_WB=(0.0, speed / RADIUS, 0.0),
+            v_WB=(p.speed, 0.0, 0.0),
+            w_WB=(0.0, p.speed / RADIUS, 0.0),
         )
         for i, material in enumerate(materials)
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *balls),
+        bodies=(Body.ground(), *balls),
         surfaces=tuple(
-            Surface(between=(m, "ground"), static_friction=FRICTION, kinetic_friction=FRICTION, rolling_friction=c)
-            for m, c in zip(materials, coefficients, strict=True)
+            Surface.rough(FRICTION, (m, "ground"), rolling_friction=c) for m, c in zip(materials, p.coefficients, strict=True)
         ),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
         # A ball's inertia is the same about every axis.
@@ -58,23 +55,23 @@ def _scene(speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -
     )
 
 
-def _expected(time: Floats, speed: float = SPEED, coefficients: Sequence[float] = COEFFICIENTS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Uniform deceleration without slip, then rest."""
-    truth = Trajectory.of(time, 1 + len(coefficients))
-    for i, c in enumerate(coefficients, start=1):
+    truth = Trajectory.of(time, 1 + len(p.coefficients))
+    for i, c in enumerate(p.coefficients, start=1):
         a = deceleration(c)
-        t = truth.time if a == 0 else np.minimum(truth.time, speed / a)
-        way = speed * t - a * t**2 / 2
+        t = truth.time if a == 0 else np.minimum(truth.time, p.speed / a)
+        way = p.speed * t - a * t**2 / 2
         truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
-        truth.v_WB[:, i, 0] = speed - a * t
+        truth.v_WB[:, i, 0] = p.speed - a * t
         truth.w_WB[:, i, 1] = truth.v_WB[:, i, 0] / RADIUS
         truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(way / RADIUS / 2), np.sin(way / RADIUS / 2)
     return truth
 
 
-def _speed(dt: float, coefficients: Sequence[float] = COEFFICIENTS) -> float:
+def _speed(dt: float, p: P) -> float:
     """A first step without a contact, and a last one that would have stopped the ball before its end."""
-    return 2 * deceleration(max(coefficients)) * dt
+    return 2 * deceleration(max(p.coefficients)) * dt
 
 
 CASE = Case(
@@ -86,31 +83,30 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"speed": SPEED, "coefficients": COEFFICIENTS},
-    headline=position_error_max.name,
+    parameters=P(),
+    headline=errors.position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a ball that slows down never diverges"),
+        stays_finite("a ball that slows down never diverges"),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
+            errors.velocity_error_max,
+            _speed,
+            "a first step without a contact and a last one that stops the ball too late or too early: c g dt/(r (1 + "
             "k)) each, for the largest coefficient",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, speed=SPEED, coefficients=COEFFICIENTS: _speed(dt, coefficients) * DURATION + speed * dt,
-            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+            errors.position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
+            "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=rms_speed,
-            at_most=_speed,
+            jitter.rms_speed,
+            _speed,
+            "all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a step",
             start=DURATION - 0.25,
-            because="all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a "
-            "step",
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

@@ -3,28 +3,27 @@
 Slip ends at t = v0/(mu g (1 + 1/k)), for a solid sphere 2 v0/(7 mu g), and from then on v = v0/(1 + k), 5/7 v0.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_final, velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, principal_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors
+from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
-G = -EARTH_GRAVITY[2]
 DURATION = 2.0
-SPEED, FRICTION, RADIUS, MASS, SPACING = 5.0, 0.3, 0.1, 1.0, 1.0
-FACTORS = (0.4, 0.5, 2 / 3, 1.0)
-"""I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop. All touch as spheres: only their inertia matters here."""
+SPEED, RADIUS, MASS, SPACING = 5.0, 0.1, 1.0, 1.0
 
 
-def _scene(speed: float = SPEED, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Scene:
+class P(Parameters):
+    speed: float = SPEED
+    friction: float = 0.3
+    factors: tuple[float, ...] = (0.4, 0.5, 2 / 3, 1.0)
+    """I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop. All touch as spheres: only their inertia matters here."""
+
+
+def _scene(p: P) -> Scene:
     """One body for each inertia, side by side along y, thrown along x at `speed` [m/s]."""
     bodies = [
         Body(
@@ -34,34 +33,33 @@ def _scene(speed: float = SPEED, friction: float = FRICTION, factors: Sequence[f
             collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material="ball",
             p_WB=(0.0, SPACING * i, RADIUS),
-            v_WB=(speed, 0.0, 0.0),
+            v_WB=(p.speed, 0.0, 0.0),
         )
-        for i, k in enumerate(factors)
+        for i, k in enumerate(p.factors)
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *bodies),
-        surfaces=(Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction),),
+        bodies=(Body.ground(), *bodies),
+        surfaces=(Surface.rough(p.friction, ("ball", "ground")),),
         apart=(("ball", "ball"),),
         # The inertia is the same about every axis.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, speed: float = SPEED, friction: float = FRICTION, factors: Sequence[float] = FACTORS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Sliding, then rolling."""
-    truth = Trajectory.of(time, 1 + len(factors))
-    for i, k in enumerate(factors, start=1):
-        way, v, turned, rim = rolling(truth.time, speed, 0.0, friction, k, 0.0, G)
+    truth = Trajectory.of(time, 1 + len(p.factors))
+    for i, k in enumerate(p.factors, start=1):
+        way, v, turned, rim = rolling(truth.time, p.speed, 0.0, p.friction, k, 0.0, G)
         truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
         truth.v_WB[:, i, 0], truth.w_WB[:, i, 1] = v, rim / RADIUS
         truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
     return truth
 
 
-def _speed(dt: float, friction: float = FRICTION) -> float:
+def _speed(dt: float, p: P) -> float:
     """The first step may pass before there is a contact to rub, and the step in which slip ends may go on rubbing."""
-    return 2 * friction * G * dt
+    return 2 * p.friction * G * dt
 
 
 CASE = Case(
@@ -73,37 +71,37 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"speed": SPEED, "friction": FRICTION, "factors": FACTORS},
-    headline=velocity_error_max.name,
+    parameters=P(),
+    headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a rolling ball never diverges"),
+        stays_finite("a rolling ball never diverges"),
         Check(
-            metric=velocity_error_final,
-            at_most=lambda dt, friction=FRICTION: _speed(dt, friction) / 2,
-            because="what friction takes from the speed it gives to the spin, so that v0/(1 + k) comes out whenever it acts; "
+            errors.velocity_error_final,
+            lambda dt, p: _speed(dt, p) / 2,
+            "what friction takes from the speed it gives to the spin, so that v0/(1 + k) comes out whenever it acts; "
             "the step in which slip ends may rub on for all of its length, mu g dt",
         ),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
+            errors.velocity_error_max,
+            _speed,
+            "a first step without a contact, and the step in which slip ends, rubbed through to its end: mu g dt each",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, speed=SPEED, friction=FRICTION: _speed(dt, friction) * DURATION + speed * dt,
-            because="the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
+            errors.position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
+            "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
-            metric=angular_velocity_error_final,
-            at_most=lambda dt, friction=FRICTION, factors=FACTORS: _speed(dt, friction) / (min(factors) * RADIUS),
-            because="the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
+            errors.angular_velocity_error_final,
+            lambda dt, p: _speed(dt, p) / (min(p.factors) * RADIUS),
+            "the rim's speed errs by 1/k of what the ball's does, the spin by 1/(k r)",
         ),
         forces_keep_momentum(),
         # The solid ball is the first to roll, after 0.49 s.
         *forces_obey_coulomb(end=0.45),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

@@ -7,25 +7,25 @@ has feet and no face, so that no engine's choice of contact points decides.
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.case.shared_checks.rest import GIVE
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final, angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, PlacedShape, Plane, Scene, Sphere, Surface, cylinder_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors
+from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, cylinder_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 1.5
-SPIN, FRICTION, MASS = 10.0, 0.3, 1.0
+SPIN, MASS = 10.0, 1.0
 FOOT, OUT, LOW = 0.02, 0.2, 0.05
 """Radius of a foot, its distance from the axis, and its centre's depth below the centre of mass [m]."""
 INERTIA = cylinder_inertia(MASS, 0.2, 0.03)
 
 
-def _scene(spin: float = SPIN, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    spin: float = SPIN
+    friction: float = 0.3
+
+
+def _scene(p: P) -> Scene:
     """A stool of four round feet on the ground, spinning at `spin` [rad/s] about the vertical."""
     feet = tuple(PlacedShape(shape=Sphere(radius=FOOT), p_BS=(x, y, -LOW)) for x in (-OUT, OUT) for y in (0.0,)) + tuple(
         PlacedShape(shape=Sphere(radius=FOOT), p_BS=(0.0, y, -LOW)) for y in (-OUT, OUT)
@@ -37,36 +37,35 @@ def _scene(spin: float = SPIN, friction: float = FRICTION) -> Scene:
         collision=feet,
         material="stool",
         p_WB=(0.0, 0.0, LOW + FOOT),
-        w_WB=(0.0, 0.0, spin),
+        w_WB=(0.0, 0.0, p.spin),
     )
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, stool),
-        surfaces=(Surface(between=("stool", "ground"), static_friction=friction, kinetic_friction=friction),),
+        bodies=(Body.ground(), stool),
+        surfaces=(Surface.rough(p.friction, ("stool", "ground")),),
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def deceleration(friction: float = FRICTION) -> float:
+def deceleration(friction: float) -> float:
     """mu m g rho/I [rad/s2]."""
     return friction * MASS * G * OUT / INERTIA[2][2]
 
 
-def _expected(time: Floats, spin: float = SPIN, friction: float = FRICTION) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Uniform deceleration of the spin, then rest."""
     truth = Trajectory.of(time, 2)
-    a = deceleration(friction)
-    t = truth.time if a == 0 else np.minimum(truth.time, abs(spin) / a)
-    angle = np.sign(spin) * (abs(spin) * t - a * t**2 / 2)
+    a = deceleration(p.friction)
+    t = truth.time if a == 0 else np.minimum(truth.time, abs(p.spin) / a)
+    angle = np.sign(p.spin) * (abs(p.spin) * t - a * t**2 / 2)
     truth.p_WB[:, 1, 2] = LOW + FOOT
     truth.q_WB[:, 1, 0], truth.q_WB[:, 1, 3] = np.cos(angle / 2), np.sin(angle / 2)
-    truth.w_WB[:, 1, 2] = np.sign(spin) * (abs(spin) - a * t)
+    truth.w_WB[:, 1, 2] = np.sign(p.spin) * (abs(p.spin) - a * t)
     return truth
 
 
-def _rate(dt: float, friction: float = FRICTION) -> float:
+def _rate(dt: float, p: P) -> float:
     """A first step without a contact, and a last one rubbed through to its end."""
-    return 2 * deceleration(friction) * dt
+    return 2 * deceleration(p.friction) * dt
 
 
 CASE = Case(
@@ -79,33 +78,32 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"spin": SPIN, "friction": FRICTION},
-    headline=angular_velocity_error_max.name,
+    parameters=P(),
+    headline=errors.angular_velocity_error_max.name,
     converges="once",
     scale=SPIN,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a spin that is braked never diverges"),
+        stays_finite("a spin that is braked never diverges"),
         Check(
-            metric=angular_velocity_error_max,
-            at_most=_rate,
-            because="a first step without a contact and a last one rubbed through to its end: mu m g rho dt/I each",
+            errors.angular_velocity_error_max,
+            _rate,
+            "a first step without a contact and a last one rubbed through to its end: mu m g rho dt/I each",
         ),
         Check(
-            metric=attitude_error_max,
-            at_most=lambda dt, spin=SPIN, friction=FRICTION: _rate(dt, friction) * DURATION + abs(spin) * dt,
-            because="the error of the spin all the way, and a staggered scheme's half step of turning, taken twice",
+            errors.attitude_error_max,
+            lambda dt, p: _rate(dt, p) * DURATION + abs(p.spin) * dt,
+            "the error of the spin all the way, and a staggered scheme's half step of turning, taken twice",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt: 2 * G * dt**2 + GIVE,
-            because="the feet's forces along the ground cancel; a first step of free fall, and a millimetre for contacts that "
-            "give way",
+            errors.position_error_max,
+            lambda dt, _: 2 * G * dt**2 + GIVE,
+            "the feet's forces along the ground cancel; a first step of free fall, and a millimetre for contacts that give way",
         ),
         Check(
-            metric=angular_velocity_error_final,
-            at_most=lambda dt, friction=FRICTION: deceleration(friction) * dt,
-            because="at rest friction takes any spin that is less than it can take in a step",
+            errors.angular_velocity_error_final,
+            lambda dt, p: deceleration(p.friction) * dt,
+            "at rest friction takes any spin that is less than it can take in a step",
         ),
         *forces_obey_coulomb(),
     ),

@@ -4,65 +4,50 @@ A box with speed v0 slows by mu g and stops after d = v0^2/(2 mu g) at t = v0/(m
 Source: Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 3/4.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum, forces_obey_coulomb
-from plumbline.harness.case.shared_checks.rest import GIVE
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.slide import centre_rise, stop_distance_error, stop_time_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Effect, Plane, Scene, Surface
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, forces_keep_momentum, forces_obey_coulomb
+from plumbline.harness.metrics import jitter, slide
+from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
-FRICTIONS = (0.2, 0.4, 0.7)
-SPEED, MASS, SPACING = 2.0, 1.0, 1.0
+MASS, SPACING = 1.0, 1.0
 HALF = (0.2, 0.2, 0.05)
 """Half extents [m], so flat that friction at the base tips no box: mu times the centre's height stays under the half length."""
 
 
-def scene(frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> Scene:
+class P(Parameters):
+    frictions: tuple[float, ...] = (0.2, 0.4, 0.7)
+    speed: float = 2.0
+
+
+def scene(p: P) -> Scene:
     """One box for each coefficient, side by side along y, touching the ground and moving along x at `speed` [m/s]."""
-    materials = [f"box_{i}" for i in range(len(frictions))]
+    materials = [f"box_{i}" for i in range(len(p.frictions))]
     boxes = [
-        Body.box(f"box_{i}", HALF, mass=MASS, material=materials[i], p_WB=(0.0, SPACING * i, HALF[2]), v_WB=(speed, 0.0, 0.0))
-        for i in range(len(frictions))
+        Body.box(f"box_{i}", HALF, mass=MASS, material=materials[i], p_WB=(0.0, SPACING * i, HALF[2]), v_WB=(p.speed, 0.0, 0.0))
+        for i in range(len(p.frictions))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *boxes),
-        surfaces=tuple(
-            Surface(between=(m, "ground"), static_friction=mu, kinetic_friction=mu)
-            for m, mu in zip(materials, frictions, strict=True)
-        ),
+        bodies=(Body.ground(), *boxes),
+        surfaces=tuple(Surface.rough(mu, (m, "ground")) for m, mu in zip(materials, p.frictions, strict=True)),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
         # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: uniform deceleration, then rest."""
-    truth = Trajectory.of(time, 1 + len(frictions))
-    for i, mu in enumerate(frictions, start=1):
-        sliding = truth.time if mu == 0 else np.minimum(truth.time, speed / (mu * G))
-        truth.p_WB[:, i, 0] = speed * sliding - mu * G * sliding**2 / 2
+    truth = Trajectory.of(time, 1 + len(p.frictions))
+    for i, mu in enumerate(p.frictions, start=1):
+        sliding = truth.time if mu == 0 else np.minimum(truth.time, p.speed / (mu * G))
+        truth.p_WB[:, i, 0] = p.speed * sliding - mu * G * sliding**2 / 2
         truth.p_WB[:, i, 1] = SPACING * (i - 1)
         truth.p_WB[:, i, 2] = HALF[2]
-        truth.v_WB[:, i, 0] = speed - mu * G * sliding
+        truth.v_WB[:, i, 0] = p.speed - mu * G * sliding
     return truth
-
-
-def _way(dt: float, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> float:
-    """One and a half steps' way over the shortest whole one."""
-    return 1.5 * speed * dt / (speed**2 / (2 * max(frictions) * G))
-
-
-def _time(dt: float, outer: float, frictions: Sequence[float] = FRICTIONS, speed: float = SPEED) -> float:
-    """A step and the one between two calls over the shortest time to a tenth of the speed."""
-    return (dt + outer) / (0.9 * speed / (max(frictions) * G))
 
 
 CASE = Case(
@@ -73,33 +58,33 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"frictions": FRICTIONS, "speed": SPEED},
+    parameters=P(),
     duration=1.5,
     sample_interval=1 / 240,
     with_contacts=True,
     checks=(
         Check(
-            metric=stop_distance_error,
-            at_most=_way,
-            because="a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
+            slide.stop_distance_error,
+            lambda dt, p: 1.5 * p.speed * dt / (p.speed**2 / (2 * max(p.frictions) * G)),
+            "a staggered scheme places the box half a step's way v0 dt/2 off, and the first step may pass before there "
             "is a contact to rub, one way v0 dt more; relative to the shortest way v0^2/(2 mu g), mu = 0.7",
         ),
         Check(
-            metric=stop_time_error,
-            at_most=_time,
-            because="one step without a contact at the start, the resolution of what is told at the end; relative to the "
+            slide.stop_time_error,
+            lambda dt, p: (dt + dt.outer) / (0.9 * p.speed / (max(p.frictions) * G)),
+            "one step without a contact at the start, the resolution of what is told at the end; relative to the "
             "shortest time to a tenth of the speed, 0.9 v0/(mu g), mu = 0.7",
         ),
         Check(
-            metric=centre_rise,
-            at_most=lambda dt: G * dt**2 + GIVE,
-            because="nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
+            slide.centre_rise,
+            lambda dt, _: G * dt**2 + GIVE,
+            "nothing pushes a sliding box up; a contact that is lost is regained in the next step, in which the box "
             "moves at most g dt for dt; and one that gives way by a millimetre may swing up by as much",
         ),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt, frictions=FRICTIONS: min(frictions) * G * dt,
-            because="friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
+            jitter.rms_speed,
+            lambda dt, p: min(p.frictions) * G * dt,
+            "friction takes any speed under mu g dt within a step, so none is left once all have stopped (t = 1.02 s)",
             start=1.25,
         ),
         forces_keep_momentum(),

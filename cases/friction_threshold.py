@@ -5,16 +5,13 @@ Source: Coulomb's law; Meriam and Kraige, Engineering Mechanics: Statics, 7th ed
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.creep import creep_speed
-from plumbline.harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_obey_coulomb
+from plumbline.harness.metrics import slide, statics
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Box,
     Effect,
@@ -27,13 +24,17 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
-FRICTION, MASS, SPACING, DURATION = 0.5, 1.0, 1.0, 1.0
+MASS, SPACING, DURATION = 1.0, 1.0, 1.0
 STEEPNESS = (0.5, 0.8, 0.9, 0.95, 0.97, 0.98, 0.99, 1.01, 1.02, 1.03, 1.05, 1.1, 1.2, 1.5)
 """tan(angle)/mu of the inclines: densest at the threshold, which is never one of them."""
 HALF = (0.1, 0.1, 0.025)
 THICKNESS, WIDTH = 0.2, 0.3
 """Half extents [m] of an incline along its normal and across the fall line."""
+
+
+class P(Parameters):
+    steepness: tuple[float, ...] = STEEPNESS
+    friction: float = 0.5
 
 
 def _acceleration(steepness: float, friction: float) -> float:
@@ -42,13 +43,13 @@ def _acceleration(steepness: float, friction: float) -> float:
     return max(0.0, G * (math.sin(angle) - friction * math.cos(angle)))
 
 
-def scene(steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) -> Scene:
+def scene(p: P) -> Scene:
     """One incline with a box at rest on it for each steepness, side by side along y; down is towards +x."""
     # Each incline is long enough for twice the way that its box has in truth.
     bodies = []
-    for i, steep in enumerate(steepness):
-        turn = axis_angle((0.0, 1.0, 0.0), math.atan(steep * friction))
-        length = 5 * HALF[0] + _acceleration(steep, friction) * DURATION**2
+    for i, steep in enumerate(p.steepness):
+        turn = axis_angle((0.0, 1.0, 0.0), math.atan(steep * p.friction))
+        length = 5 * HALF[0] + _acceleration(steep, p.friction) * DURATION**2
         below = rotate(turn, (0.0, 0.0, -THICKNESS - HALF[2]))
         box = (PlacedShape(shape=Box(half_extents=HALF)),)
         incline = (PlacedShape(shape=Box(half_extents=(length, WIDTH, THICKNESS))),)
@@ -74,35 +75,25 @@ def scene(steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) ->
         ]
     return Scene(
         bodies=tuple(bodies),
-        surfaces=(Surface(between=("box", "incline"), static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface.rough(p.friction, ("box", "incline")),),
         apart=(("box", "box"),),
         # Boxes that slide flat never turn, so that no gyroscopic torque is asked for.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: at rest, or uniformly accelerated down the incline."""
-    stage = scene(steepness, friction)
+    stage = scene(p)
     truth = Trajectory.of(time, len(stage.bodies))
     for place, body in enumerate(stage.bodies):
         truth.p_WB[:, place], truth.q_WB[:, place] = body.p_WB, body.q_WB
         if body.movable:
-            a = _acceleration(steepness[place // 2], friction)
+            a = _acceleration(p.steepness[place // 2], p.friction)
             down = rotate(body.q_WB, (1.0, 0.0, 0.0))
             truth.p_WB[:, place] += np.outer(a * truth.time**2 / 2, down)
             truth.v_WB[:, place] = np.outer(a * truth.time, down)
     return truth
-
-
-def _late(dt: float, steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) -> float:
-    """A speed of one free step, g tan(angle) dt at most, seen as an acceleration, over g."""
-    return 2 * max(steepness) * friction * dt / DURATION
-
-
-def _creep(_dt: float, steepness: Sequence[float] = STEEPNESS, friction: float = FRICTION) -> float:
-    """A tenth of the mean speed [m/s] of the slowest slider."""
-    return 0.1 * _acceleration(min(steep for steep in steepness if steep > 1.0), friction) * DURATION / 2
 
 
 CASE = Case(
@@ -113,26 +104,26 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"steepness": STEEPNESS, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     checks=(
         Check(
-            metric=threshold_angle_error,
-            at_most=0.01,
-            because="the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
+            statics.threshold_angle_error,
+            0.01,
+            "the inclines next to the threshold stand 1 % of mu to both sides; if they are told apart the middle lies "
             "within 0.1 % of it, and if not, the next bracket's lies 1.2 % off",
         ),
         Check(
-            metric=incline_acceleration_error,
-            at_most=_late,
-            because="the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
+            statics.incline_acceleration_error,
+            lambda dt, p: 2 * max(p.steepness) * p.friction * dt / DURATION,
+            "the first step may pass before there is a contact to rub: a speed g sin(angle) dt that stays, which 2 "
             "s/t^2 sees as an acceleration of 2 g sin(angle) dt/t; sin < tan = 0.75 at the steepest",
         ),
         Check(
-            metric=creep_speed,
-            at_most=_creep,
-            because="a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
+            slide.creep_speed,
+            lambda _dt, p: 0.1 * _acceleration(min(steep for steep in p.steepness if steep > 1.0), p.friction) * DURATION / 2,
+            "a tenth of the mean speed of the slowest slider, 1 % over the threshold: creep is never taken for sliding",
             start=DURATION / 2,
         ),
         *forces_obey_coulomb(),

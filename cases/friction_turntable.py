@@ -5,22 +5,23 @@ v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.radius import radius_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Scene, Surface
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics.errors import position_error_final, position_error_max, radius_error_max, velocity_error_max
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 4.0
 RATE, START, FRICTION, RADIUS, MASS = 3.0, 0.5, 1.0, 0.05, 1.0
 SHARE = 0.4 / 1.4
 """k/(1 + k) of a solid sphere: 2/7."""
 HALF = (2.0, 2.0, 0.1)
 """Half extents of the table [m]."""
+
+
+class P(Parameters):
+    rate: float = RATE
+    start: float = START
 
 
 def _ball(time: Floats, rate: float, start: float) -> tuple[Floats, Floats, Floats]:
@@ -32,47 +33,49 @@ def _ball(time: Floats, rate: float, start: float) -> tuple[Floats, Floats, Floa
     return start * out + np.array([0.0, 0.0, RADIUS]), SHARE * rate * start * along, (1 - SHARE) * rate * start / RADIUS * out
 
 
-def _scene(rate: float = RATE, start: float = START) -> Scene:
+def _scene(p: P) -> Scene:
     """A table turning at `rate` [rad/s] about z and a ball on it, `start` [m] from the axis, on its circle."""
-    p, v, w = _ball(np.zeros(1), rate, start)
+    centre, v, w = _ball(np.zeros(1), p.rate, p.start)
     table = Body(
         name="table",
         motion="kinematic",
         material="table",
         collision=(PlacedShape(shape=Box(half_extents=HALF)),),
         p_WB=(0.0, 0.0, -HALF[2]),
-        w_WB=(0.0, 0.0, rate),
+        w_WB=(0.0, 0.0, p.rate),
     )
-    ball = Body.ball("ball", RADIUS, mass=MASS, material="ball", p_WB=p[0].tolist(), v_WB=v[0].tolist(), w_WB=w[0].tolist())
+    ball = Body.ball(
+        "ball", RADIUS, mass=MASS, material="ball", p_WB=centre[0].tolist(), v_WB=v[0].tolist(), w_WB=w[0].tolist()
+    )
     return Scene(
         bodies=(table, ball),
-        surfaces=(Surface(between=("ball", "table"), static_friction=FRICTION, kinetic_friction=FRICTION),),
+        surfaces=(Surface.rough(FRICTION, ("ball", "table")),),
         # A ball's inertia is the same about every axis.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, rate: float = RATE, start: float = START) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The circle. The ball's attitude is not part of the truth: its spin turns with the circle and does not add up to an "
     "angle."""
     truth = Trajectory.of(time, 2)
     truth.p_WB[:, 0, 2] = -HALF[2]
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(rate * truth.time / 2), np.sin(rate * truth.time / 2)
-    truth.w_WB[:, 0, 2] = rate
-    truth.p_WB[:, 1], truth.v_WB[:, 1], truth.w_WB[:, 1] = _ball(truth.time, rate, start)
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(p.rate * truth.time / 2), np.sin(p.rate * truth.time / 2)
+    truth.w_WB[:, 0, 2] = p.rate
+    truth.p_WB[:, 1], truth.v_WB[:, 1], truth.w_WB[:, 1] = _ball(truth.time, p.rate, p.start)
     return truth
 
 
-def _position(dt: float, rate: float = RATE, start: float = START) -> float:
+def _position(dt: float, p: P) -> float:
     """First-order methods turn the velocity at the start or the end of a step: the circle widens by W' dt/2 each radian."""
-    turn = SHARE * rate
-    return 2 * start * turn * dt * (1 + turn * DURATION)
+    turn = SHARE * p.rate
+    return 2 * p.start * turn * dt * (1 + turn * DURATION)
 
 
-def _velocity(dt: float, rate: float = RATE, start: float = START) -> float:
+def _velocity(dt: float, p: P) -> float:
     """The speed on a circle that much off, and half a step of turning, taken twice."""
-    turn = SHARE * rate
-    return turn * _position(dt, rate, start) + SHARE * rate * start * turn * dt
+    turn = SHARE * p.rate
+    return turn * _position(dt, p) + SHARE * p.rate * p.start * turn * dt
 
 
 CASE = Case(
@@ -84,24 +87,20 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"rate": RATE, "start": START},
+    parameters=P(),
     headline=position_error_max.name,
     converges="once",
     scale=START,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a circle never diverges"),
+        stays_finite("a circle never diverges"),
         Check(
-            metric=position_error_max,
-            at_most=_position,
-            because="friction of the start or of the end of a step turns the velocity half a step early or late, which widens "
+            position_error_max,
+            _position,
+            "friction of the start or of the end of a step turns the velocity half a step early or late, which widens "
             "or narrows the circle by W' dt/2 for each radian of it; taken four times for a first step without a contact",
         ),
-        Check(
-            metric=velocity_error_max,
-            at_most=_velocity,
-            because="the speed on a circle that much off, and half a step of turning, taken twice",
-        ),
+        Check(velocity_error_max, _velocity, "the speed on a circle that much off, and half a step of turning, taken twice"),
         *forces_obey_coulomb(),
     ),
     observe=(position_error_final, radius_error_max),

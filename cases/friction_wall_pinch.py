@@ -4,18 +4,12 @@ A push F holds a box of weight m g iff mu F >= m g; what does not hold falls wit
 towards the wall.
 """
 
-from collections.abc import Sequence
-
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_obey_coulomb
-from plumbline.harness.metrics.creep import creep_speed
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
+from plumbline.harness.metrics import errors, slide
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 1.0
 PUSH, MASS, SPACING = 2.0, 1.0, 0.5
 FRICTIONS = (0.3, 0.45, 0.48, 0.52, 0.55, 0.8)
@@ -26,42 +20,44 @@ LONG = 6.0
 """Half extents [m] of the wall along its normal and down."""
 
 
-def _scene(push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Scene:
+class P(Parameters):
+    push: float = PUSH
+    frictions: tuple[float, ...] = FRICTIONS
+
+
+def _scene(p: P) -> Scene:
     """One box for each coefficient, side by side along y, against a wall in the plane x = 0, pushed by `push` times its "
     "weight."""
     boxes = [
         Body.box(f"box_{i}", HALF, mass=MASS, material=f"box_{i}", p_WB=(-HALF[0], SPACING * i, 0.0))
-        for i in range(len(frictions))
+        for i in range(len(p.frictions))
     ]
-    width = SPACING * len(frictions)
+    width = SPACING * len(p.frictions)
     wall = Body.fixed("wall", Box(half_extents=(THICKNESS, width, LONG)), material="wall", p_WB=(THICKNESS, 0.0, 0.0))
     names = [box.material for box in boxes]
     return Scene(
         bodies=(wall, *boxes),
-        gravity=(push * G, 0.0, -G),
-        surfaces=tuple(
-            Surface(between=(name, "wall"), static_friction=mu, kinetic_friction=mu)
-            for name, mu in zip(names, frictions, strict=True)
-        ),
+        gravity=(p.push * G, 0.0, -G),
+        surfaces=tuple(Surface.rough(mu, (name, "wall")) for name, mu in zip(names, p.frictions, strict=True)),
         apart=tuple((a, b) for i, a in enumerate(names) for b in names[i + 1 :]),
         # Boxes flat against a wall never turn.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def _expected(time: Floats, push: float = PUSH, frictions: Sequence[float] = FRICTIONS) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Rest or uniform acceleration down the wall."""
-    truth = Trajectory.of(time, 1 + len(frictions))
+    truth = Trajectory.of(time, 1 + len(p.frictions))
     truth.p_WB[:, 0, 0] = THICKNESS
-    for i, mu in enumerate(frictions, start=1):
-        a = max(0.0, G * (1 - mu * push))
+    for i, mu in enumerate(p.frictions, start=1):
+        a = max(0.0, G * (1 - mu * p.push))
         truth.p_WB[:, i, 0], truth.p_WB[:, i, 1] = -HALF[0], SPACING * (i - 1)
         truth.p_WB[:, i, 2] = -a * truth.time**2 / 2
         truth.v_WB[:, i, 2] = -a * truth.time
     return truth
 
 
-def _speed(dt: float) -> float:
+def _speed(dt: float, _: P) -> float:
     """The first step may pass before there is a contact: then a box falls freely for it, twice for a soft contact."""
     return 2 * G * dt
 
@@ -75,31 +71,27 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"push": PUSH, "frictions": FRICTIONS},
+    parameters=P(),
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="once",
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a sliding box never diverges"),
+        stays_finite("a sliding box never diverges"),
+        Check(errors.velocity_error_max, _speed, "a first step without a contact is a step of free fall, taken twice"),
         Check(
-            metric=velocity_error_max,
-            at_most=_speed,
-            because="a first step without a contact is a step of free fall, taken twice",
+            errors.position_error_max,
+            lambda dt, p: _speed(dt, p) * DURATION + 1e-3,
+            "the error of the speed all the way, and a millimetre for contacts that give way under the push",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt: _speed(dt) * DURATION + 1e-3,
-            because="the error of the speed all the way, and a millimetre for contacts that give way under the push",
-        ),
-        Check(
-            metric=creep_speed,
-            at_most=1e-4,
-            start=0.5,
-            because="a tenth of a millimetre a second: a gripper that holds an object for ten seconds loses a millimetre. "
+            slide.creep_speed,
+            1e-4,
+            "a tenth of a millimetre a second: a gripper that holds an object for ten seconds loses a millimetre. "
             "Coulomb's law allows none",
+            start=0.5,
         ),
         *forces_obey_coulomb(),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

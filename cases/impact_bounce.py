@@ -6,13 +6,11 @@ Source: Stronge, Impact Mechanics, 2nd ed.; Falcon et al., Eur. Phys. J. B 3 (19
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
-from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SPRING_STEPS, G, forces_keep_momentum
 from plumbline.harness.metrics.restitution import (
     HOP,
     bounce_gain,
@@ -22,30 +20,35 @@ from plumbline.harness.metrics.restitution import (
     later_restitution_error,
     restitution_error,
 )
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
-RESTITUTIONS = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)
-DROP, RADIUS, MASS, SPACING = 1.0, 0.1, 1.0, 1.0
+MASS, SPACING = 1.0, 1.0
 
 
-def _fall(drop: float = DROP) -> float:
+class P(Parameters):
+    restitutions: tuple[float, ...] = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)
+    drop: float = 1.0
+    radius: float = 0.1
+
+
+def _fall(drop: float) -> float:
     """Time to the first impact [s]."""
     return math.sqrt(2 * drop / G)
 
 
-def scene(restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radius: float = RADIUS) -> Scene:
+def scene(p: P) -> Scene:
     """One ball for each restitution, side by side along y, its lowest point `drop` [m] over the ground."""
-    materials = [f"ball_{i}" for i in range(len(restitutions))]
+    materials = [f"ball_{i}" for i in range(len(p.restitutions))]
     balls = [
-        Body.ball(f"ball_{i}", radius, mass=MASS, material=materials[i], p_WB=(0.0, (SPACING + 2 * radius) * i, radius + drop))
-        for i in range(len(restitutions))
+        Body.ball(
+            f"ball_{i}", p.radius, mass=MASS, material=materials[i], p_WB=(0.0, (SPACING + 2 * p.radius) * i, p.radius + p.drop)
+        )
+        for i in range(len(p.restitutions))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
     return Scene(
-        bodies=(ground, *balls),
-        surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, restitutions, strict=True)),
+        bodies=(Body.ground(), *balls),
+        surfaces=tuple(Surface(between=(m, "ground"), restitution=e) for m, e in zip(materials, p.restitutions, strict=True)),
         apart=tuple((a, b) for i, a in enumerate(materials) for b in materials[i + 1 :]),
     )
 
@@ -65,34 +68,27 @@ def _bounce(time: Floats, restitution: float, drop: float) -> tuple[Floats, Floa
     return np.where(resting, 0.0, gap), np.where(resting, 0.0, speed)
 
 
-def expected(
-    time: Floats, restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP, radius: float = RADIUS
-) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: parabola after parabola, then rest."""
-    truth = Trajectory.of(time, 1 + len(restitutions))
-    for i, e in enumerate(restitutions, start=1):
-        truth.p_WB[:, i, 1] = (SPACING + 2 * radius) * (i - 1)
-        gap, truth.v_WB[:, i, 2] = _bounce(truth.time, e, drop)
-        truth.p_WB[:, i, 2] = gap + radius
+    truth = Trajectory.of(time, 1 + len(p.restitutions))
+    for i, e in enumerate(p.restitutions, start=1):
+        truth.p_WB[:, i, 1] = (SPACING + 2 * p.radius) * (i - 1)
+        gap, truth.v_WB[:, i, 2] = _bounce(truth.time, e, p.drop)
+        truth.p_WB[:, i, 2] = gap + p.radius
     return truth
 
 
 SAMPLE, DURATION = 1 / 960, 4.5
 
 
-def _height(dt: float, drop: float = DROP) -> float:
+def _height(dt: float, p: P) -> float:
     """One step's way off the ground, 2 dt/t0, and gravity during the impact: 2 dt/t0 of one step's, T/(3 t0) of a spring's."""
-    return (2 + max(2, SPRING_STEPS / 3)) * dt / _fall(drop)
+    return (2 + max(2, SPRING_STEPS / 3)) * dt / _fall(p.drop)
 
 
-def _late(dt: float, restitutions: Sequence[float] = RESTITUTIONS) -> float:
-    """Half a step of a staggered fall; a step's way off the ground at the least speed that flies twice; the impact itself."""
-    return (0.5 + 1 / min([e for e in restitutions if e > 0], default=1.0) + max(1 + 2, SPRING_STEPS)) * dt
-
-
-def _end(dt: float, restitutions: Sequence[float] = RESTITUTIONS, drop: float = DROP) -> float:
+def _end(dt: float, p: P) -> float:
     """The bound [s] on the end of bouncing, of the largest restitution that ends within the run; a sample where none does."""
-    resting = [e for e in restitutions if 0 < e < 1 and _fall(drop) * (1 + e) / (1 - e) < DURATION]
+    resting = [e for e in p.restitutions if 0 < e < 1 and _fall(p.drop) * (1 + e) / (1 - e) < DURATION]
     if not resting:
         return SAMPLE
     slowest = max(resting)
@@ -114,36 +110,32 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"restitutions": RESTITUTIONS, "drop": DROP, "radius": RADIUS},
+    parameters=P(),
     duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,
     with_contacts=True,
     checks=(
+        Check(bounce_height_error, _height, f"{HEIGHT}; t0 is the time of fall"),
         Check(
-            metric=bounce_height_error,
-            at_most=_height,
-            because=f"{HEIGHT}; t0 is the time of fall",
-        ),
-        Check(
-            metric=impact_time_error,
-            at_most=_late,
-            because="a staggered fall lands half a step early; a ball turned v dt off the ground lands v dt/(e v) off, 3.4 dt "
+            impact_time_error,
+            lambda dt, p: (0.5 + 1 / min([e for e in p.restitutions if e > 0], default=1.0) + max(1 + 2, SPRING_STEPS)) * dt,
+            "a staggered fall lands half a step early; a ball turned v dt off the ground lands v dt/(e v) off, 3.4 dt "
             "at e = 0.3, the least that flies twice; and the impact takes its time: a step, after which a speed g dt off "
             "makes 2 dt, or the ten steps of a spring, which a slower rebound only shortens",
         ),
         Check(
-            metric=bouncing_time_error,
-            at_most=_end,
-            because="a speed after an impact that is g dt off moves the end of all bouncing by 2 dt/(1 - e); a ball turned v "
+            bouncing_time_error,
+            _end,
+            "a speed after an impact that is g dt off moves the end of all bouncing by 2 dt/(1 - e); a ball turned v "
             "dt off the ground comes in g dt/e faster the next time, 2 dt/(e (1 - e)) more; a spring's impact takes ten steps; "
             "and so does each impact of the ball that takes longest to rest, n = ln(0.01)/ln(e) of them until its hops are "
             "1e-4 of the drop high; one sample beside it. A threshold under which nothing bounces ends it early",
         ),
         Check(
-            metric=bounce_gain,
-            at_most=_height,
-            because=f"what one bounce may rise too high it may gain, and no more: {HEIGHT}. That it must not gain at all is "
+            bounce_gain,
+            _height,
+            f"what one bounce may rise too high it may gain, and no more: {HEIGHT}. That it must not gain at all is "
             "the law; a method of first order errs to either side of it, and gains anew with each bounce",
         ),
         forces_keep_momentum(),

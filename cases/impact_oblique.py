@@ -9,19 +9,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.contact_laws import forces_keep_momentum
-from plumbline.harness.case.shared_checks.impact import SPRING_STEPS
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_final
-from plumbline.harness.metrics.velocity import velocity_error_final
-from plumbline.harness.scene import Body, Plane, Scene, Surface, sphere_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SPRING_STEPS, forces_keep_momentum, stays_finite
+from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final, velocity_error_final
+from plumbline.harness.scene import Body, Scene, Surface, sphere_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.coulomb_impact import coulomb_impact
 
-FRICTION, RESTITUTION = 0.3, 0.6
 MASS, RADIUS, SPACING, APPROACH = 1.0, 0.2, 2.0, 2.0
 HEIGHT, HIGHER = 0.25, 0.007
 """Of the first ball over the ground, and how much higher each next one starts, so that every ball comes at another phase of the
@@ -42,6 +37,14 @@ backspin that slips; spin alone, askew and about the vertical, which one point o
 Motion = tuple[tuple[float, float], Vector3]
 
 
+class P(Parameters):
+    velocities: tuple[tuple[float, ...], ...] = VELOCITIES
+    spins: tuple[tuple[float, ...], ...] = SPINS
+    approach: float = APPROACH
+    friction: float = 0.3
+    restitution: float = 0.6
+
+
 def _motions(
     velocities: Sequence[Sequence[float]], spins: Sequence[Sequence[float]], approach: float
 ) -> list[tuple[Floats, Floats]]:
@@ -52,13 +55,7 @@ def _motions(
     ]
 
 
-def scene(
-    velocities: Sequence[Sequence[float]] = VELOCITIES,
-    spins: Sequence[Sequence[float]] = SPINS,
-    approach: float = APPROACH,
-    friction: float = FRICTION,
-    restitution: float = RESTITUTION,
-) -> Scene:
+def scene(p: P) -> Scene:
     """Balls side by side along y with horizontal `velocities` [m/s] and `spins` [rad/s], coming down at `approach` [m/s]."""
     balls = [
         Body.ball(
@@ -70,81 +67,59 @@ def scene(
             v_WB=v_W.tolist(),
             w_WB=w_W.tolist(),
         )
-        for i, (v_W, w_W) in enumerate(_motions(velocities, spins, approach))
+        for i, (v_W, w_W) in enumerate(_motions(p.velocities, p.spins, p.approach))
     ]
-    ground = Body.fixed("ground", Plane(), material="ground")
-    law = Surface(between=("ball", "ground"), static_friction=friction, kinetic_friction=friction, restitution=restitution)
-    return Scene(bodies=(ground, *balls), surfaces=(law,), gravity=(0.0, 0.0, 0.0), apart=(("ball", "ball"),))
+    law = Surface.rough(p.friction, ("ball", "ground"), restitution=p.restitution)
+    return Scene(bodies=(Body.ground(), *balls), surfaces=(law,), gravity=(0.0, 0.0, 0.0), apart=(("ball", "ball"),))
 
 
-def expected(
-    time: Floats,
-    velocities: Sequence[Sequence[float]] = VELOCITIES,
-    spins: Sequence[Sequence[float]] = SPINS,
-    approach: float = APPROACH,
-    friction: float = FRICTION,
-    restitution: float = RESTITUTION,
-) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: straight flight, one impulse, straight flight.
 
     The attitude is left out: no check reads it.
     """
-    stage = scene(velocities, spins, approach, friction, restitution)
+    stage = scene(p)
     truth = Trajectory.of(time, len(stage.bodies))
-    for place, (v_W, w_W) in enumerate(_motions(velocities, spins, approach), start=1):
-        meeting = (HEIGHT + HIGHER * (place - 1)) / approach
+    for place, (v_W, w_W) in enumerate(_motions(p.velocities, p.spins, p.approach), start=1):
+        meeting = (HEIGHT + HIGHER * (place - 1)) / p.approach
         since = np.maximum(truth.time - meeting, 0.0)[:, None]
         before = np.minimum(truth.time, meeting)[:, None]
         moment = sphere_inertia(MASS, RADIUS)[0][0]
-        v_after, w_after = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, restitution, friction)
+        v_after, w_after = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, p.restitution, p.friction)
         truth.p_WB[:, place] = np.array(stage.bodies[place].p_WB) + before * v_W + since * v_after
         truth.v_WB[:, place] = np.where(truth.time[:, None] < meeting, v_W, v_after)
         truth.w_WB[:, place] = np.where(truth.time[:, None] < meeting, w_W, w_after)
     return truth
 
 
-def _caught_off_the_plane(
-    dt: float,
-    velocities: Sequence[Sequence[float]] = VELOCITIES,
-    spins: Sequence[Sequence[float]] = SPINS,
-    approach: float = APPROACH,
-    friction: float = FRICTION,
-    restitution: float = RESTITUTION,
-) -> tuple[float, float]:
+def _caught_off_the_plane(dt: float, p: P) -> tuple[float, float]:
     """By how much v [m/s] and w [rad/s] after the impact change when the arm is off by one step's way, the worst ball.
 
     Or, where that is more, shorter by the depth v T/pi of a spring's impact.
     """
-    moment, way = sphere_inertia(MASS, RADIUS)[0][0], approach * dt
+    moment, way = sphere_inertia(MASS, RADIUS)[0][0], p.approach * dt
     depth = max(1.0, SPRING_STEPS / np.pi) * way
     worst = np.zeros(2)
-    for v_W, w_W in _motions(velocities, spins, approach):
-        right = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, restitution, friction)
+    for v_W, w_W in _motions(p.velocities, p.spins, p.approach):
+        right = coulomb_impact(v_W, w_W, MASS, moment, RADIUS, p.restitution, p.friction)
         for arm in (RADIUS - depth, RADIUS + way):
-            motion = coulomb_impact(v_W, w_W, MASS, moment, arm, restitution, friction)
+            motion = coulomb_impact(v_W, w_W, MASS, moment, arm, p.restitution, p.friction)
             worst = np.maximum(worst, [np.linalg.norm(a - b) for a, b in zip(motion, right, strict=True)])
     return float(worst[0]), float(worst[1])
 
 
-def _bound(column: int) -> Callable[..., float]:
+def _bound(column: int) -> Callable[[float, P], float]:
     """The bound over dt of v (0) or w (1), with single precision of the fastest ball beside it."""
-    return lambda dt, **blow: _caught_off_the_plane(dt, **blow)[column] + 1e-5
+    return lambda dt, p: _caught_off_the_plane(dt, p)[column] + 1e-5
 
 
-def _way(
-    dt: float,
-    velocities: Sequence[Sequence[float]] = VELOCITIES,
-    spins: Sequence[Sequence[float]] = SPINS,
-    approach: float = APPROACH,
-    friction: float = FRICTION,
-    restitution: float = RESTITUTION,
-) -> float:
+def _way(dt: float, p: P) -> float:
     """The bound [m] over dt of the final place."""
-    fastest = max(float(np.linalg.norm(velocity)) for velocity in velocities)
-    change = (1 + restitution) * approach * (1 + friction)
+    fastest = max(float(np.linalg.norm(velocity)) for velocity in p.velocities)
+    change = (1 + p.restitution) * p.approach * (1 + p.friction)
     astray = max(change + fastest, SPRING_STEPS / 2 * change)
-    speed = _caught_off_the_plane(dt, velocities, spins, approach, friction, restitution)[0] + 1e-5
-    return astray * dt + speed * max(0.0, DURATION - HEIGHT / approach) + 1e-5
+    speed = _caught_off_the_plane(dt, p)[0] + 1e-5
+    return astray * dt + speed * max(0.0, DURATION - HEIGHT / p.approach) + 1e-5
 
 
 DURATION = 0.5
@@ -162,24 +137,18 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={
-        "velocities": VELOCITIES,
-        "spins": SPINS,
-        "approach": APPROACH,
-        "friction": FRICTION,
-        "restitution": RESTITUTION,
-    },
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     sample_interval=0.0,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a ball that has bounced flies on"),
-        Check(metric=velocity_error_final, at_most=_bound(0), because=ARM),
-        Check(metric=angular_velocity_error_final, at_most=_bound(1), because=ARM),
+        stays_finite("a ball that has bounced flies on"),
+        Check(velocity_error_final, _bound(0), ARM),
+        Check(angular_velocity_error_final, _bound(1), ARM),
         Check(
-            metric=position_error_final,
-            at_most=_way,
-            because="an impact may come one step early or late, in which the ball goes the change of its velocity times dt "
+            position_error_final,
+            _way,
+            "an impact may come one step early or late, in which the ball goes the change of its velocity times dt "
             "astray, or take a spring's ten steps, half of which it goes by that change astray; and then it errs by the bound "
             "on its velocity over the rest of the run",
         ),

@@ -4,22 +4,26 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Converged
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.first_order import true_motion
 
-G = -EARTH_GRAVITY[2]
-LINKS, ANGLE, DURATION = 10, 20.0, 2.0
-"""Degrees from the downward vertical: a regular swing within the horizon of the reference."""
+DURATION = 2.0
 LENGTH, MASS, THICKNESS = 0.2, 1.0, 0.02
 HALF = (THICKNESS, THICKNESS, LENGTH / 2)
 INERTIA = box_inertia(MASS, HALF)[1][1]
 SAMPLE = 1 / 3840
 """The step [s] at which the first-order error of semi-implicit Euler is taken."""
+
+
+class P(Parameters):
+    n: float = 10
+    angle: float = 20.0
+    """Degrees from the downward vertical: a regular swing within the horizon of the reference."""
 
 
 def placed(time: Floats, theta: Floats, rate: Floats) -> Trajectory:
@@ -35,20 +39,13 @@ def placed(time: Floats, theta: Floats, rate: Floats) -> Trajectory:
     return truth
 
 
-def scene(n: float = LINKS, angle: float = ANGLE) -> Scene:
+def scene(p: P) -> Scene:
     """n equal rods in one line at `angle` [degrees], the first on a hinge at the origin; all axes along y, all at rest."""
-    count = round(n)
-    theta = np.full((1, count), np.radians(angle))
+    count = round(p.n)
+    theta = np.full((1, count), np.radians(p.angle))
     start = placed(np.zeros(1), theta, np.zeros_like(theta))
     rods = tuple(
-        Body(
-            name=f"link_{k}",
-            mass=MASS,
-            inertia=box_inertia(MASS, HALF),
-            visual=(PlacedShape(shape=Box(half_extents=HALF)),),
-            p_WB=start.p_WB[0, k].tolist(),
-            q_WB=start.q_WB[0, k].tolist(),
-        )
+        Body.box(f"link_{k}", HALF, mass=MASS, touches=False, p_WB=start.p_WB[0, k].tolist(), q_WB=start.q_WB[0, k].tolist())
         for k in range(count)
     )
     along = LENGTH * np.array([np.sin(theta[0, 0]), 0.0, -np.cos(theta[0, 0])])
@@ -87,37 +84,20 @@ def acceleration(theta: Floats, rate: Floats) -> Floats:
     return np.asarray(np.linalg.solve(coupling * np.cos(apart), push), dtype=np.float64)
 
 
-def _solve(time: Floats, n: int, angle: float, rtol: float) -> Trajectory:
-    """The motion by Dormand and Prince's method of order 8."""
-    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
-
-    def change(_t: float, y: Floats) -> Floats:
-        return np.concatenate([y[n:], acceleration(y[:n], y[n:])])
-
-    if len(time) == 0:
-        return Trajectory.of(time, n)
-    start = np.concatenate([np.full(n, np.radians(angle)), np.zeros(n)])
-    solution = solve_ivp(change, (0.0, max(float(time[-1]), 1e-9)), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
-    if not solution.success:
-        raise RuntimeError(f"the reference integration stopped: {solution.message}")
-    return placed(time, solution.y.T[:, :n], solution.y.T[:, n:])
-
-
 @lru_cache(maxsize=8)
 def _reference(times: tuple[float, ...], n: int, angle: float) -> Converged:
     time = np.array(times)
-    fine, coarse = (_solve(time, n, angle, rtol) for rtol in (1e-12, 1e-10))
-    return Converged(
-        trajectory=fine,
-        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
-        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max(initial=0.0)),
+    start = np.full(n, np.radians(angle)).tolist(), [0.0] * n
+    fine, coarse = (
+        placed(time, y[:, :n], y[:, n:]) for y in (true_motion(acceleration, *start, time, rtol) for rtol in (1e-12, 1e-10))
     )
+    return Converged.between(fine, coarse)
 
 
-def expected(time: Floats, n: float = LINKS, angle: float = ANGLE) -> Converged:
+def expected(time: Floats, p: P) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-12; the error bar is the distance to 1e-10, a hundred times
     the tolerance and so far above the error of the finer one."""
-    return _reference(tuple(float(t) for t in time), round(n), angle)
+    return _reference(tuple(float(t) for t in time), round(p.n), p.angle)
 
 
 def energy(run: Trajectory) -> tuple[Floats, Floats]:
@@ -127,10 +107,10 @@ def energy(run: Trajectory) -> tuple[Floats, Floats]:
 
 
 @lru_cache(maxsize=16)
-def first_order(n: float = LINKS, angle: float = ANGLE) -> tuple[float, float, float]:
+def first_order(p: P) -> tuple[float, float, float]:
     """Errors per dt of semi-implicit Euler in joint angles, of position [m/s] and relative energy [1/s]; and the largest speed
     [m/s] of a rod's end."""
-    theta, rate = np.full(round(n), np.radians(angle)), np.zeros(round(n))
+    theta, rate = np.full(round(p.n), np.radians(p.angle)), np.zeros(round(p.n))
     angles, rates, every = [theta], [rate], 16
     for step in range(1, round(DURATION / SAMPLE) + 1):
         rate = rate + SAMPLE * acceleration(theta, rate)
@@ -139,7 +119,7 @@ def first_order(n: float = LINKS, angle: float = ANGLE) -> tuple[float, float, f
             angles.append(theta)
             rates.append(rate)
     time = np.arange(len(angles), dtype=np.float64) * (every * SAMPLE)
-    euler, truth = placed(time, np.array(angles), np.array(rates)), expected(time, n, angle).trajectory
+    euler, truth = placed(time, np.array(angles), np.array(rates)), expected(time, p).trajectory
     moved = float(np.linalg.norm(euler.p_WB - truth.p_WB, axis=-1).max())
     kinetic, potential = energy(euler)
     drift = float(np.abs(kinetic + potential - potential[0]).max()) / float(energy(truth)[0].max())
@@ -160,21 +140,21 @@ CASE = Case(
     truth="converged reference",
     scene=scene,
     expected=expected,
-    parameters={"n": LINKS, "angle": ANGLE},
+    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=64, lost=0.1),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a hanging chain never diverges"),
-        Check(metric=position_error_max, at_most=lambda dt, **chain: 2 * first_order(**chain)[0] * dt, because=WHY),
-        Check(metric=energy_drift_max, at_most=lambda dt, **chain: 2 * first_order(**chain)[1] * dt, because=WHY),
+        stays_finite("a hanging chain never diverges"),
+        Check(errors.position_error_max, lambda dt, p: 2 * first_order(p)[0] * dt, WHY),
+        Check(energy_drift_max, lambda dt, p: 2 * first_order(p)[1] * dt, WHY),
         Check(
-            metric=joint_gap_max,
-            at_most=lambda dt, **chain: 5 * (first_order(**chain)[2] * dt) ** 2 / LENGTH + 1e-6,
-            because="a step along the tangent leaves the circle by (v dt)^2/(2 d), d half a rod, of which a solver that "
+            joints.joint_gap_max,
+            lambda dt, p: 5 * (first_order(p)[2] * dt) ** 2 / LENGTH + 1e-6,
+            "a step along the tangent leaves the circle by (v dt)^2/(2 d), d half a rod, of which a solver that "
             "corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(energy_drift_staggered_max, position_error_final),
+    observe=(energy_drift_staggered_max, errors.position_error_final),
 )

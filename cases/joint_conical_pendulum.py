@@ -2,23 +2,22 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.metrics.radius import radius_error_final, radius_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Ball, Body, PlacedShape, Scene, Sphere, sphere_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import energy, errors, joints
+from plumbline.harness.scene import WORLD, Ball, Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 10.0
-TILT = 30.0
 LENGTH, MASS, RADIUS = 1.0, 1.0, 0.05
 
 
-def rate(tilt: float = TILT, length: float = LENGTH) -> float:
+class P(Parameters):
+    tilt: float = 30.0
+    length: float = LENGTH
+
+
+def rate(tilt: float, length: float) -> float:
     """w = sqrt(g/(l cos(tilt))) [rad/s], tilt in degrees. A ball's own inertia, alike about all axes, does not enter."""
     return float(np.sqrt(G / (length * np.cos(np.radians(tilt)))))
 
@@ -30,27 +29,27 @@ def _turn(axis: int, angle: Floats) -> Floats:
     return q
 
 
-def _expected(time: Floats, tilt: float = TILT, length: float = LENGTH) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The whole pendulum turns about the vertical like one rigid body."""
     truth = Trajectory.of(time, 1)
-    theta, w = np.radians(tilt), rate(tilt, length)
+    theta, w = np.radians(p.tilt), rate(p.tilt, p.length)
     azimuth = w * truth.time
     out = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1)
-    truth.p_WB[:, 0] = length * (np.sin(theta) * out + np.array([0.0, 0.0, -np.cos(theta)]))
+    truth.p_WB[:, 0] = p.length * (np.sin(theta) * out + np.array([0.0, 0.0, -np.cos(theta)]))
     truth.q_WB[:, 0] = _turn(2, azimuth)
     truth.w_WB[:, 0, 2] = w
-    truth.v_WB[:, 0] = w * length * np.sin(theta) * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
+    truth.v_WB[:, 0] = w * p.length * np.sin(theta) * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
     return truth
 
 
-def _scene(tilt: float = TILT, length: float = LENGTH) -> Scene:
+def _scene(p: P) -> Scene:
     """A ball on a massless rod of `length` [m] on a ball joint at the origin, `tilt` [degrees] from hanging, on its circle."""
-    start = _expected(np.zeros(1), tilt, length)
-    bob = Body(
-        name="bob",
+    start = _expected(np.zeros(1), p)
+    bob = Body.ball(
+        "bob",
+        RADIUS,
         mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        visual=(PlacedShape(shape=Sphere(radius=RADIUS)),),
+        touches=False,
         p_WB=start.p_WB[0, 0].tolist(),
         v_WB=start.v_WB[0, 0].tolist(),
         w_WB=start.w_WB[0, 0].tolist(),
@@ -58,21 +57,21 @@ def _scene(tilt: float = TILT, length: float = LENGTH) -> Scene:
     return Scene(bodies=(bob,), joints=(Ball(name="pivot", parent=WORLD, child="bob", anchor_W=(0.0, 0.0, 0.0)),))
 
 
-def _gap(dt: float, tilt: float = TILT, length: float = LENGTH) -> float:
+def _gap(dt: float, p: P) -> float:
     """A step along the tangent leaves the sphere by (v dt)^2/(2 l); a solver that takes back a fifth a step keeps five."""
-    speed = rate(tilt, length) * length * float(np.sin(np.radians(tilt)))
-    return 5 * (speed * dt) ** 2 / (2 * length) + 1e-6
+    speed = rate(p.tilt, p.length) * p.length * float(np.sin(np.radians(p.tilt)))
+    return 5 * (speed * dt) ** 2 / (2 * p.length) + 1e-6
 
 
-def _radius(dt: float, tilt: float = TILT, length: float = LENGTH) -> float:
+def _radius(dt: float, p: P) -> float:
     """Twice w dt for half a step's offset, as it swings about the circle, and the gap."""
-    return rate(tilt, length) * dt * 2 + _gap(dt, tilt, length) / (length * float(np.sin(np.radians(tilt))))
+    return rate(p.tilt, p.length) * dt * 2 + _gap(dt, p) / (p.length * float(np.sin(np.radians(p.tilt))))
 
 
-def _position(dt: float, tilt: float = TILT, length: float = LENGTH) -> float:
+def _position(dt: float, p: P) -> float:
     """The radius' error, and what it does to the rate all the way: a share that of tan^2 of the tilt, at most one."""
-    out = length * float(np.sin(np.radians(tilt)))
-    return out * _radius(dt, tilt, length) * (1 + rate(tilt, length) * DURATION)
+    out = p.length * float(np.sin(np.radians(p.tilt)))
+    return out * _radius(dt, p) * (1 + rate(p.tilt, p.length) * DURATION)
 
 
 CASE = Case(
@@ -84,29 +83,35 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"tilt": TILT, "length": LENGTH},
-    headline=radius_error_max.name,
+    parameters=P(),
+    headline=errors.radius_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a circle never diverges"),
+        stays_finite("a circle never diverges"),
         Check(
-            metric=radius_error_max,
-            at_most=_radius,
-            because="position and velocity half a step apart start the ball w dt/2 of the radius off its circle, about which "
+            errors.radius_error_max,
+            _radius,
+            "position and velocity half a step apart start the ball w dt/2 of the radius off its circle, about which "
             "it then swings by as much; taken four times for maximal coordinates and higher orders. The gap is added",
         ),
         Check(
-            metric=position_error_max,
-            at_most=_position,
-            because="the error of the radius, and the phase that it makes up to the end: the rate changes by "
+            errors.position_error_max,
+            _position,
+            "the error of the radius, and the phase that it makes up to the end: the rate changes by "
             "tan(theta)^2/2 = 1/6 of the radius' share, taken as one",
         ),
         Check(
-            metric=joint_gap_max,
-            at_most=_gap,
-            because="a step along the tangent leaves the sphere by (v dt)^2/(2 l), of which a solver that corrects a fifth a "
+            joints.joint_gap_max,
+            _gap,
+            "a step along the tangent leaves the sphere by (v dt)^2/(2 l), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
-    observe=(radius_error_final, position_error_final, attitude_error_max, energy_drift_max, energy_drift_staggered_max),
+    observe=(
+        errors.radius_error_final,
+        errors.position_error_final,
+        errors.attitude_error_max,
+        energy.energy_drift_max,
+        energy.energy_drift_staggered_max,
+    ),
 )

@@ -4,38 +4,32 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Converged
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case import Case, Check, Converged, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from plumbline.harness.metrics.velocity import velocity_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
+from plumbline.harness.truths.first_order import true_motion
 
-G = -EARTH_GRAVITY[2]
 DURATION = 5.0
-UPPER, LOWER = 20.0, 30.0
-"""Degrees from the downward vertical: a regular swing, mostly in the slow mode. Above about 90 the motion becomes chaotic; then
-the reference still carries its own error bar, and only the energy is worth comparing late in the run."""
 
 
-def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
+class P(Parameters):
+    upper: float = 20.0
+    lower: float = 30.0
+    """Degrees from the downward vertical: a regular swing, mostly in the slow mode. Above about 90 the motion becomes chaotic;
+    then the reference still carries its own error bar, and only the energy is worth comparing late in the run."""
+
+
+def _scene(p: P) -> Scene:
     """Two equal rods, the upper on a hinge at the origin, at rest at the given angles [degrees]; all axes along y."""
-    theta = np.radians([upper, lower])
+    theta = np.radians([p.upper, p.lower])
     p_WB, q_WB = poses(theta)
     half = (THICKNESS, THICKNESS, LENGTH / 2)
     rods = tuple(
-        Body(
-            name=name,
-            mass=MASS,
-            inertia=box_inertia(MASS, half),
-            visual=(PlacedShape(shape=Box(half_extents=half)),),
-            p_WB=p_WB[i].tolist(),
-            q_WB=q_WB[i].tolist(),
-        )
+        Body.box(name, half, mass=MASS, touches=False, p_WB=p_WB[i].tolist(), q_WB=q_WB[i].tolist())
         for i, name in enumerate(("upper", "lower"))
     )
     elbow = (LENGTH * float(np.sin(theta[0])), 0.0, -LENGTH * float(np.cos(theta[0])))
@@ -50,33 +44,16 @@ def _scene(upper: float = UPPER, lower: float = LOWER) -> Scene:
     )
 
 
-def _solve(time: Floats, upper: float, lower: float, rtol: float) -> Floats:
-    """Angles and rates, (t, 4), by Dormand and Prince's method of order 8."""
-    from scipy.integrate import solve_ivp  # late: a listing must not pay for it
-
-    def change(_t: float, y: Floats) -> Floats:
-        return np.concatenate([y[2:], acceleration(y[:2], y[2:])])
-
-    start = [*np.radians([upper, lower]), 0.0, 0.0]
-    if len(time) == 0:
-        return np.zeros((0, 4))
-    end = max(float(time[-1]), 1e-9)
-    solution = solve_ivp(change, (0.0, end), start, "DOP853", t_eval=time, rtol=rtol, atol=rtol * 1e-1)
-    if not solution.success:
-        raise RuntimeError(f"the reference integration stopped: {solution.message}")
-    angles: Floats = solution.y.T
-    return angles
+def _solve(time: Floats, p: P, rtol: float) -> Floats:
+    """Angles and rates, (t, 4)."""
+    return true_motion(acceleration, np.radians([p.upper, p.lower]).tolist(), [0.0, 0.0], time, rtol)
 
 
-def _expected(time: Floats, upper: float = UPPER, lower: float = LOWER) -> Converged:
+def _expected(time: Floats, p: P) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-13; the error bar is the distance to 1e-11, a hundred times
     the tolerance and so far above the error of the finer one."""
-    fine, coarse = (placed(time, _solve(time, upper, lower, rtol)) for rtol in (1e-13, 1e-11))
-    return Converged(
-        trajectory=fine,
-        position_error=float(np.linalg.norm(fine.p_WB - coarse.p_WB, axis=-1).max(initial=0.0)),
-        velocity_error=float(np.linalg.norm(fine.v_WB - coarse.v_WB, axis=-1).max(initial=0.0)),
-    )
+    fine, coarse = (placed(time, _solve(time, p, rtol)) for rtol in (1e-13, 1e-11))
+    return Converged.between(fine, coarse)
 
 
 def _energy_of(y: Floats) -> Floats:
@@ -88,7 +65,7 @@ def _energy_of(y: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def _first_order(upper: float = UPPER, lower: float = LOWER) -> tuple[float, float, float]:
+def _first_order(p: P) -> tuple[float, float, float]:
     """Largest error per dt of position [m/s] and of relative energy [1/s], and the largest speed [m/s].
 
     Semi-implicit Euler in joint angles follows to second order theta' = w + (dt/2) a, w' = a - (dt/2) da/dt (backward error
@@ -106,9 +83,9 @@ def _first_order(upper: float = UPPER, lower: float = LOWER) -> tuple[float, flo
         ahead, behind = (acceleration(theta + s * rate, rate + s * a) for s in (step, -step))
         return np.concatenate([rate + small / 2 * a, a - small / 2 * (ahead - behind) / (2 * step)])
 
-    start = [*np.radians([upper, lower]), 0.0, 0.0]
+    start = [*np.radians([p.upper, p.lower]), 0.0, 0.0]
     other = solve_ivp(change, (0.0, DURATION), start, "DOP853", t_eval=times, rtol=1e-11, atol=1e-12).y.T
-    true = _solve(times, upper, lower, 1e-12)
+    true = _solve(times, p, 1e-12)
     truth = placed(times, true)
     moved = np.linalg.norm(placed(times, other).p_WB - truth.p_WB, axis=-1).max() / small
     energy = _energy_of(other).sum(axis=1)
@@ -130,26 +107,26 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"upper": UPPER, "lower": LOWER},
-    headline=position_error_max.name,
+    parameters=P(),
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a double pendulum never diverges"),
-        Check(metric=position_error_max, at_most=lambda dt, **start: 2 * _first_order(**start)[0] * dt, because=WHY),
-        Check(metric=energy_drift_max, at_most=lambda dt, **start: 2 * _first_order(**start)[1] * dt, because=WHY),
+        stays_finite("a double pendulum never diverges"),
+        Check(errors.position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, WHY),
+        Check(energy_drift_max, lambda dt, p: 2 * _first_order(p)[1] * dt, WHY),
         Check(
-            metric=joint_gap_max,
-            at_most=lambda dt, **start: 5 * (_first_order(**start)[2] * dt) ** 2 / (2 * D) + 1e-6,
-            because="a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
+            joints.joint_gap_max,
+            lambda dt, p: 5 * (_first_order(p)[2] * dt) ** 2 / (2 * D) + 1e-6,
+            "a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
     observe=(
         energy_drift_staggered_max,
         energy_drift_final,
-        position_error_rms,
-        position_error_final,
-        velocity_error_max,
-        attitude_error_max,
+        errors.position_error_rms,
+        errors.position_error_final,
+        errors.velocity_error_max,
+        errors.attitude_error_max,
     ),
 )

@@ -5,28 +5,29 @@ is the energy of each step, and what the pendulums do on average, which no round
 """
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Converged
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case import Case, Check, Converged, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import ensemble, errors, joints
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
-G = -EARTH_GRAVITY[2]
-UPPER, LOWER, MEMBERS = 120.0, 120.0, 8
-"""Degrees from the downward vertical: far above 90, where regular swings end."""
 NEAREST, FARTHEST = 1e-6, 1e-3
 """Offsets [rad] of the members' upper rods from the first one's."""
 HORIZON, PARTED, DURATION = 1.0, 5.0, 10.0
 """Up to the horizon [s] errors grow some twenty-fold; by 5 s the nearest two starts have grown a millionfold apart."""
+
+
+class P(Parameters):
+    upper: float = 120.0
+    lower: float = 120.0
+    """Degrees from the downward vertical: far above 90, where regular swings end."""
+    members: float = 8
 
 
 def _starts(upper: float, lower: float, members: float) -> Floats:
@@ -35,26 +36,17 @@ def _starts(upper: float, lower: float, members: float) -> Floats:
     return np.stack([np.radians(upper) + apart, np.full_like(apart, np.radians(lower))])
 
 
-def scene(upper: float = UPPER, lower: float = LOWER, members: float = MEMBERS) -> Scene:
+def scene(p: P) -> Scene:
     """So many double pendulums on hinges at the origin, at rest; they pass through each other."""
     half = (THICKNESS, THICKNESS, LENGTH / 2)
     rods, hinges = [], []
-    for k, theta in enumerate(_starts(upper, lower, members).T):
+    for k, theta in enumerate(_starts(p.upper, p.lower, p.members).T):
         p_WB, q_WB = poses(theta)
         elbow = (LENGTH * float(np.sin(theta[0])), 0.0, -LENGTH * float(np.cos(theta[0])))
         for i, (name, parent, anchor) in enumerate(
             ((f"upper_{k}", WORLD, (0.0, 0.0, 0.0)), (f"lower_{k}", f"upper_{k}", elbow))
         ):
-            rods.append(
-                Body(
-                    name=name,
-                    mass=MASS,
-                    inertia=box_inertia(MASS, half),
-                    visual=(PlacedShape(shape=Box(half_extents=half)),),
-                    p_WB=p_WB[i].tolist(),
-                    q_WB=q_WB[i].tolist(),
-                )
-            )
+            rods.append(Body.box(name, half, mass=MASS, touches=False, p_WB=p_WB[i].tolist(), q_WB=q_WB[i].tolist()))
             hinges.append(Revolute(name=f"hinge_{i}_{k}", parent=parent, child=name, anchor_W=anchor, axis_W=(0.0, 1.0, 0.0)))
     return Scene(bodies=tuple(rods), joints=tuple(hinges), narrow=Effect.GYROSCOPIC)
 
@@ -94,29 +86,29 @@ def _reference(times: tuple[float, ...], upper: float, lower: float, members: fl
     )
 
 
-def expected(time: Floats, upper: float = UPPER, lower: float = LOWER, members: float = MEMBERS) -> Converged:
+def expected(time: Floats, p: P) -> Converged:
     """Lagrange's equations integrated at a relative tolerance of 1e-11.
 
     The error bars hold up to the horizon: they are the distance to 1e-9, a hundred times the tolerance. Beyond it this is one
     possible motion among all that start within its rounding, and stands for their average only.
     """
-    return _reference(tuple(float(t) for t in time), upper, lower, members)
+    return _reference(tuple(float(t) for t in time), p.upper, p.lower, p.members)
 
 
 @lru_cache(maxsize=8)
-def _position_per_step(upper: float = UPPER, lower: float = LOWER) -> float:
+def _position_per_step(p: P) -> float:
     """Largest error of position per dt [m/s] of the textbook's first-order methods up to the horizon."""
     times, small = np.linspace(0.0, HORIZON, 101), 1e-7
-    start = np.radians([upper, lower]).tolist()
+    start = np.radians([p.upper, p.lower]).tolist()
     true = placed(times, true_motion(acceleration, start, [0.0, 0.0], times, 1e-12)).p_WB
     motions = (placed(times, y).p_WB for y in first_order_motions(acceleration, start, [0.0, 0.0], times, small))
     return max(float(np.linalg.norm(moved - true, axis=-1).max()) for moved in motions) / small
 
 
 @lru_cache(maxsize=8)
-def _euler(dt: float, upper: float = UPPER, lower: float = LOWER, members: float = MEMBERS) -> tuple[float, float]:
+def _euler(dt: float, p: P) -> tuple[float, float]:
     """Largest relative energy error of semi-implicit Euler in joint angles at this step, and a rod's greatest speed [m/s]."""
-    theta = _starts(upper, lower, members)
+    theta = _starts(p.upper, p.lower, p.members)
     rate, states, every = np.zeros_like(theta), [], max(1, round(1 / (240 * dt)))
     for step in range(round(DURATION / dt)):
         if step % every == 0:
@@ -140,23 +132,19 @@ def _roughly(upper: float, lower: float, members: float) -> Trajectory:
 
 
 @lru_cache(maxsize=8)
-def _late(upper: float = UPPER, lower: float = LOWER, members: float = MEMBERS) -> tuple[float, float]:
+def _late(p: P) -> tuple[float, float]:
     """Of the reference once the starts have parted: the standard error of the difference of two means of the members' kinetic
     energies, as a share of that mean; and the largest kinetic energy of all over the mean of all."""
-    run = _roughly(upper, lower, members)
-    late = kinetic_energies(scene(upper, lower, members), run.between(PARTED, DURATION))
+    run = _roughly(p.upper, p.lower, p.members)
+    late = ensemble.kinetic_energies(scene(p), run.between(PARTED, DURATION))
     instants = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     chance = float(np.sqrt(2 * np.var(late, ddof=1) / len(late)) / late.mean())
     return chance, float(instants.max() / late.sum())
 
 
-def _average(dt: float, **starts: Any) -> float:
-    chance, largest = _late(**starts)
-    return 5 * chance + 2 * _euler(dt, **starts)[0] * largest
-
-
-def _position(dt: float, upper: float = UPPER, lower: float = LOWER) -> float:
-    return 2 * _position_per_step(upper, lower) * dt
+def _average(dt: float, p: P) -> float:
+    chance, largest = _late(p)
+    return 5 * chance + 2 * _euler(dt, p)[0] * largest
 
 
 CASE = Case(
@@ -168,33 +156,33 @@ CASE = Case(
     scene=scene,
     expected=expected,
     duration=DURATION,
-    parameters={"upper": UPPER, "lower": LOWER, "members": MEMBERS},
+    parameters=P(),
     dt=1 / 480,
     ladder=(1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
-    headline=position_error_max.name,
+    headline=errors.position_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a pendulum never diverges, chaotic or not"),
-        Check(metric=position_error_max, at_most=_position, because=FIRST_ORDER, end=HORIZON),
+        stays_finite("a pendulum never diverges, chaotic or not"),
+        Check(errors.position_error_max, lambda dt, p: 2 * _position_per_step(p) * dt, FIRST_ORDER, end=HORIZON),
         Check(
-            metric=energy_drift_max,
-            at_most=lambda dt, **starts: 2 * _euler(dt, **starts)[0],
-            because="twice the error of semi-implicit Euler in joint angles at this step, over the same time and from the same "
+            energy_drift_max,
+            lambda dt, p: 2 * _euler(dt, p)[0],
+            "twice the error of semi-implicit Euler in joint angles at this step, over the same time and from the same "
             "eight starts, which see enough of the chaos for its largest error to be typical",
         ),
         Check(
-            metric=joint_gap_max,
-            at_most=lambda dt, **starts: 5 * (2 * _euler(dt, **starts)[1] * dt) ** 2 / (2 * D) + 1e-6,
-            because="a step along the tangent leaves the circle by (v dt)^2/(2 d), v twice that of the centre, of which a "
+            joints.joint_gap_max,
+            lambda dt, p: 5 * (2 * _euler(dt, p)[1] * dt) ** 2 / (2 * D) + 1e-6,
+            "a step along the tangent leaves the circle by (v dt)^2/(2 d), v twice that of the centre, of which a "
             "solver that corrects a fifth a step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
         Check(
-            metric=ensemble_energy_error,
-            at_most=_average,
-            because="by 5 s the starts have forgotten each other, and the means of two sets of eight differ by chance, five "
+            ensemble.ensemble_energy_error,
+            _average,
+            "by 5 s the starts have forgotten each other, and the means of two sets of eight differ by chance, five "
             "standard errors of which come up once in thousands; and a step that changes the energy changes how fast the "
             "pendulums are, by as much at most",
             start=PARTED,
         ),
     ),
-    observe=(ensemble_spread, energy_drift_staggered_max, energy_drift_final),
+    observe=(ensemble.ensemble_spread, energy_drift_staggered_max, energy_drift_final),
 )

@@ -2,23 +2,23 @@
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.limits import limit_overshoot_final, limit_overshoot_max
-from plumbline.harness.metrics.position import position_error_final, position_error_max
-from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Body, Box, Effect, Limits, PlacedShape, Revolute, Scene, box_inertia
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import errors, jitter, joints
+from plumbline.harness.scene import WORLD, Body, Effect, Limits, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
 DURATION = 3.0
-AMPLITUDE, STOP = 80.0, 20.0
-"""Degrees from hanging: where the rod is released, and the stop, before the lowest point, so that weight holds it there."""
 LENGTH, MASS, THICKNESS = 1.0, 1.0, 0.04
 HALF = (THICKNESS, THICKNESS, LENGTH / 2)
 D = LENGTH / 2
 INERTIA = box_inertia(MASS, HALF)[1][1] + MASS * D**2
+
+
+class P(Parameters):
+    amplitude: float = 80.0
+    stop: float = 20.0
+    """Degrees from hanging: where the rod is released, and the stop, before the lowest point, so that weight holds it there."""
 
 
 def _pose(theta: Floats) -> tuple[Floats, Floats]:
@@ -28,17 +28,10 @@ def _pose(theta: Floats) -> tuple[Floats, Floats]:
     return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
 
 
-def _scene(amplitude: float = AMPLITUDE, stop: float = STOP) -> Scene:
+def _scene(p: P) -> Scene:
     """A rod on a hinge at the origin, at rest at `amplitude` with a stop at `stop` [degrees from hanging], stop < amplitude."""
-    p_WB, q_WB = _pose(np.array(np.radians(amplitude)))
-    rod = Body(
-        name="rod",
-        mass=MASS,
-        inertia=box_inertia(MASS, HALF),
-        visual=(PlacedShape(shape=Box(half_extents=HALF)),),
-        p_WB=p_WB.tolist(),
-        q_WB=q_WB.tolist(),
-    )
+    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)))
+    rod = Body.box("rod", HALF, mass=MASS, touches=False, p_WB=p_WB.tolist(), q_WB=q_WB.tolist())
     # A turn about -y raises the rod towards +x.
     hinge = Revolute(
         name="hinge",
@@ -46,8 +39,8 @@ def _scene(amplitude: float = AMPLITUDE, stop: float = STOP) -> Scene:
         child="rod",
         anchor_W=(0.0, 0.0, 0.0),
         axis_W=(0.0, -1.0, 0.0),
-        position=float(np.radians(amplitude)),
-        limits=Limits(lower=float(np.radians(stop))),
+        position=float(np.radians(p.amplitude)),
+        limits=Limits(lower=float(np.radians(p.stop))),
     )
     return Scene(bodies=(rod,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
@@ -56,38 +49,38 @@ RATE = float(np.sqrt(MASS * G * D / INERTIA))
 """Angular frequency of small swings [rad/s]."""
 
 
-def striking_time(amplitude: float = AMPLITUDE, stop: float = STOP) -> float:
+def striking_time(p: P) -> float:
     """The instant [s] at which the rod reaches the stop: K(k) - F(phi, k) over w0, sin(phi) = sin(stop/2)/k."""
     from scipy.special import ellipk, ellipkinc  # late: a listing must not pay for it
 
-    k = float(np.sin(np.radians(amplitude) / 2))
-    phi = np.arcsin(np.sin(np.radians(stop) / 2) / k)
+    k = float(np.sin(np.radians(p.amplitude) / 2))
+    phi = np.arcsin(np.sin(np.radians(p.stop) / 2) / k)
     return float(ellipk(k * k) - ellipkinc(phi, k * k)) / RATE
 
 
-def _expected(time: Floats, amplitude: float = AMPLITUDE, stop: float = STOP) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The pendulum up to the stop, without restitution, and rest on it."""
     from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
 
     truth = Trajectory.of(time, 1)
-    k, end = float(np.sin(np.radians(amplitude) / 2)), striking_time(amplitude, stop)
+    k, end = float(np.sin(np.radians(p.amplitude) / 2)), striking_time(p)
     sn, cn, _, _ = ellipj(ellipk(k * k) - RATE * truth.time, k * k)
     swings = truth.time < end
-    theta = np.where(swings, 2 * np.arcsin(k * sn), np.radians(stop))
+    theta = np.where(swings, 2 * np.arcsin(k * sn), np.radians(p.stop))
     truth.p_WB[:, 0], truth.q_WB[:, 0] = _pose(theta)
     truth.w_WB[:, 0, 1] = np.where(swings, 2 * k * RATE * cn, 0.0)
     truth.v_WB[:, 0] = np.cross(truth.w_WB[:, 0], truth.p_WB[:, 0])
     return truth
 
 
-def _way(dt: float, amplitude: float = AMPLITUDE, stop: float = STOP) -> float:
+def _way(dt: float, p: P) -> float:
     """The rod's angle [rad] in one step before the stop: w^2 = 2 w0^2 (cos(stop) - cos(amplitude))."""
-    return float(np.sqrt(2 * RATE**2 * (np.cos(np.radians(stop)) - np.cos(np.radians(amplitude))))) * dt
+    return float(np.sqrt(2 * RATE**2 * (np.cos(np.radians(p.stop)) - np.cos(np.radians(p.amplitude))))) * dt
 
 
-def _gap(dt: float, amplitude: float = AMPLITUDE, stop: float = STOP) -> float:
+def _gap(dt: float, p: P) -> float:
     """Five steps' departure along the tangent, and one step's way at the blow."""
-    way = _way(dt, amplitude, stop)
+    way = _way(dt, p)
     return 5 * (way * D) ** 2 / (2 * D) + D * way + 1e-6
 
 
@@ -100,42 +93,41 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"amplitude": AMPLITUDE, "stop": STOP},
+    parameters=P(),
     hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0, lost=0.1),
     sample_interval=1 / 240,
-    headline=limit_overshoot_max.name,
+    headline=joints.limit_overshoot_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a rod between two stops goes nowhere else"),
+        stays_finite("a rod between two stops goes nowhere else"),
         Check(
-            metric=limit_overshoot_max,
-            at_most=_way,
-            because="a stop that is noticed only once it is passed is passed by at most one step's way at the speed of the "
-            "blow",
+            joints.limit_overshoot_max,
+            _way,
+            "a stop that is noticed only once it is passed is passed by at most one step's way at the speed of the blow",
         ),
         Check(
-            metric=limit_overshoot_final,
-            at_most=1e-3,
-            because="a thousandth of a radian, as far as a millimetre at the end of a rod of one metre, is what a stop may "
+            joints.limit_overshoot_final,
+            1e-3,
+            "a thousandth of a radian, as far as a millimetre at the end of a rod of one metre, is what a stop may "
             "give way under the rod's weight and still be a stop",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, **stop: D * 3 * _way(dt, **stop) + 2e-3,
-            because="the swing errs by half a step's way and by the period's error, the blow comes up to a step late and "
+            errors.position_error_max,
+            lambda dt, p: D * 3 * _way(dt, p) + 2e-3,
+            "the swing errs by half a step's way and by the period's error, the blow comes up to a step late and "
             "passes the stop by one more: three steps' way, and what a stop may give way",
         ),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt: G * dt,
+            jitter.rms_speed,
+            lambda dt, _: G * dt,
+            "at rest on the stop nothing is left but the velocity that gravity gives in a step and the stop takes back",
             start=2.0,
-            because="at rest on the stop nothing is left but the velocity that gravity gives in a step and the stop takes back",
         ),
         Check(
-            metric=joint_gap_max,
-            at_most=_gap,
-            because="five steps' departure along the tangent, (v dt)^2/(2 d) each, and one step's way at the blow, whose "
+            joints.joint_gap_max,
+            _gap,
+            "five steps' departure along the tangent, (v dt)^2/(2 d) each, and one step's way at the blow, whose "
             "impulse the hinge bears",
         ),
     ),
-    observe=(position_error_final,),
+    observe=(errors.position_error_final,),
 )

@@ -1,20 +1,14 @@
 """A pendulum on a hinge, released from rest: does it keep its period, its energy and its hinge?"""
 
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
-from plumbline.harness.metrics.joint_gap import joint_gap_max, joint_gap_rms
-from plumbline.harness.metrics.phase import period_error, phase_error
-from plumbline.harness.metrics.position import position_error_final, position_error_max, position_error_rms
-from plumbline.harness.metrics.velocity import velocity_error_max
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import energy, errors, joints, orbit
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     WORLD,
     Body,
     Box,
@@ -30,15 +24,18 @@ from plumbline.harness.trajectory import Floats, Trajectory
 
 Kind = Literal["rod", "point"]
 
-G = -EARTH_GRAVITY[2]
 DURATION = 10.0
-AMPLITUDE = 30.0
-"""Degrees. The error of second order in a staggered integrator's period changes sign near 90 degrees, where an order fitted to
-it would be a fluke; at 30 it is nearly as large as it gets."""
-LENGTH = 1.0
-MASS = 1.0
 RADIUS = 0.05
 """Radius of the bob of a 'point' and half the thickness of a 'rod' [m]; both have the inertia that this gives them."""
+
+
+class P(Parameters):
+    amplitude: float = 30.0
+    """Degrees. The error of second order in a staggered integrator's period changes sign near 90 degrees, where an order fitted
+    to it would be a fluke; at 30 it is nearly as large as it gets."""
+    kind: Kind = "rod"
+    length: float = 1.0
+    mass: float = 1.0
 
 
 def _body(kind: Kind, length: float, mass: float) -> tuple[Body, float]:
@@ -58,10 +55,10 @@ def _pose(theta: Floats, distance: float) -> tuple[Floats, Floats]:
     return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
 
 
-def _scene(amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS) -> Scene:
+def _scene(p: P) -> Scene:
     """A pendulum of `length` [m] on a hinge about y at the origin, at rest at `amplitude` [degrees, 0..180)."""
-    hanging, distance = _body(kind, length, mass)
-    p_WB, q_WB = _pose(np.array(np.radians(amplitude)), distance)
+    hanging, distance = _body(p.kind, p.length, p.mass)
+    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)), distance)
     pendulum = Body(
         name=hanging.name,
         mass=hanging.mass,
@@ -80,21 +77,12 @@ def _small_rate(kind: Kind, length: float, mass: float) -> tuple[float, float]:
     return float(np.sqrt(mass * G * d / (body.inertia[1][1] + mass * d * d))), d
 
 
-def period(amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS) -> float:
-    """4 K(sin(theta0/2))/w0 [s]; amplitude in degrees."""
-    from scipy.special import ellipk  # late: a listing must not pay for it
-
-    return float(4.0 * ellipk(np.sin(np.radians(amplitude) / 2) ** 2) / _small_rate(kind, length, mass)[0])
-
-
-def _expected(
-    time: Floats, amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS
-) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """sin(theta/2) = k sn(K - w0 t, k), theta' = -2 k w0 cn(K - w0 t, k), k = sin(theta0/2)."""
     from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
 
-    rate, distance = _small_rate(kind, length, mass)
-    k = float(np.sin(np.radians(amplitude) / 2))
+    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    k = float(np.sin(np.radians(p.amplitude) / 2))
     truth = Trajectory.of(time, 1)
     sn, cn, _, _ = ellipj(ellipk(k * k) - rate * truth.time, k * k)
     theta, turning = 2.0 * np.arcsin(k * sn), -2.0 * k * rate * cn
@@ -105,36 +93,34 @@ def _expected(
 
 
 @lru_cache(maxsize=8)
-def _swing(
-    amplitude: float = AMPLITUDE, kind: Kind = "rod", length: float = LENGTH, mass: float = MASS
-) -> tuple[float, float, float, float]:
+def _swing(p: P) -> tuple[float, float, float, float]:
     """w0 [rad/s], d [m], the largest theta' = 2 k w0 [rad/s] and the height 1 - cos(theta0) [d]."""
-    rate, distance = _small_rate(kind, length, mass)
-    return rate, distance, float(2.0 * np.sin(np.radians(amplitude) / 2) * rate), float(1 - np.cos(np.radians(amplitude)))
+    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    return rate, distance, float(2.0 * np.sin(np.radians(p.amplitude) / 2) * rate), float(1 - np.cos(np.radians(p.amplitude)))
 
 
-def _gap(dt: float, **pendulum: Any) -> float:
+def _gap(dt: float, p: P) -> float:
     """A step along the tangent leaves the circle by (v dt)^2/(2 d); a solver that takes back a fifth a step keeps five."""
-    _, distance, fastest, _ = _swing(**pendulum)
+    _, distance, fastest, _ = _swing(p)
     return 5 * (fastest * distance * dt) ** 2 / (2 * distance) + 1e-6
 
 
-def _energy(dt: float, **pendulum: Any) -> float:
+def _energy(dt: float, p: P) -> float:
     """Twice (w0/2) dt for half a step between position and velocity, and the gap's height, over the energy in play."""
-    rate, distance, _, height = _swing(**pendulum)
-    return rate * dt + _gap(dt, **pendulum) / (distance * height)
+    rate, distance, _, height = _swing(p)
+    return rate * dt + _gap(dt, p) / (distance * height)
 
 
-def _period_error(dt: float, **pendulum: Any) -> float:
+def _period_error(dt: float, p: P) -> float:
     """Twice the leapfrog's (w0 dt)^2/24 in small swings, a rod longer by the gap, and 1e-6 for interpolation."""
-    rate, distance, _, _ = _swing(**pendulum)
-    return (rate * dt) ** 2 / 12 + _gap(dt, **pendulum) / (2 * distance) + 1e-6
+    rate, distance, _, _ = _swing(p)
+    return (rate * dt) ** 2 / 12 + _gap(dt, p) / (2 * distance) + 1e-6
 
 
-def _position(dt: float, **pendulum: Any) -> float:
+def _position(dt: float, p: P) -> float:
     """Twice the largest speed times half a step, the period's error up to the end, and the gap."""
-    _, distance, fastest, _ = _swing(**pendulum)
-    return distance * fastest * (dt + _period_error(dt, **pendulum) * DURATION) + _gap(dt, **pendulum)
+    _, distance, fastest, _ = _swing(p)
+    return distance * fastest * (dt + _period_error(dt, p) * DURATION) + _gap(dt, p)
 
 
 CASE = Case(
@@ -146,44 +132,44 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"amplitude": AMPLITUDE, "kind": "rod", "length": LENGTH, "mass": MASS},
-    headline=position_error_max.name,
+    parameters=P(),
+    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a pendulum never diverges"),
+        stays_finite("a pendulum never diverges"),
         Check(
-            metric=position_error_max,
-            at_most=_position,
-            because="released half a step ahead, a first-order method errs by v dt/2, taken twice for maximal coordinates and "
+            errors.position_error_max,
+            _position,
+            "released half a step ahead, a first-order method errs by v dt/2, taken twice for maximal coordinates and "
             "higher orders; the period's error up to the end and the gap of the hinge are added",
         ),
         Check(
-            metric=period_error,
-            at_most=_period_error,
-            because="a staggered method's period errs by (w0 dt)^2/24, taken twice; a hinge that gives way makes the rod "
+            orbit.period_error,
+            _period_error,
+            "a staggered method's period errs by (w0 dt)^2/24, taken twice; a hinge that gives way makes the rod "
             "longer; 1e-6 for interpolation between samples",
         ),
         Check(
-            metric=energy_drift_max,
-            at_most=_energy,
-            because="position and velocity half a step apart make (w0/2) dt without any loss, taken twice for maximal "
+            energy.energy_drift_max,
+            _energy,
+            "position and velocity half a step apart make (w0/2) dt without any loss, taken twice for maximal "
             "coordinates and higher orders; a hinge's gap adds its height. Damping of 0.04/s would lose a third in 10 s",
         ),
         Check(
-            metric=joint_gap_max,
-            at_most=_gap,
-            because="a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
+            joints.joint_gap_max,
+            _gap,
+            "a step along the tangent leaves the circle by (v dt)^2/(2 d), of which a solver that corrects a fifth a "
             "step keeps five; 1e-6 m for single precision. Joint coordinates have none",
         ),
     ),
     observe=(
-        energy_drift_staggered_max,
-        energy_drift_final,
-        phase_error,
-        position_error_rms,
-        position_error_final,
-        velocity_error_max,
-        attitude_error_max,
-        joint_gap_rms,
+        energy.energy_drift_staggered_max,
+        energy.energy_drift_final,
+        orbit.phase_error,
+        errors.position_error_rms,
+        errors.position_error_final,
+        errors.velocity_error_max,
+        errors.attitude_error_max,
+        joints.joint_gap_rms,
     ),
 )

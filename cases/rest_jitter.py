@@ -3,38 +3,32 @@
 Nothing acts but weight and support, so nothing moves. What moves is the engine's jitter.
 """
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.contact_flips import contact_flips
-from plumbline.harness.metrics.contact_force import support_force_error
-from plumbline.harness.metrics.jitter import height_spread, rest_drift, rms_second_difference, rms_speed, rms_spin
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import G
+from plumbline.harness.metrics import contacts, jitter
+from plumbline.harness.scene import Body, Scene, Surface
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-BOXES, FRICTION, MASS, HALF = 5, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 5.0, 6.0
 SHARE = 0.01
 """Share of g that a jitter may reach: the noise of a consumer accelerometer over its band (300 micro-g/sqrt(Hz) over 1 kHz is
 0.0095 g), so that a sensor mounted on a resting box shows its own noise and not the engine's."""
 
 
-def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    n: float = 5
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """A single box and, beside it, a column of n; all start exactly touching."""
-    places = [(-1.0, 0.0, HALF)] + [(0.0, 0.0, HALF * (2 * i + 1)) for i in range(round(n))]
+    places = [(-1.0, 0.0, HALF)] + [(0.0, 0.0, HALF * (2 * i + 1)) for i in range(round(p.n))]
     boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=centre) for i, centre in enumerate(places)]
-    ground = Body.fixed("ground", Plane())
-    return Scene(
-        bodies=(ground, *boxes),
-        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
-    )
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(n, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="rest_jitter",
@@ -44,57 +38,52 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": BOXES, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     # Every step: a jitter from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
     with_contacts=True,
     checks=(
         Check(
-            metric=rms_speed,
-            at_most=lambda dt: SHARE * G * dt,
-            because="0.01 g, the noise of a consumer accelerometer, over one step",
+            jitter.rms_speed,
+            lambda dt, _: SHARE * G * dt,
+            "0.01 g, the noise of a consumer accelerometer, over one step",
             start=SETTLED,
         ),
         Check(
-            metric=rms_spin,
-            at_most=lambda dt: SHARE * G * dt / HALF,
-            because="the speed of 0.01 g over one step, at the edge of a box",
+            jitter.rms_spin,
+            lambda dt, _: SHARE * G * dt / HALF,
+            "the speed of 0.01 g over one step, at the edge of a box",
             start=SETTLED,
         ),
         Check(
-            metric=rms_second_difference,
-            at_most=lambda dt: SHARE * G * dt**2,
-            because="0.01 g, the noise of a consumer accelerometer: one mounted on the box would see no more than its own",
+            jitter.rms_second_difference,
+            lambda dt, _: SHARE * G * dt**2,
+            "0.01 g, the noise of a consumer accelerometer: one mounted on the box would see no more than its own",
             start=SETTLED,
         ),
         Check(
-            metric=height_spread,
-            at_most=lambda dt: 2 * SHARE * G * dt**2,
-            because="up and down by the way of 0.01 g over one step",
+            jitter.height_spread,
+            lambda dt, _: 2 * SHARE * G * dt**2,
+            "up and down by the way of 0.01 g over one step",
             start=SETTLED,
         ),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt: SHARE * G * dt * (DURATION - SETTLED),
-            because="the speed of 0.01 g over one step, kept up in one direction for the whole window",
+            jitter.rest_drift,
+            lambda dt, _: SHARE * G * dt * (DURATION - SETTLED),
+            "the speed of 0.01 g over one step, kept up in one direction for the whole window",
             start=SETTLED,
         ),
+        Check(contacts.contact_flips, 0.0, "a body at rest neither gains nor loses a point of contact", start=SETTLED),
         Check(
-            metric=contact_flips,
-            at_most=0.0,
-            because="a body at rest neither gains nor loses a point of contact",
-            start=SETTLED,
-        ),
-        Check(
-            metric=support_force_error,
-            at_most=lambda dt: SHARE * dt / (DURATION - SETTLED) + 1e-6,
-            because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
+            contacts.support_force_error,
+            lambda dt, _: SHARE * dt / (DURATION - SETTLED) + 1e-6,
+            "the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(penetration,),
+    observe=(contacts.penetration,),
     headline="rms_speed",
     scale=G / 240,
 )

@@ -1,18 +1,14 @@
 """One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration, reported_penetration
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
+from plumbline.harness.metrics import contact_residuals, contacts, jitter
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Box,
     Capsule,
     Cylinder,
     PlacedShape,
-    Plane,
     Quaternion,
     Scene,
     Shape,
@@ -25,16 +21,19 @@ from plumbline.harness.scene import (
     sphere_inertia,
 )
 from plumbline.harness.scene.values import Matrix3
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-FRICTION, MASS, HALF = 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    shape: str = "box"
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """A box, sphere or cylinder of half-height HALF standing on a plane, or a capsule lying on it; it just touches."""
     laid = axis_angle((0.0, 1.0, 0.0), 1.5707963267948966)
     choices: dict[str, tuple[Matrix3, Shape, Quaternion]] = {
@@ -43,23 +42,19 @@ def scene(shape: str = "box", friction: float = FRICTION) -> Scene:
         "cylinder": (cylinder_inertia(MASS, HALF, HALF), Cylinder(radius=HALF, half_length=HALF), UNTURNED),
         "capsule": (capsule_inertia(MASS, HALF, HALF), Capsule(radius=HALF, half_length=HALF), laid),
     }
-    inertia, placed, q_WB = choices[shape]
+    inertia, placed, q_WB = choices[p.shape]
     body = Body(
-        name=shape,
+        name=p.shape,
         mass=MASS,
         inertia=inertia,
         collision=(PlacedShape(shape=placed),),
         p_WB=(0.0, 0.0, HALF),
         q_WB=q_WB,
     )
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, body), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    return Scene(bodies=(Body.ground("default"), body), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, shape: str = "box", friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(shape, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="rest_penetration",
@@ -69,7 +64,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"shape": "box", "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     # Every step: a body that sinks by its first step's fall is deepest then.
     sample_interval=0.0,
@@ -78,15 +73,20 @@ CASE = Case(
     checks=(
         bears("the body"),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt: G * dt**2 + GIVE,
-            because="what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
+            jitter.rest_drift,
+            lambda dt, _: G * dt**2 + GIVE,
+            "what stands on the ground stays: it neither hovers nor slides away by more than it may sink",
         ),
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(reported_penetration, signorini_residual, cone_residual, dissipation_residual),
+    observe=(
+        contacts.reported_penetration,
+        contact_residuals.signorini_residual,
+        contact_residuals.cone_residual,
+        contact_residuals.dissipation_residual,
+    ),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps a body in its place"},
-    headline=penetration.name,
+    headline=contacts.penetration.name,
     scale=HALF,
 )

@@ -2,11 +2,9 @@
 
 from dataclasses import replace
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.pixel_error import pixel_error
-from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
+from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -32,6 +30,10 @@ LOOK = axis_angle((0.3, 1.0, -0.2), 0.9)
 """Attitude of the camera; the solids are placed in its frame, x to the right, y down, z ahead."""
 
 
+class P(Parameters):
+    renderer: str = "rasterised"
+
+
 def _solid(name: str, shape: Shape, p_S: Vector3, q_S: Quaternion, colour: Vector3) -> Body:
     """A solid placed in the frame S of the camera: S lies turned by LOOK in the carrier's frame, which is W's."""
     return Body(
@@ -43,7 +45,7 @@ def _solid(name: str, shape: Shape, p_S: Vector3, q_S: Quaternion, colour: Vecto
     )
 
 
-def _scene(renderer: str = "rasterised") -> Scene:
+def _scene(p: P) -> Scene:
     """A ball, a box, a capsule and a cylinder; the principal point is off the middle and pixels are not square."""
     solids = (
         _solid("ball", Sphere(radius=0.5), (-0.9, -0.6, 3.0), UNTURNED, (0.8, 0.2, 0.2)),
@@ -68,14 +70,14 @@ def _scene(renderer: str = "rasterised") -> Scene:
         focal_y=520.0,
         centre_x=311.0,
         centre_y=247.0,
-        renderer=renderer,  # type: ignore[arg-type]  # checked there
+        renderer=p.renderer,  # type: ignore[arg-type]  # checked there
     )
     return Scene(bodies=solids, sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, renderer: str = "rasterised") -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; a pixel shows what the ray through its centre meets first."""
-    scene = _scene(renderer)
+    scene = _scene(p)
     truth = at_rest(scene, time)
     camera = scene.sensors[0]
     assert isinstance(camera, Camera)
@@ -92,28 +94,28 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=0.05,
-    parameters={"renderer": "rasterised"},
+    parameters=P(),
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
     headline=pixel_error.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=pixel_error,
-            at_most=0.1,
-            because="a picture shifted by half a pixel shows five times this; a silhouette of 100 pixels' radius of which a "
+            pixel_error,
+            0.1,
+            "a picture shifted by half a pixel shows five times this; a silhouette of 100 pixels' radius of which a "
             "thousandth of all pixels is wrong on one side shows this much",
         ),
         Check(
-            metric=silhouette_iou,
-            at_most=0.999,
-            because="the least solid shows in 22 000 pixels with an outline of 600: wrong by 0.04 pixels all round",
+            silhouette_iou,
+            0.999,
+            "the least solid shows in 22 000 pixels with an outline of 600: wrong by 0.04 pixels all round",
         ),
         Check(
-            metric=depth_error_median,
-            at_most=1e-6,
-            because="single precision at 4 m, four roundings; a curve drawn as flat facets errs by millimetres",
+            depth_error_median,
+            1e-6,
+            "single precision at 4 m, four roundings; a curve drawn as flat facets errs by millimetres",
         ),
     ),
     observe=(depth_error_rms, depth_error_max),

@@ -4,13 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median
-from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
-from plumbline.harness.metrics.depth_noise import depth_correlation_score, depth_mean_score, depth_spread_score
-from plumbline.harness.metrics.depth_quantisation import disparity_step_error
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.range_wrap import range_unwrapped_share
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
+from plumbline.harness.metrics import depth_noise, pictures
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -39,7 +35,6 @@ WALL, BLOCK = 6.0, 2.0
 EYE = (0.0, 0.0, 1.2)
 ALONG_X = axis_angle((-1.0, 1.0, -1.0), 2 * np.pi / 3)
 """Turns S so that its optical axis z looks along +x of W, x to the right (-y) and y down (-z)."""
-SINGLE = 2.0**-24
 GRAZING = 0.13
 """No pixel meets a surface at a smaller cosine of incidence; a test holds this."""
 
@@ -58,6 +53,10 @@ PATTERN = StructuredLightNoise(
 PHASE = TimeOfFlightNoise(
     range_sigma=0.01, range_sigma_slope=0.002, unambiguous_range=4.0, least_signal=0.003, least_contrast=0.2, missing=0.03
 )
+
+
+class P(Parameters):
+    infrared: float = 0.1
 
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, look: Appearance) -> Body:
@@ -81,7 +80,7 @@ def _camera(name: str, noise: DepthNoise) -> DepthCamera:
     )
 
 
-def _scene(infrared: float = 0.1) -> Scene:
+def _scene(p: P) -> Scene:
     """A floor, a wall with a mirror, a pane of glass and a black panel on it, a block before them; a low sun from behind."""
     pale = Appearance(reflectivity=0.8)
     on_wall = Box(half_extents=(0.05, 0.6, 0.5))
@@ -95,13 +94,13 @@ def _scene(infrared: float = 0.1) -> Scene:
         Body(name="rig", motion="static", p_WB=EYE),
     )
     cameras = (_camera("stereo", STEREO), _camera("pattern", PATTERN), _camera("phase", PHASE))
-    sun = Sun(towards_W=(-1.0, 0.5, 0.5), infrared=infrared)
+    sun = Sun(towards_W=(-1.0, 0.5, 0.5), infrared=p.infrared)
     return Scene(bodies=bodies, sensors=cameras, gravity=(0.0, 0.0, 0.0), sun=sun)
 
 
-def _expected(time: Floats, infrared: float = 0.1) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
-    scene = _scene(infrared)
+    scene = _scene(p)
     truth = at_rest(scene, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
@@ -122,39 +121,39 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"infrared": 0.1},
+    parameters=P(),
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=depth_error_max.name,
+    headline=pictures.depth_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=depth_error_max,
-            at_most=8 * SINGLE * FAR / GRAZING,
-            because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
+            pictures.depth_error_max,
+            8 * SINGLE * FAR / GRAZING,
+            "single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
-        Check(metric=depth_mean_score, at_most=5.0, because=f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
+        Check(depth_noise.depth_mean_score, 5.0, f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
         Check(
-            metric=depth_spread_score,
-            at_most=5.0,
-            because=f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
+            depth_noise.depth_spread_score,
+            5.0,
+            f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
         ),
-        Check(metric=depth_correlation_score, at_most=5.0, because=f"largest of nine; {WITHIN} each"),
-        Check(metric=depth_missing_score, at_most=5.0, because=f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
+        Check(depth_noise.depth_correlation_score, 5.0, f"largest of nine; {WITHIN} each"),
+        Check(depth_noise.depth_missing_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
         Check(
-            metric=depth_lost_but_answered_share,
-            at_most=0.0,
-            because="no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
+            depth_noise.depth_lost_but_answered_share,
+            0.0,
+            "no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
         ),
         Check(
-            metric=disparity_step_error,
-            at_most=1e-12,
-            because="f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
+            depth_noise.disparity_step_error,
+            1e-12,
+            "f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
             "200 steps stay below 2e-13",
         ),
-        Check(metric=range_unwrapped_share, at_most=0.0, because="a phase has no second turn"),
+        Check(depth_noise.range_unwrapped_share, 0.0, "a phase has no second turn"),
     ),
-    observe=(depth_error_median,),
+    observe=(pictures.depth_error_median,),
 )

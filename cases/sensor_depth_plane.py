@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
+from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
 from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
 from plumbline.harness.sensors.true_frames import stamps_up_to
@@ -15,20 +14,25 @@ from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
 DURATION, RATE = 0.2, 10.0
-TILT, SPEED = 0.6, 1.5
 FAR = 8.0
 EYE = (0.0, 0.3, 2.0)
 ALONG_X = axis_angle((-1.0, 1.0, -1.0), 2 * np.pi / 3)
 """Turns S so that its optical axis z looks along +x of W, x to the right (-y) and y down (-z)."""
-SINGLE = 2.0**-24
 GRAZING = 0.5
 """No pixel of the default scene meets the plane at a smaller cosine of incidence; a test holds this."""
 
 
-def _scene(tilt: float = TILT, speed: float = SPEED) -> Scene:
+class P(Parameters):
+    tilt: float = 0.6
+    speed: float = 1.5
+
+
+def _scene(p: P) -> Scene:
     """A plane through (6, 0, 0), upright but for `tilt` [rad], and a camera that comes nearer at `speed` [m/s]."""
-    plane = Body.fixed("plane", Plane(normal=(-1.0, 0.0, 0.0)), p_WB=(6.0, 0.0, 0.0), q_WB=axis_angle((0.2, 1.0, 0.3), tilt))
-    carrier = Body(name="carrier", motion="kinematic", p_WB=EYE, q_WB=axis_angle((1.0, 0.3, 0.2), 0.2), v_WB=(speed, 0.0, 0.0))
+    plane = Body.fixed("plane", Plane(normal=(-1.0, 0.0, 0.0)), p_WB=(6.0, 0.0, 0.0), q_WB=axis_angle((0.2, 1.0, 0.3), p.tilt))
+    carrier = Body(
+        name="carrier", motion="kinematic", p_WB=EYE, q_WB=axis_angle((1.0, 0.3, 0.2), 0.2), v_WB=(p.speed, 0.0, 0.0)
+    )
     camera = DepthCamera(
         name="depth",
         body="carrier",
@@ -46,20 +50,20 @@ def _scene(tilt: float = TILT, speed: float = SPEED) -> Scene:
     return Scene(bodies=(plane, carrier), sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, tilt: float = TILT, speed: float = SPEED) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """z = d / (n . K^-1 (u, v, 1)) for a plane n . p = d in the frame of the camera; the carrier moves evenly."""
-    scene = _scene(tilt, speed)
+    scene = _scene(p)
     camera, plane, carrier = scene.sensors[0], scene.bodies[0], scene.bodies[1]
     assert isinstance(camera, DepthCamera)
     truth = Trajectory.of(time, 2)
     truth.p_WB[:], truth.q_WB[:] = [b.p_WB for b in scene.bodies], [b.q_WB for b in scene.bodies]
-    truth.p_WB[:, 1, 0] += speed * truth.time
-    truth.v_WB[:, 1, 0] = speed
+    truth.p_WB[:, 1, 0] += p.speed * truth.time
+    truth.v_WB[:, 1, 0] = p.speed
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else np.zeros(0)
     q_WS = np.array(multiply(carrier.q_WB, camera.q_BS))
     normal_W = -rotate(np.array(plane.q_WB), np.array([1.0, 0.0, 0.0]))
     eye_W = np.array(EYE) + rotate(np.array(carrier.q_WB), np.array(camera.p_BS))
-    eyes_W = eye_W + stamps[:, None] * np.array([speed, 0.0, 0.0])
+    eyes_W = eye_W + stamps[:, None] * np.array([p.speed, 0.0, 0.0])
     offset = (np.array(plane.p_WB) - eyes_W) @ normal_W
     pixels = np.column_stack([pixel_centres(camera), np.ones(camera.width * camera.height)])
     along = pixels @ np.linalg.inv(intrinsics(camera)).T @ rotate_back(q_WS, normal_W)
@@ -83,23 +87,23 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"tilt": TILT, "speed": SPEED},
+    parameters=P(),
     sample_interval=0.1,
     # Steady motion is the same at every step; two steps show that the frames keep their times.
     ladder=(1 / 60, 1 / 240),
     headline=depth_error_median.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing pushes, so nothing can grow"),
+        stays_finite("nothing pushes, so nothing can grow"),
         Check(
-            metric=depth_error_max,
-            at_most=8 * SINGLE * FAR / GRAZING,
-            because="single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
+            depth_error_max,
+            8 * SINGLE * FAR / GRAZING,
+            "single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
         Check(
-            metric=silhouette_iou,
-            at_most=0.9995,
-            because="where the plane lies farther than `far` it ends in the picture: along that line of at most 160 pixels "
+            silhouette_iou,
+            0.9995,
+            "where the plane lies farther than `far` it ends in the picture: along that line of at most 160 pixels "
             "rounding may decide some, 9 of 19 200",
         ),
     ),

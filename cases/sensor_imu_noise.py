@@ -5,49 +5,35 @@ from functools import partial
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.allan import (
-    SLOPES,
-    Channel,
-    Regime,
-    accelerometer_allan_score,
-    gyroscope_allan_score,
-    slope_bound,
-)
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from plumbline.harness.metrics.noise_bias import inertial_bias_score
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
-from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, PlacedShape, Scene, Sphere, axis_angle, sphere_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
+from plumbline.harness.metrics import allan, inertial_noise, inertial_readings
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 
 DURATION = 200.0
 RATE = 120.0
-SPIN, LEVER = 2.0, 0.3
 MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
-SINGLE = 2.0**-24
-"""Relative rounding of a float32: an engine in single precision is judged as such."""
 
 GYROSCOPE = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)
 ACCELEROMETER = AxisNoise(density=2e-3, bias=0.2, instability=1e-2, instability_time=0.2, random_walk=1.5e-2)
 """White noise of a consumer's sensor; instability and walk are large and quick, so that 200 s show all three slopes."""
 
 
-def _scene(spin: float = SPIN, lever: float = LEVER) -> Scene:
+class P(Parameters):
+    spin: float = 2.0
+    lever: float = 0.3
+
+
+def _scene(p: P) -> Scene:
     """A free ball turning about z at `spin` [rad/s], with a sensor `lever` [m] off its axis, turned against the ball."""
-    ball = Body(
-        name="ball",
-        mass=1.0,
-        inertia=sphere_inertia(1.0, 0.5),
-        visual=(PlacedShape(shape=Sphere(radius=0.5)),),
-        w_WB=(0.0, 0.0, spin),
-    )
+    ball = Body.ball("ball", 0.5, touches=False, w_WB=(0.0, 0.0, p.spin))
     imu = Imu(
         name="imu",
         body="ball",
         rate=RATE,
-        p_BS=(lever, 0.0, 0.1),
+        p_BS=(p.lever, 0.0, 0.1),
         q_BS=MOUNTING,
         reading="states",
         noise=ImuNoise(accelerometer=ACCELEROMETER, gyroscope=GYROSCOPE),
@@ -55,41 +41,41 @@ def _scene(spin: float = SPIN, lever: float = LEVER) -> Scene:
     return Scene(bodies=(ball,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, spin: float = SPIN, lever: float = LEVER) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """Steady rotation, and what an ideal sensor reads in it that differences velocities, as it does in every engine.
 
     The mean acceleration over an interval T of a circle of radius r is the chord of the velocity's own circle over T: it has
     the size 2 w r sin(w T/2)/T and points to the axis from where S is in the middle of the interval.
     """
     truth = Trajectory.of(time, 1)
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(spin * truth.time / 2), np.sin(spin * truth.time / 2)
-    truth.w_WB[:, 0, 2] = spin
+    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(p.spin * truth.time / 2), np.sin(p.spin * truth.time / 2)
+    truth.w_WB[:, 0, 2] = p.spin
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
-    inwards = -2.0 * spin * lever * np.sin(spin / (2 * RATE)) * RATE
+    inwards = -2.0 * p.spin * p.lever * np.sin(p.spin / (2 * RATE)) * RATE
     streams = {"imu/time": np.arange(1, count + 1) / RATE}
-    for name, signal in (("accelerometer", [inwards, 0.0, 0.0]), ("gyroscope", [0.0, 0.0, spin])):
+    for name, signal in (("accelerometer", [inwards, 0.0, 0.0]), ("gyroscope", [0.0, 0.0, p.spin])):
         streams[f"imu/{name}_ideal"] = np.tile(rotate_back(np.array(MOUNTING), np.array(signal)), (count, 1))
     return replace(truth, streams=streams)
 
 
-def _acceleration(dt: float, spin: float = SPIN, lever: float = LEVER) -> float:
+def _acceleration(dt: float, p: P) -> float:
     """[m/s2]: an angle a step of 2 atan(w dt/2) instead of w dt, and the rounding of velocities w r over one interval."""
-    return 1.01 * spin**2 * lever * (spin * dt) ** 2 / 12 + 8 * SINGLE * spin * lever * RATE
+    return 1.01 * p.spin**2 * p.lever * (p.spin * dt) ** 2 / 12 + 8 * SINGLE * p.spin * p.lever * RATE
 
 
 def _slope_checks() -> tuple[Check, ...]:
     count = round(DURATION * RATE)
-    laws: dict[Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
-    regimes: tuple[Regime, ...] = ("white", "floor", "random_walk")
+    laws: dict[allan.Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
+    regimes: tuple[allan.Regime, ...] = ("white", "floor", "random_walk")
 
-    def bound(law: AxisNoise, regime: Regime, _dt: float) -> float:
-        return slope_bound(law, regime, count, 1.0 / RATE)
+    def bound(law: AxisNoise, regime: allan.Regime, _dt: float, _p: P) -> float:
+        return allan.slope_bound(law, regime, count, 1.0 / RATE)
 
     return tuple(
         Check(
-            metric=SLOPES[channel, regime],
-            at_most=partial(bound, law, regime),
-            because="the part that the law's other processes have in the slope over this window, and five standard deviations",
+            allan.SLOPES[channel, regime],
+            partial(bound, law, regime),
+            "the part that the law's other processes have in the slope over this window, and five standard deviations",
         )
         for channel, law in laws.items()
         for regime in regimes
@@ -107,28 +93,28 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"spin": SPIN, "lever": LEVER},
+    parameters=P(),
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
-    headline=accelerometer_ideal_error.name,
+    headline=inertial_readings.accelerometer_ideal_error.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a free ball never diverges"),
+        stays_finite("a free ball never diverges"),
         Check(
-            metric=accelerometer_ideal_error,
-            at_most=_acceleration,
-            because="w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
+            inertial_readings.accelerometer_ideal_error,
+            _acceleration,
+            "w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
             "velocities that are differenced",
         ),
         Check(
-            metric=gyroscope_ideal_error,
-            at_most=lambda _dt, spin=SPIN: 16 * SINGLE * spin,
-            because="no torque acts, so the rate stays what it was; a few roundings in single precision",
+            inertial_readings.gyroscope_ideal_error,
+            lambda _, p: 16 * SINGLE * p.spin,
+            "no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),
-        Check(metric=gyroscope_allan_score, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(metric=accelerometer_allan_score, at_most=5.0, because=FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(metric=inertial_bias_score, at_most=5.0, because=FIVE + "the largest of 6 in 3 of a million"),
-        Check(metric=inertial_correlation_score, at_most=5.0, because=FIVE + "the largest of 15 pairs in 9 of a million"),
+        Check(allan.gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(allan.accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_noise.inertial_bias_score, 5.0, FIVE + "the largest of 6 in 3 of a million"),
+        Check(inertial_noise.inertial_correlation_score, 5.0, FIVE + "the largest of 15 pairs in 9 of a million"),
         *_slope_checks(),
     ),
 )

@@ -4,55 +4,47 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.imu_readout import inertial_readout_error
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     AxisNoise,
     Body,
     Imu,
     ImuNoise,
-    PlacedShape,
     Scene,
-    Sphere,
     axis_angle,
     sphere_inertia,
 )
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 
-G = -EARTH_GRAVITY[2]
 DURATION, RATE = 2.0, 60.0
 MASS, RADIUS = 2.0, 0.5
 SPIN_UP = 3.0
 MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
-SINGLE = 2.0**-24
-"""Relative rounding of a float32: an engine in single precision is judged as such."""
 ACCELEROMETER = AxisNoise(quantisation=0.05, saturation=7.0, scale_error=0.02, misalignment=(0.03, -0.02, 0.04))
 GYROSCOPE = AxisNoise(quantisation=0.02, saturation=4.0, scale_error=-0.03, misalignment=(-0.02, 0.05, 0.01))
 """Coarse steps and bounds that the signal passes: the weight alone reaches 7.4 m/s2 on one axis, the spin 4.9 rad/s."""
 
 
-def _scene(spin_up: float = SPIN_UP) -> Scene:  # noqa: ARG001 -- the torque is the control's
+class P(Parameters):
+    spin_up: float = SPIN_UP
+
+
+def _scene(_: P) -> Scene:
     """A ball at rest, held up and spun up about z by the control, with a sensor at its centre, turned against it."""
-    ball = Body(
-        name="ball",
-        mass=MASS,
-        inertia=sphere_inertia(MASS, RADIUS),
-        visual=(PlacedShape(shape=Sphere(radius=RADIUS)),),
-    )
+    ball = Body.ball("ball", RADIUS, mass=MASS, touches=False)
     law = ImuNoise(accelerometer=ACCELEROMETER, gyroscope=GYROSCOPE)
     imu = Imu(name="imu", body="ball", rate=RATE, q_BS=MOUNTING, reading="states", noise=law)
     return Scene(bodies=(ball,), sensors=(imu,))
 
 
-def _control(spin_up: float = SPIN_UP) -> Control:
+def _control(p: P) -> Control:
     """The weight borne, and the torque that spins the ball up by `spin_up` [rad/s2]."""
     force = np.array([[0.0, 0.0, MASS * G]])
-    torque = np.array([[0.0, 0.0, sphere_inertia(MASS, RADIUS)[2][2] * spin_up]])
+    torque = np.array([[0.0, 0.0, sphere_inertia(MASS, RADIUS)[2][2] * p.spin_up]])
 
     def wrench(_time: float, _state: State) -> tuple[Floats, Floats]:
         return force, torque
@@ -60,12 +52,12 @@ def _control(spin_up: float = SPIN_UP) -> Control:
     return Control(wrench=wrench)
 
 
-def _expected(time: Floats, spin_up: float = SPIN_UP) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The weight is felt along z, which is the axis of the spin as well: both signals stand still in S but for w = a t."""
     truth = Trajectory.of(time, 1)
-    angle = spin_up * truth.time**2 / 2
+    angle = p.spin_up * truth.time**2 / 2
     truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(angle / 2), np.sin(angle / 2)
-    truth.w_WB[:, 0, 2] = spin_up * truth.time
+    truth.w_WB[:, 0, 2] = p.spin_up * truth.time
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
     late = np.arange(1, count + 1) / RATE
     up = np.tile((0.0, 0.0, 1.0), (count, 1))
@@ -73,14 +65,9 @@ def _expected(time: Floats, spin_up: float = SPIN_UP) -> Trajectory:
     streams = {
         "imu/time": late,
         "imu/accelerometer_ideal": rotate_back(q_BS, G * up),
-        "imu/gyroscope_ideal": rotate_back(q_BS, spin_up * late[:, None] * up),
+        "imu/gyroscope_ideal": rotate_back(q_BS, p.spin_up * late[:, None] * up),
     }
     return replace(truth, streams=streams)
-
-
-def _rounding(dt: float, spin_up: float = SPIN_UP) -> float:  # noqa: ARG001 -- the same at every step
-    """Of the greatest spin [rad/s], 64 times over."""
-    return 64 * SINGLE * spin_up * DURATION
 
 
 CASE = Case(
@@ -93,24 +80,24 @@ CASE = Case(
     control=_control,
     expected=_expected,
     duration=DURATION,
-    parameters={"spin_up": SPIN_UP},
+    parameters=P(),
     headline=inertial_readout_error.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a steady torque never makes a ball diverge in two seconds"),
+        stays_finite("a steady torque never makes a ball diverge in two seconds"),
         Check(
-            metric=inertial_readout_error,
-            at_most=1e-9,
-            because="a reading is a whole number of steps to some roundings of some hundreds; a wrong level is a whole step",
+            inertial_readout_error,
+            1e-9,
+            "a reading is a whole number of steps to some roundings of some hundreds; a wrong level is a whole step",
         ),
         Check(
-            metric=accelerometer_ideal_error,
-            at_most=8 * SINGLE * G * (1.0 + RATE),
-            because="the weight is borne: rounding of g dt, a sum of it over an interval, in single precision",
+            accelerometer_ideal_error,
+            8 * SINGLE * G * (1.0 + RATE),
+            "the weight is borne: rounding of g dt, a sum of it over an interval, in single precision",
         ),
         Check(
-            metric=gyroscope_ideal_error,
-            at_most=_rounding,
-            because="a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
+            gyroscope_ideal_error,
+            lambda _, p: 64 * SINGLE * p.spin_up * DURATION,
+            "a steady torque is integrated exactly by every integrator; what is left is the rounding of its sum, in "
             "single precision",
         ),
     ),

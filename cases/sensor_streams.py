@@ -2,13 +2,9 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
-from plumbline.harness.metrics.noise_spectrum import inertial_spectrum_score
-from plumbline.harness.metrics.range_noise import range_correlation_score, range_mean_score, range_spread_score
-from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
+from plumbline.harness.metrics import inertial_noise, inertial_readings, range_noise
 from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -19,12 +15,16 @@ ACCELEROMETER = AxisNoise(
 )
 
 
-def _scene(density: float = GYROSCOPE.density) -> Scene:
+class P(Parameters):
+    density: float = GYROSCOPE.density
+
+
+def _scene(p: P) -> Scene:
     """Two inertial sensors of one law and a range finder, hung in the world above a floor; one inertial sensor is late."""
     law = ImuNoise(
         accelerometer=ACCELEROMETER,
         gyroscope=AxisNoise(
-            density=density, bias=GYROSCOPE.bias, scale_error=GYROSCOPE.scale_error, misalignment=GYROSCOPE.misalignment
+            density=p.density, bias=GYROSCOPE.bias, scale_error=GYROSCOPE.scale_error, misalignment=GYROSCOPE.misalignment
         ),
     )
     mount = axis_angle((1.0, 2.0, -0.5), 0.7)
@@ -47,7 +47,7 @@ def _scene(density: float = GYROSCOPE.density) -> Scene:
     return Scene(bodies=(floor,), sensors=sensors)
 
 
-def _expected(time: Floats, density: float = GYROSCOPE.density) -> Trajectory:  # noqa: ARG001 -- the floor knows no noise
+def _expected(time: Floats, _: P) -> Trajectory:
     """Nothing moves."""
     return Trajectory.of(time, 1)
 
@@ -65,33 +65,33 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"density": GYROSCOPE.density},
+    parameters=P(),
     sample_interval=1.0,
     dt=1 / 200,
     ladder=(1 / 200, 1 / 400, 1 / 600, 1 / 800),
-    headline=inertial_correlation_score.name,
+    headline=inertial_noise.inertial_correlation_score.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=inertial_correlation_score,
-            at_most=4.0,
-            because=f"4/sqrt(N): the largest of {PAIRS} pairs of independent axes exceeds it under 4 of 1000 seeds, and the "
+            inertial_noise.inertial_correlation_score,
+            4.0,
+            f"4/sqrt(N): the largest of {PAIRS} pairs of independent axes exceeds it under 4 of 1000 seeds, and the "
             "seed is the run's own; equal streams reach sqrt(N)",
         ),
-        Check(metric=inertial_spectrum_score, at_most=5.0, because=FIVE + f"the largest of {12 * 6} octaves in 4 of 100 000"),
+        Check(inertial_noise.inertial_spectrum_score, 5.0, FIVE + f"the largest of {12 * 6} octaves in 4 of 100 000"),
         Check(
-            metric=inertial_distribution_distance,
-            at_most=2.73,
-            because="Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
+            inertial_noise.inertial_distribution_distance,
+            2.73,
+            "Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
-        Check(metric=inertial_histogram_score, at_most=5.0, because=FIVE + "the largest of 12 in 7 of a million"),
-        Check(metric=range_mean_score, at_most=5.0, because=FIVE + "of one"),
-        Check(metric=range_spread_score, at_most=5.0, because=FIVE + "of one"),
-        Check(metric=range_correlation_score, at_most=5.0, because=FIVE + "the largest of three"),
+        Check(inertial_noise.inertial_histogram_score, 5.0, FIVE + "the largest of 12 in 7 of a million"),
+        Check(range_noise.range_mean_score, 5.0, FIVE + "of one"),
+        Check(range_noise.range_spread_score, 5.0, FIVE + "of one"),
+        Check(range_noise.range_correlation_score, 5.0, FIVE + "the largest of three"),
         Check(
-            metric=time_stamp_error,
-            at_most=8 * float(np.finfo(np.float64).eps) * DURATION,
-            because="stamps are multiples of the interval to a few roundings, with none left out",
+            inertial_readings.time_stamp_error,
+            8 * float(np.finfo(np.float64).eps) * DURATION,
+            "stamps are multiples of the interval to a few roundings, with none left out",
         ),
     ),
 )

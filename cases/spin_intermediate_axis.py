@@ -4,45 +4,46 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.attitude import attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import energy_drift_max
-from plumbline.harness.metrics.flips import flip_count_error, flip_period_error
-from plumbline.harness.metrics.momentum import angular_momentum_drift_max
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
+from plumbline.harness.metrics import energy, errors, momentum
+from plumbline.harness.metrics.spin import flip_count_error, flip_period_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.free_rotation import FIRST_ORDER, first_order_errors, free_rotation
 
 DURATION = 20.0
-MOMENTS = (1.0, 2.0, 2.5)
-SPIN = (0.1, 1.5, 0.6)
-"""A spin [rad/s] about the middle axis with a push: L^2 is 4 % above 2 E I2, near the separatrix and not on it."""
 
 
-def _scene(moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> Scene:
+class P(Parameters):
+    moments: Vector3 = (1.0, 2.0, 2.5)
+    spin: Vector3 = (0.1, 1.5, 0.6)
+    """A spin [rad/s] about the middle axis with a push: L^2 is 4 % above 2 E I2, near the separatrix and not on it."""
+
+
+def _scene(p: P) -> Scene:
     """A body of 6 kg with principal `moments` [kg m2] in ascending order, spinning at `spin` [rad/s] in B, B on W at time 0."""
     mass = 6.0
-    half = [float(np.sqrt(max(1.5 * (sum(moments) - 2 * moment) / mass, 1e-6))) for moment in moments]
+    half = [float(np.sqrt(max(1.5 * (sum(p.moments) - 2 * moment) / mass, 1e-6))) for moment in p.moments]
     body = Body(
         name="racket",
         mass=mass,
-        inertia=principal_inertia(*moments),
+        inertia=principal_inertia(*p.moments),
         visual=(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2]))),),
-        w_WB=spin,
+        w_WB=p.spin,
     )
     return Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> Trajectory:
+def _expected(time: Floats, p: P) -> Trajectory:
     """The closed form."""
     truth = Trajectory.of(time, 1)
-    truth.q_WB[:, 0], truth.w_WB[:, 0] = free_rotation(truth.time, moments, spin)
+    truth.q_WB[:, 0], truth.w_WB[:, 0] = free_rotation(truth.time, p.moments, p.spin)
     return truth
 
 
-def flip_period(square: float, twice_energy: float, moments: Vector3 = MOMENTS) -> float:
+def flip_period(square: float, twice_energy: float, moments: Vector3) -> float:
     """The time [s] between two flips of a body with L^2 = `square` and 2 E: half of the period of sn.
 
     Source: Landau, Lifshitz, Mechanics, section 37, equation 12; the first and third axes change places where L^2 < 2 E I2.
@@ -56,19 +57,19 @@ def flip_period(square: float, twice_energy: float, moments: Vector3 = MOMENTS) 
 
 
 @lru_cache(maxsize=64)
-def _period(dt: float, moments: Vector3 = MOMENTS, spin: Vector3 = SPIN) -> float:
+def _period(dt: float, p: P) -> float:
     """The largest change of the period when the energy is off by twice a first-order method's error, at most a whole period.
 
     Beyond the separatrix the period falls again; on it there is none.
     """
-    i, w = np.array(moments), np.array(spin)
+    i, w = np.array(p.moments), np.array(p.spin)
     square, twice_energy = float(np.sum((i * w) ** 2)), float(np.sum(i * w**2))
-    off = 2 * first_order_errors(moments, spin, DURATION)[2] * dt
-    if abs(square / (twice_energy * moments[1]) - 1) <= off:
+    off = 2 * first_order_errors(p.moments, p.spin, DURATION)[2] * dt
+    if abs(square / (twice_energy * p.moments[1]) - 1) <= off:
         return 1.0
     # The momentum errs as well, and what counts is the distance of the two from the separatrix.
-    period = flip_period(square, twice_energy, moments)
-    shifted = [flip_period(square, twice_energy * (1 + sign * off), moments) for sign in (-1, 1)]
+    period = flip_period(square, twice_energy, p.moments)
+    shifted = [flip_period(square, twice_energy * (1 + sign * off), p.moments) for sign in (-1, 1)]
     return min(1.0, max(abs(other / period - 1) for other in shifted))
 
 
@@ -82,28 +83,26 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"moments": MOMENTS, "spin": SPIN},
+    parameters=P(),
     sample_interval=1 / 60,
     headline=flip_period_error.name,
     converges="smoothly",
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a free body never diverges"),
+        stays_finite("a free body never diverges"),
         Check(
-            metric=flip_count_error,
-            at_most=1.0,
-            because="the last flip may lie on either side of the end of the run, and no other may be lost or won",
+            flip_count_error, 1.0, "the last flip may lie on either side of the end of the run, and no other may be lost or won"
         ),
         Check(
-            metric=flip_period_error,
-            at_most=_period,
-            because="what the period becomes when the energy errs by twice as much as in a first-order method; a whole period "
+            flip_period_error,
+            _period,
+            "what the period becomes when the energy errs by twice as much as in a first-order method; a whole period "
             "where that error reaches the separatrix",
         ),
         Check(
-            metric=angular_momentum_drift_max,
-            at_most=lambda dt, moments=MOMENTS, spin=SPIN: 2 * first_order_errors(moments, spin, DURATION)[1] * dt,
-            because=FIRST_ORDER,
+            momentum.angular_momentum_drift_max,
+            lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[1] * dt,
+            FIRST_ORDER,
         ),
     ),
-    observe=(energy_drift_max, attitude_error_max),
+    observe=(energy.energy_drift_max, errors.attitude_error_max),
 )

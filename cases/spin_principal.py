@@ -2,33 +2,35 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_max
-from plumbline.harness.metrics.attitude import attitude_error_final, attitude_error_max
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import energy_drift_max
-from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, box_inertia
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import SINGLE, stays_finite
+from plumbline.harness.metrics import energy, errors
+from plumbline.harness.scene import Body, Effect, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 
 DURATION = 1.0
 SPIN = 10.0
-HALF = (0.2, 0.15, 0.05)
-"""Half extents of the boxes [m]: three different moments."""
 NAMES = ("least", "middle", "greatest")
-SINGLE = 2.0**-24
 
 
-def _scene(spin: float = SPIN, half_extents: Vector3 = HALF, mass: float = 1.0) -> Scene:
+class P(Parameters):
+    spin: float = SPIN
+    half_extents: Vector3 = (0.2, 0.15, 0.05)
+    """Half extents of the boxes [m]: three different moments."""
+    mass: float = 1.0
+
+
+def _scene(p: P) -> Scene:
     """Three equal boxes in a row, the k-th spinning at `spin` [rad/s] about its k-th axis."""
     boxes = tuple(
-        Body(
-            name=name,
-            mass=mass,
-            inertia=box_inertia(mass, half_extents),
-            visual=(PlacedShape(shape=Box(half_extents=half_extents)),),
+        Body.box(
+            name,
+            p.half_extents,
+            mass=p.mass,
+            touches=False,
             p_WB=(0.0, k - 1.0, 0.0),
-            w_WB=(spin * (k == 0), spin * (k == 1), spin * (k == 2)),
+            w_WB=(p.spin * (k == 0), p.spin * (k == 1), p.spin * (k == 2)),
         )
         for k, name in enumerate(NAMES)
     )
@@ -36,31 +38,26 @@ def _scene(spin: float = SPIN, half_extents: Vector3 = HALF, mass: float = 1.0) 
     return Scene(bodies=boxes, gravity=(0.0, 0.0, 0.0), narrow=Effect.GYROSCOPIC)
 
 
-def _expected(time: Floats, spin: float = SPIN, half_extents: Vector3 = HALF, mass: float = 1.0) -> Trajectory:  # noqa: ARG001
+def _expected(time: Floats, p: P) -> Trajectory:
     """The angle is w t, whatever the moments."""
     truth = Trajectory.of(time, 3)
     for k in range(3):
         truth.p_WB[:, k, 1] = k - 1.0
-        truth.q_WB[:, k, 0], truth.q_WB[:, k, 1 + k] = np.cos(spin * truth.time / 2), np.sin(spin * truth.time / 2)
-        truth.w_WB[:, k, k] = spin
+        truth.q_WB[:, k, 0], truth.q_WB[:, k, 1 + k] = np.cos(p.spin * truth.time / 2), np.sin(p.spin * truth.time / 2)
+        truth.w_WB[:, k, k] = p.spin
     return truth
 
 
-def _grown(spin: float = SPIN, half_extents: Vector3 = HALF) -> float:
+def _grown(p: P) -> float:
     """Share of a turn to which one rounding in single precision grows about the middle axis, exp(rate T)."""
-    a, b, c = sorted(np.diag(np.array(box_inertia(1.0, half_extents))))
-    return SINGLE * float(np.exp(abs(spin) * DURATION * np.sqrt((c - b) * (b - a) / (a * c))))
+    a, b, c = sorted(np.diag(np.array(box_inertia(1.0, p.half_extents))))
+    return SINGLE * float(np.exp(abs(p.spin) * DURATION * np.sqrt((c - b) * (b - a) / (a * c))))
 
 
-def _angle(dt: float, spin: float = SPIN, half_extents: Vector3 = HALF) -> float:
+def _angle(dt: float, p: P) -> float:
     """Twice the lag of a normalised quaternion step, (w dt)^2/12 of the angle, and rounding in single precision."""
-    lag = abs(spin) * DURATION * ((spin * dt) ** 2 / 6 + SINGLE * DURATION / dt)
-    return lag + _grown(spin, half_extents)
-
-
-def _rate(dt: float, spin: float = SPIN, half_extents: Vector3 = HALF) -> float:
-    """One rounding in single precision a step, and its growth about the middle axis."""
-    return abs(spin) * (SINGLE * DURATION / dt + _grown(spin, half_extents))
+    lag = abs(p.spin) * DURATION * ((p.spin * dt) ** 2 / 6 + SINGLE * DURATION / dt)
+    return lag + _grown(p)
 
 
 CASE = Case(
@@ -72,24 +69,24 @@ CASE = Case(
     scene=_scene,
     expected=_expected,
     duration=DURATION,
-    parameters={"spin": SPIN, "half_extents": HALF, "mass": 1.0},
-    headline=attitude_error_max.name,
+    parameters=P(),
+    headline=errors.attitude_error_max.name,
     converges="smoothly",
     scale=SPIN * DURATION,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a constant spin never diverges"),
+        stays_finite("a constant spin never diverges"),
         Check(
-            metric=attitude_error_max,
-            at_most=_angle,
-            because="a quaternion advanced by its derivative and normalised turns by 2 atan(w dt/2), short by (w dt)^2/12 of "
+            errors.attitude_error_max,
+            _angle,
+            "a quaternion advanced by its derivative and normalised turns by 2 atan(w dt/2), short by (w dt)^2/12 of "
             "the angle, taken twice; a rounding in single precision every step, and one that grows about the middle axis at "
             "the rate of its instability. A hidden damping of 0.04/s would lag by 0.2 rad",
         ),
         Check(
-            metric=angular_velocity_error_max,
-            at_most=_rate,
-            because="nothing acts on the spin: one rounding in single precision a step, and its growth about the middle axis",
+            errors.angular_velocity_error_max,
+            lambda dt, p: abs(p.spin) * (SINGLE * DURATION / dt + _grown(p)),
+            "nothing acts on the spin: one rounding in single precision a step, and its growth about the middle axis",
         ),
     ),
-    observe=(attitude_error_final, energy_drift_max),
+    observe=(errors.attitude_error_final, energy.energy_drift_max),
 )

@@ -11,30 +11,31 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case
-from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.stack import stack_height_error
+from plumbline.harness.case import Axis, Case, Parameters
+from plumbline.harness.case.bounds import settled_speed, stands, supported
+from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     ConvexHull,
     Effect,
     PlacedShape,
-    Plane,
     Scene,
     Surface,
     axis_angle,
     principal_inertia,
 )
 from plumbline.harness.scene.values import Matrix3
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-THICKNESS, BLOCKS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 9, 1.0, 0.4, 2000.0, 0.8
+THICKNESS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 1.0, 0.4, 2000.0, 0.8
 SETTLED, DURATION = 1.0, 2.0
+
+
+class P(Parameters):
+    thickness: float = THICKNESS
+    blocks: float = 9
+    friction: float = FRICTION
 
 
 def voussoir(thickness: float, blocks: int) -> tuple[Floats, float]:
@@ -72,13 +73,13 @@ def _inertia(corners: Floats) -> tuple[float, Matrix3]:
     return mass, principal_inertia(z + along, x + z, x + along)
 
 
-def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Scene:
+def scene(p: P) -> Scene:
     """A semicircle of equal blocks on level ground, in the plane y = 0, exactly touching; `thickness` in units of RADIUS."""
-    count = round(blocks)
-    corners, away = voussoir(thickness * RADIUS, count)
+    count = round(p.blocks)
+    corners, away = voussoir(p.thickness * RADIUS, count)
     mass, inertia = _inertia(corners)
     hull = ConvexHull(vertices=tuple((float(x), y, float(z)) for x, z in corners for y in (-DEPTH / 2, DEPTH / 2)))
-    bodies = [Body.fixed("ground", Plane())]
+    bodies = [Body.ground("default")]
     for i in range(count):
         # From the springing at -x over the crown to that at +x; a turn about y by t takes z to (sin t, 0, cos t).
         turn = math.pi * ((i + 0.5) / count - 0.5)
@@ -92,15 +93,11 @@ def scene(thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float 
                 q_WB=axis_angle((0.0, 1.0, 0.0), turn),
             )
         )
-    return Scene(
-        bodies=tuple(bodies), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),), narrow=Effect.GYROSCOPIC
-    )
+    return Scene(bodies=tuple(bodies), surfaces=(Surface.rough(p.friction),), narrow=Effect.GYROSCOPIC)
 
 
-def expected(time: Floats, thickness: float = THICKNESS, blocks: float = BLOCKS, friction: float = FRICTION) -> Trajectory:
-    """Rest, as it is above the least thickness."""
-    return at_rest(scene(thickness, blocks, friction), time)
-
+expected = resting(scene)
+"""Rest, as it is above the least thickness."""
 
 CASE = Case(
     name="stack_arch",
@@ -110,16 +107,12 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"thickness": THICKNESS, "blocks": BLOCKS, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="thickness", unit="1", easy=0.3, extreme=0.1),
-    checks=(
-        stands(DURATION, "the arch stands"),
-        settled_speed(SETTLED, "a block"),
-        supported(SETTLED, DURATION),
-    ),
-    observe=(stack_height_error, penetration, rest_drift),
+    checks=(stands(DURATION, "the arch stands"), settled_speed(SETTLED, "a block"), supported(SETTLED, DURATION)),
+    observe=(stack.stack_height_error, contacts.penetration, jitter.rest_drift),
     headline="stack_height_error",
 )

@@ -11,15 +11,10 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE, bears, settled_speed, supported
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import energy_rise_max
-from plumbline.harness.metrics.jitter import rest_drift, rms_spin
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.threading import unthreaded
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, stays_finite, supported
+from plumbline.harness.metrics import contacts, energy, jitter, threading
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Box,
     PlacedShape,
@@ -35,8 +30,7 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.trajectory import Floats
 
-G = -EARTH_GRAVITY[2]
-LOOSE, RINGS, FRICTION, FORM = 3, 2, 0.5, "pieces"
+RINGS = 2
 DENSITY = 7850.0
 """Steel [kg/m3]."""
 FLATS, BORE, THICK = 0.05, 0.03, 0.02
@@ -52,6 +46,13 @@ OUT, HEIGHT, LAYER, RISE = 0.16, 0.13, 4, 0.24
 SETTLED, DURATION = 4.0, 14.0
 SHARE = 0.01
 """Of g, that what lies still may shake by: the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz)."""
+
+
+class P(Parameters):
+    n: float = 3
+    friction: float = 0.5
+    form: str = "pieces"
+    seed: int = 0
 
 
 def _block(half: Vector3, centre: Vector3) -> PlacedShape:
@@ -135,10 +136,10 @@ def _shapes(pieces: tuple[PlacedShape, ...], form: str) -> tuple[PlacedShape, ..
     raise ValueError(f"form '{form}', expected pieces or mesh")
 
 
-def scene(n: float = LOOSE, friction: float = FRICTION, form: str = FORM, seed: int = 0) -> Scene:
+def scene(p: P) -> Scene:
     """The bowl, nuts around its post, and n bolts and nuts by turns in layers over the floor, each turned anyhow."""
-    draw, bodies = np.random.default_rng(seed), []
-    for k in range(RINGS + round(n)):
+    draw, bodies = np.random.default_rng(p.seed), []
+    for k in range(RINGS + round(p.n)):
         number, loose = k - RINGS, k >= RINGS
         mass, inertia, pieces = _bolt() if loose and number % 2 == 0 else _nut()
         place, attitude = (0.0, 0.0, (k + 1) * GAP + (2 * k + 1) * THICK), np.array([1.0, 0.0, 0.0, 0.0])
@@ -152,19 +153,19 @@ def scene(n: float = LOOSE, friction: float = FRICTION, form: str = FORM, seed: 
                 mass=mass,
                 inertia=tuple(tuple(float(x) for x in row) for row in inertia),  # type: ignore[arg-type]
                 material="steel",
-                collision=_shapes(pieces, form),
+                collision=_shapes(pieces, p.form),
                 p_WB=place,
                 q_WB=tuple((attitude / np.linalg.norm(attitude)).tolist()),
             )
         )
     bowl = Body(name="bowl", motion="static", material="steel", collision=_bowl())
-    law = Surface(between=("steel", "steel"), static_friction=friction, kinetic_friction=friction)
+    law = Surface.rough(p.friction, ("steel", "steel"))
     return Scene(bodies=(bowl, *bodies), surfaces=(law,))
 
 
-def _given_back(dt: float, n: float = LOOSE) -> float:
+def _given_back(dt: float, p: P) -> float:
     """Energy over mass that contacts may give back [J/kg]."""
-    highest = HEIGHT + RISE * (max(0, round(n) - 1) // LAYER)
+    highest = HEIGHT + RISE * (max(0, round(p.n) - 1) // LAYER)
     return math.exp(-4) * G * highest + (G * dt) ** 2 / 2 + G * GIVE
 
 
@@ -175,49 +176,49 @@ CASE = Case(
     source="dissipation: friction and inelastic impacts take what motion there is; topology: a ring leaves a post over its end",
     truth="conservation",
     scene=scene,
-    parameters={"n": LOOSE, "friction": FRICTION, "form": FORM, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
     sample_interval=1 / 20,
     with_contacts=True,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what lies in a bowl stays there"),
+        stays_finite("what lies in a bowl stays there"),
         Check(
-            metric=unthreaded,
-            at_most=0.0,
-            because="a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
+            threading.unthreaded,
+            0.0,
+            "a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
             "mm; over the top nothing lifts it",
         ),
         bears("a body", SETTLED),
         settled_speed(SETTLED),
         Check(
-            metric=rms_spin,
-            at_most=lambda dt: G * dt / FLATS,
-            because="g dt, what one step of gravity gives a body before its supports take it away, at the edge of a nut",
+            jitter.rms_spin,
+            lambda dt, _: G * dt / FLATS,
+            "g dt, what one step of gravity gives a body before its supports take it away, at the edge of a nut",
             start=SETTLED,
         ),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt: SHARE * G * dt * (DURATION - SETTLED),
-            because="the speed of 0.01 g, the noise of a consumer accelerometer, over one step, kept up in one direction for "
+            jitter.rest_drift,
+            lambda dt, _: SHARE * G * dt * (DURATION - SETTLED),
+            "the speed of 0.01 g, the noise of a consumer accelerometer, over one step, kept up in one direction for "
             "the whole window",
             start=SETTLED,
         ),
         supported(SETTLED, DURATION),
         Check(
-            metric=energy_rise_max,
-            at_most=_given_back,
-            because="exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
+            energy.energy_rise_max,
+            _given_back,
+            "exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
             "critically damped spring that cannot pull, exp(-2) of the speed of a blow; half the square of g dt, one step of "
             "gravity; and g times a millimetre, by which contacts may give way and come back",
         ),
         Check(
-            metric=energy_rise_max,
-            at_most=lambda dt: 1.5 * (G * dt) ** 2,
-            because="at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
+            energy.energy_rise_max,
+            lambda dt, _: 1.5 * (G * dt) ** 2,
+            "at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
             start=SETTLED,
         ),
     ),
-    headline=penetration.name,
+    headline=contacts.penetration.name,
     scale=THICK,
 )

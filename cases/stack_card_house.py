@@ -7,29 +7,33 @@ Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.
 
 import math
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.frames import critical_friction, frame_friction_error, frame_standing_time
-from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
-MARGIN, ANGLE, GRIP, MASS = 0.1, 20.0, 1.0, 0.1
-"""Share of the critical friction by which one house has more and the other less; angle of a card to the vertical [deg];
-friction of card on card."""
+GRIP, MASS = 1.0, 0.1
+"""Friction of card on card; mass of a card [kg]."""
 HALF = (0.01, 0.15, 0.2)
 PLATE = (0.5, 0.3, 0.05)
 SPACING, DURATION = 2.0, 2.0
 
 
-def scene(margin: float = MARGIN, angle: float = ANGLE) -> Scene:
+class P(Parameters):
+    margin: float = 0.1
+    angle: float = 20.0
+    """Share of the critical friction by which one house has more and the other less; angle of a card to the vertical [deg]."""
+
+
+def scene(p: P) -> Scene:
     """Both houses, each on a plate of its own, exactly touching; their gables point along y."""
-    a = math.radians(angle)
-    critical = critical_friction(a, HALF[2], HALF[0])
+    a = math.radians(p.angle)
+    critical = statics.critical_friction(a, HALF[2], HALF[0])
     card = (PlacedShape(shape=Box(half_extents=HALF)),)
     bodies, laws = [], []
     # A card leans by its inner edge on the foot, and by the upper inner edge of its face on the other card.
     across = HALF[2] * math.sin(a) + HALF[0] * math.cos(a)
     high = HALF[2] * math.cos(a) + HALF[0] * math.sin(a)
-    for k, (name, friction) in enumerate((("firm", (1 + margin) * critical), ("loose", (1 - margin) * critical))):
+    for k, (name, friction) in enumerate((("firm", (1 + p.margin) * critical), ("loose", (1 - p.margin) * critical))):
         x = SPACING * k
         bodies.append(Body.fixed(f"plate_{name}", Box(half_extents=PLATE), material=f"plate_{name}", p_WB=(x, 0.0, -PLATE[2])))
         bodies += [
@@ -44,10 +48,7 @@ def scene(margin: float = MARGIN, angle: float = ANGLE) -> Scene:
             )
             for side, way in (("left", 1.0), ("right", -1.0))
         ]
-        laws += [
-            Surface(between=(name, f"plate_{name}"), static_friction=friction, kinetic_friction=friction),
-            Surface(between=(name, name), static_friction=GRIP, kinetic_friction=GRIP),
-        ]
+        laws += [Surface.rough(friction, (name, f"plate_{name}")), Surface.rough(GRIP, (name, name))]
     apart = (("firm", "loose"), ("firm", "plate_loose"), ("loose", "plate_firm"))
     return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart, narrow=Effect.GYROSCOPIC)
 
@@ -59,23 +60,23 @@ CASE = Case(
     source="Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1",
     truth="closed form",
     scene=scene,
-    parameters={"margin": MARGIN, "angle": ANGLE},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),
     checks=(
         Check(
-            metric=frame_friction_error,
-            at_most=lambda _dt, margin=MARGIN: margin / 2,
-            because="the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
+            statics.frame_friction_error,
+            lambda _, p: p.margin / 2,
+            "the two frictions stand to both sides of the critical one; if the houses are told apart the middle is the "
             "critical one, and if not, it lies more than half of it off",
         ),
         Check(
-            metric=frame_standing_time,
-            at_most=lambda _dt, outer: DURATION - outer,
-            because="the firm house stands for the whole run, which ends within a step of its nominal length",
+            statics.frame_standing_time,
+            lambda dt, _: DURATION - dt.outer,
+            "the firm house stands for the whole run, which ends within a step of its nominal length",
         ),
     ),
-    observe=(penetration,),
+    observe=(contacts.penetration,),
     headline="frame_standing_time",
 )

@@ -2,46 +2,47 @@
 
 import math
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import settled_speed, stands, supported
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.load_split import load_split_error
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.stack import stack_height_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, PlacedShape, Plane, Scene, Surface, box_inertia
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, settled_speed, stands, supported
+from plumbline.harness.metrics import contacts, jitter, stack
+from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
-RATIO, FRICTION, DROP, MASS = 400.0, 0.5, 0.02, 1.0
+MASS = 1.0
 SMALL, APART = 0.1, 0.4
 """Half edge of the small cubes, and their centres' distance from the middle [m]."""
 LARGE = (0.5, 0.25, 0.25)
 SETTLED, DURATION = 1.0, 2.0
 
 
-def scene(ratio: float = RATIO, friction: float = FRICTION, drop: float = DROP) -> Scene:
+class P(Parameters):
+    ratio: float = 400.0
+    friction: float = 0.5
+    drop: float = 0.02
+
+
+def scene(p: P) -> Scene:
     """Two cubes of MASS on the ground; a box `ratio` times as heavy starts at rest, `drop` [m] above both."""
     cube = (PlacedShape(shape=Box(half_extents=(SMALL, SMALL, SMALL))),)
     small = [
         Body(name=name, mass=MASS, inertia=box_inertia(MASS, (SMALL, SMALL, SMALL)), collision=cube, p_WB=(x, 0.0, SMALL))
         for name, x in (("left", -APART), ("right", APART))
     ]
-    heavy = Body.box("heavy", LARGE, mass=ratio * MASS, p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + drop))
-    ground = Body.fixed("ground", Plane())
+    heavy = Body.box("heavy", LARGE, mass=p.ratio * MASS, p_WB=(0.0, 0.0, 2 * SMALL + LARGE[2] + p.drop))
     return Scene(
-        bodies=(ground, *small, heavy),
-        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
+        bodies=(Body.ground("default"), *small, heavy),
+        surfaces=(Surface.rough(p.friction),),
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, ratio: float = RATIO, friction: float = FRICTION, drop: float = DROP) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Free fall, then rest: a blow of plastic bodies that stands on three levels takes all speed away."""
-    truth = at_rest(scene(ratio, friction, drop), time)
-    fall = math.sqrt(2 * drop / G)
+    truth = at_rest(scene(p), time)
+    fall = math.sqrt(2 * p.drop / G)
     falls = truth.time < fall
-    truth.p_WB[:, 3, 2] -= (G * truth.time**2 / 2) * falls + drop * ~falls
+    truth.p_WB[:, 3, 2] -= (G * truth.time**2 / 2) * falls + p.drop * ~falls
     truth.v_WB[:, 3, 2] = -G * truth.time * falls
     return truth
 
@@ -54,7 +55,7 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"ratio": RATIO, "friction": FRICTION, "drop": DROP},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
@@ -64,15 +65,15 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
         Check(
-            metric=load_split_error,
-            at_most=lambda dt: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
-            because="statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
+            contacts.load_split_error,
+            lambda dt, _: SMALL / (2 * APART) + dt / (DURATION - SETTLED) * (0.5 + LARGE[0] / (2 * APART)),
+            "statics leaves open where on a face its pressure acts: moved by the half edge s of a support at the "
             "distance d, it changes the shares by s/(2 d); and the mean forces of the window miss those of rest by the change "
             "of the load's momentum, m g dt, and of its angular momentum, m g dt times the half length",
             start=SETTLED,
         ),
     ),
-    observe=(penetration, rest_drift, stack_height_error),
+    observe=(contacts.penetration, jitter.rest_drift, stack.stack_height_error),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="load_split_error",
 )

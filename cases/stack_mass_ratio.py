@@ -4,44 +4,35 @@ The contact at the ground must carry ratio + 1 times the weight of the body that
 contact passes on, each time, only what the light body alone can take.
 """
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.stack import stack_height_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Plane, Scene, Surface, box_inertia
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
+from plumbline.harness.metrics import contacts, jitter, stack
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-RATIO, FRICTION, MASS, HALF = 1000.0, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
 SOFTNESS = 1e-5
 """What a solver of constraints may mix into the diagonal of its matrix, relative to it, to keep it regular: ODE's and DART's
 default constraint force mixing. A contact gives by that share, times the load that it bears over the body that it holds."""
 
 
-def scene(ratio: float = RATIO, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    ratio: float = 1000.0
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """Two equal cubes, exactly touching: the lower of MASS, the upper of `ratio` times as much."""
     cube = (PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),)
     boxes = [
-        Body(
-            name=name,
-            mass=mass,
-            inertia=box_inertia(mass, (HALF, HALF, HALF)),
-            collision=cube,
-            p_WB=(0.0, 0.0, height),
-        )
-        for name, mass, height in (("light", MASS, HALF), ("heavy", ratio * MASS, 3 * HALF))
+        Body(name=name, mass=mass, inertia=box_inertia(mass, (HALF, HALF, HALF)), collision=cube, p_WB=(0.0, 0.0, height))
+        for name, mass, height in (("light", MASS, HALF), ("heavy", p.ratio * MASS, 3 * HALF))
     ]
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, ratio: float = RATIO, friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(ratio, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_mass_ratio",
@@ -51,7 +42,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"ratio": RATIO, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
@@ -59,9 +50,9 @@ CASE = Case(
     checks=(
         stands(DURATION, "the stack stands"),
         Check(
-            metric=stack_height_error,
-            at_most=lambda dt, ratio=RATIO: 2 * (G * dt**2 * (1 + SOFTNESS * ratio) + GIVE) / (3 * HALF),
-            because="before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
+            stack.stack_height_error,
+            lambda dt, p: 2 * (G * dt**2 * (1 + SOFTNESS * p.ratio) + GIVE) / (3 * HALF),
+            "before a contact can push, a box falls for one step, g dt^2; if each of the two contacts gave as much, "
             "the top would sink by this share of the height of its centre, whatever the ratio; 1e-5 times the ratio more for a "
             "solver that keeps its matrix regular by such a share (ODE User Guide, Constraint Force Mixing); and a millimetre "
             "for each contact, which it may give way under weight",
@@ -69,7 +60,7 @@ CASE = Case(
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
     ),
-    observe=(penetration, rest_drift),
+    observe=(contacts.penetration, jitter.rest_drift),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps the boxes on each other"},
     headline="stack_height_error",
 )

@@ -6,15 +6,12 @@ together: the centre of mass of all bricks above any edge lies (factor - 1)/2 le
 Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 """
 
-from collections.abc import Sequence
-
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.overhang import overhang_limit_error
-from plumbline.harness.metrics.penetration import penetration
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
+from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 
-BRICKS, FRICTION, MASS = 4, 0.5, 1.0
+MASS = 1.0
 FACTORS = (0.8, 0.9, 0.95, 0.98, 1.02, 1.05, 1.1, 1.2)
 """Overhang over the limit: densest there, and never at it."""
 HALF = (0.2, 0.1, 0.05)
@@ -22,11 +19,17 @@ TABLE = (0.3, 0.15, 0.2)
 SPACING, DURATION = 1.0, 1.5
 
 
-def scene(n: float = BRICKS, factors: Sequence[float] = FACTORS, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    n: float = 4
+    factors: tuple[float, ...] = FACTORS
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """One table with n bricks for each factor, side by side along y; the tables end at x = 0, and the bricks lean to +x."""
     bodies = []
-    count = round(n)
-    for i, factor in enumerate(factors):
+    count = round(p.n)
+    for i, factor in enumerate(p.factors):
         y = SPACING * i
         bodies.append(Body.fixed(f"table_{i}", Box(half_extents=TABLE), material="table", p_WB=(-TABLE[0], y, TABLE[2])))
         end = 0.0
@@ -41,10 +44,7 @@ def scene(n: float = BRICKS, factors: Sequence[float] = FACTORS, friction: float
                     p_WB=(end - HALF[0], y, 2 * TABLE[2] + HALF[2] * (2 * level + 1)),
                 )
             )
-    laws = tuple(
-        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
-        for pair in (("brick", "brick"), ("brick", "table"))
-    )
+    laws = tuple(Surface.rough(p.friction, pair) for pair in (("brick", "brick"), ("brick", "table")))
     return Scene(bodies=tuple(bodies), surfaces=laws, narrow=Effect.GYROSCOPIC)
 
 
@@ -55,19 +55,19 @@ CASE = Case(
     source="Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107",
     truth="closed form",
     scene=scene,
-    parameters={"n": BRICKS, "factors": FACTORS, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
         Check(
-            metric=overhang_limit_error,
-            at_most=0.01,
-            because="the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
+            statics.overhang_limit_error,
+            0.01,
+            "the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
             "if not, the next bracket's lies 1.5 % off",
         ),
-        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
+        stays_finite("every number of every sampled state has to be finite"),
     ),
-    observe=(penetration,),
+    observe=(contacts.penetration,),
     headline="overhang_limit_error",
 )

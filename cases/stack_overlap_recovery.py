@@ -4,17 +4,19 @@ No mechanics begins like this, but designers do. What a rigid body can do is to 
 rest where they touch: an overlap is an error of position, and holds no energy.
 """
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import bears, settled_speed
-from plumbline.harness.metrics.ejection import ejection_speed
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, bears, settled_speed
+from plumbline.harness.metrics import jitter, overlaps, stack
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
-OVERLAP, FRICTION, MASS, HALF = 0.25, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 2.0, 3.0
+
+
+class P(Parameters):
+    overlap: float = 0.25
+    friction: float = 0.5
 
 
 def _boxes(overlap: float) -> tuple[Body, Body]:
@@ -24,13 +26,12 @@ def _boxes(overlap: float) -> tuple[Body, Body]:
     )
 
 
-def scene(overlap: float = OVERLAP, friction: float = FRICTION) -> Scene:
+def scene(p: P) -> Scene:
     """Two equal cubes, the lower on the ground, the upper inside of it by the share `overlap` of an edge."""
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, *_boxes(overlap)), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    return Scene(bodies=(Body.ground("default"), *_boxes(p.overlap)), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, overlap: float = OVERLAP, friction: float = FRICTION) -> Trajectory:  # noqa: ARG001
+def expected(time: Floats, _: P) -> Trajectory:
     """At rest, one on the other, from the start."""
     truth = Trajectory.of(time, 3)
     truth.p_WB[:] = [(0.0, 0.0, 0.0), *(body.p_WB for body in _boxes(0.0))]
@@ -45,26 +46,26 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"overlap": OVERLAP, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(
         Check(
-            metric=ejection_speed,
-            at_most=lambda dt: G * dt,
-            because="g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
+            overlaps.ejection_speed,
+            lambda dt, _: G * dt,
+            "g dt, what one step of gravity gives a box: a speed that the next step's gravity takes away again",
         ),
         Check(
-            metric=residual_kinetic_energy,
-            at_most=lambda dt: (G * dt) ** 2 / 2,
-            because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
+            stack.residual_kinetic_energy,
+            lambda dt, _: (G * dt) ** 2 / 2,
+            "(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
         ),
         settled_speed(SETTLED, "a box"),
         bears("a box", SETTLED),
     ),
-    observe=(lean, rest_drift),
+    observe=(stack.lean, jitter.rest_drift),
     insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
     headline="ejection_speed",
 )

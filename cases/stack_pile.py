@@ -8,21 +8,23 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import settled_speed
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.overlap import overlap
-from plumbline.harness.metrics.world_spread import world_spread
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import settled_speed, stays_finite
+from plumbline.harness.metrics import equivalence, jitter, overlaps
 from plumbline.harness.props.robots.container import container
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.scene import Body, Scene, Surface
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-BALLS, FRICTION, RADIUS, DENSITY = 20, 0.5, 0.05, 1000.0
-"""A hundred balls take some engines a second a step; the numbers beyond belong to the axis and to the study of scaling."""
+RADIUS, DENSITY = 0.05, 1000.0
 SETTLED, DURATION = 0.5, 1.0
+
+
+class P(Parameters):
+    n: float = 20
+    """A hundred balls take some engines a second a step; the numbers beyond belong to the axis and to the study of scaling."""
+    friction: float = 0.5
+    worlds: float = 1
 
 
 def side(n: int) -> int:
@@ -43,25 +45,19 @@ def packing(n: int) -> Floats:
     return np.array(centres[:n])
 
 
-def scene(n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Scene:  # noqa: ARG001 -- stepped by the harness
+def scene(p: P) -> Scene:
     """A floor, four walls and n equal balls, all just touching; `worlds` of them are stepped together."""
-    count = round(n)
+    count = round(p.n)
     mass = DENSITY * 4 / 3 * math.pi * RADIUS**3
     balls = [
         Body.ball(f"ball_{k}", RADIUS, mass=mass, material="ball", p_WB=(RADIUS * centre).tolist())
         for k, centre in enumerate(packing(count))
     ]
-    laws = tuple(
-        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
-        for pair in (("ball", "ball"), ("ball", "wall"))
-    )
+    laws = tuple(Surface.rough(p.friction, pair) for pair in (("ball", "ball"), ("ball", "wall")))
     return Scene(bodies=(*container(RADIUS * side(count), "wall"), *balls), surfaces=laws)
 
 
-def expected(time: Floats, n: float = BALLS, friction: float = FRICTION, worlds: float = 1) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(n, friction, worlds), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_pile",
@@ -71,7 +67,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": BALLS, "friction": FRICTION, "worlds": 1},
+    parameters=P(),
     duration=DURATION,
     sample_interval=1 / 20,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
@@ -79,16 +75,16 @@ CASE = Case(
     worlds="worlds",
     hard=Axis(parameter="n", unit="1", easy=10, extreme=10_000),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
+        stays_finite("every number of every sampled state has to be finite"),
         Check(
-            metric=overlap,
-            at_most=RADIUS,
-            because="the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall",
+            overlaps.overlap,
+            RADIUS,
+            "the definition of broken: half the thinnest body; a ball outside is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a ball"),
-        Check(metric=world_spread, at_most=0.0, because="equal input gives an equal future, bit for bit"),
+        Check(equivalence.world_spread, 0.0, "equal input gives an equal future, bit for bit"),
     ),
-    observe=(rest_drift,),
+    observe=(jitter.rest_drift,),
     insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},
     headline="overlap",
     scale=RADIUS,

@@ -8,24 +8,19 @@ is for: an engine whose solver takes the cube of the number of contacts needs a 
 import math
 from collections.abc import Iterator
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands, supported
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.stack import lean, residual_kinetic_energy
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
+from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     Body,
     Effect,
     Plane,
     Scene,
     Surface,
 )
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-ROWS, FRICTION, MASS = 3, 0.5, 1.0
+MASS = 1.0
 SETTLED, DURATION = 0.5, 1.0
 HALF = (0.1, 0.1, 0.05)
 PITCH = 2.2 * HALF[0]
@@ -37,6 +32,11 @@ SLOPE = math.atan(math.sqrt(2.0))
 of their layers."""
 PLACE = 10.0
 """The tip of the hollow stands at this x [m], beyond the ground on which the bricks stand."""
+
+
+class P(Parameters):
+    rows: float = 3
+    friction: float = 0.5
 
 
 def bricks(rows: int) -> Iterator[Body]:
@@ -67,9 +67,8 @@ def balls(rows: int) -> Iterator[Body]:
                 )
 
 
-def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
+def scene(p: P) -> Scene:
     """Both pyramids, beside each other, exactly touching."""
-    ground = Body.fixed("ground", Plane(), material="ground")
     walls = [
         Body.fixed(
             name,
@@ -83,17 +82,14 @@ def scene(rows: float = ROWS, friction: float = FRICTION) -> Scene:
     # Planes have no end: without this the bricks would stand inside of a wall of the hollow.
     apart = (("brick", "wall"), ("brick", "ball"), ("ball", "ground"))
     return Scene(
-        bodies=(ground, *walls, *bricks(round(rows)), *balls(round(rows))),
-        surfaces=tuple(Surface(between=pair, static_friction=friction, kinetic_friction=friction) for pair in touching),
+        bodies=(Body.ground(), *walls, *bricks(round(p.rows)), *balls(round(p.rows))),
+        surfaces=tuple(Surface.rough(p.friction, pair) for pair in touching),
         apart=apart,
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, rows: float = ROWS, friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(rows, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_pyramid",
@@ -103,7 +99,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"rows": ROWS, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
@@ -111,16 +107,16 @@ CASE = Case(
     checks=(
         stands(DURATION, "the pyramids stand"),
         Check(
-            metric=rest_drift,
-            at_most=lambda dt, rows=ROWS: math.sqrt(3.0) * rows * (G * dt**2 + GIVE),
-            because="before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
+            jitter.rest_drift,
+            lambda dt, p: math.sqrt(3.0) * p.rows * (G * dt**2 + GIVE),
+            "before a contact can push, a body falls for one step, g dt^2, and a millimetre is what it may give way "
             "under weight; if the contacts of each row gave as much, the top would sink by that for each row, and sqrt(3) "
             "times as deep between walls of 54.7 degrees",
         ),
         settled_speed(SETTLED),
         supported(SETTLED, DURATION),
     ),
-    observe=(penetration, lean, residual_kinetic_energy),
+    observe=(contacts.penetration, stack.lean, stack.residual_kinetic_energy),
     headline="rest_drift",
     scale=RADIUS,
 )

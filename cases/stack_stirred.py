@@ -5,18 +5,15 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.case.shared_checks.rest import settled_speed
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
-from plumbline.harness.metrics.jitter import rest_drift, rms_spin
+from plumbline.harness.metrics import jitter, overlaps
 from plumbline.harness.props.robots.container import container
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
+from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from plumbline.harness.trajectory import Floats, State
 
-G = -EARTH_GRAVITY[2]
-BODIES, EDGE, FRICTION, MASS, HALF = 18, 3, 0.5, 1.0, 0.05
+EDGE, MASS, HALF = 3, 1.0, 0.05
 ROOM = 1.3
 """Width of the container over that of EDGE bodies side by side."""
 INTERVAL, STIRRED, SETTLED, DURATION = 1 / 60, 3.0, 9.0, 10.0
@@ -24,11 +21,17 @@ PUSH, TWIST = 15.0, 0.15
 """Standard deviations of each component of the forces [N], one and a half weights, and of the torques [N m]."""
 
 
-def scene(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Scene:  # noqa: ARG001 -- of the forces
+class P(Parameters):
+    n: float = 18
+    friction: float = 0.5
+    seed: int = 0
+
+
+def scene(p: P) -> Scene:
     """n cubes and balls by turns, in layers of EDGE by EDGE, between four walls on a floor."""
     half = (HALF, HALF, HALF)
     bodies = []
-    for k in range(round(n)):
+    for k in range(round(p.n)):
         layer, cell = divmod(k, EDGE * EDGE)
         x, y = ((2 * ROOM * HALF) * (index - (EDGE - 1) / 2) for index in divmod(cell, EDGE))
         cube = k % 2 == 0
@@ -42,20 +45,17 @@ def scene(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Scene
                 p_WB=(x, y, HALF * (1 + 2.1 * layer)),
             )
         )
-    laws = tuple(
-        Surface(between=pair, static_friction=friction, kinetic_friction=friction)
-        for pair in (("stone", "stone"), ("stone", "wall"))
-    )
+    laws = tuple(Surface.rough(p.friction, pair) for pair in (("stone", "stone"), ("stone", "wall")))
     return Scene(bodies=(*container(ROOM * EDGE * HALF, "wall"), *bodies), surfaces=laws)
 
 
-def control(n: float = BODIES, friction: float = FRICTION, seed: int = 0) -> Control:  # noqa: ARG001 -- of the scene
+def control(p: P) -> Control:
     """Random forces until STIRRED, each held for a sixtieth of a second; none after it."""
 
     def wrench(time: float, _state: State) -> tuple[Floats, Floats]:
-        drawn = np.zeros((5 + round(n), 2, 3))
+        drawn = np.zeros((5 + round(p.n), 2, 3))
         if time < STIRRED - INTERVAL / 2:
-            drawn[5:] = np.random.default_rng((seed, round(time / INTERVAL))).standard_normal((round(n), 2, 3))
+            drawn[5:] = np.random.default_rng((p.seed, round(time / INTERVAL))).standard_normal((round(p.n), 2, 3))
         return PUSH * drawn[:, 0], TWIST * drawn[:, 1]
 
     return Control(wrench=wrench, interval=INTERVAL)
@@ -69,19 +69,19 @@ CASE = Case(
     truth="conservation",
     scene=scene,
     control=control,
-    parameters={"n": BODIES, "friction": FRICTION, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="every number of every sampled state has to be finite"),
+        stays_finite("every number of every sampled state has to be finite"),
         Check(
-            metric=inscribed_overlap,
-            at_most=HALF,
-            because="the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
+            overlaps.inscribed_overlap,
+            HALF,
+            "the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
         ),
         settled_speed(SETTLED, "a body"),
     ),
-    observe=(rms_spin, rest_drift),
+    observe=(jitter.rms_spin, jitter.rest_drift),
     headline="inscribed_overlap",
     scale=HALF,
 )

@@ -3,32 +3,29 @@
 A box that creeps by a micrometre a second passes every check of a few seconds; here it has left its place by half a millimetre.
 """
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, stands
-from plumbline.harness.metrics.energy import energy_gain_max
-from plumbline.harness.metrics.jitter import rest_drift
-from plumbline.harness.metrics.stack import lean, stack_height_error
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
+from plumbline.harness.metrics import energy, jitter, stack
+from plumbline.harness.scene import Body, Scene, Surface
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-BOXES, FRICTION, MASS, HALF = 4, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 600.0, 60.0
 
 
-def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    n: float = 4
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """n equal cubes, one on the other."""
     half = (HALF, HALF, HALF)
-    boxes = tuple(Body.box(f"box_{k}", half, mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * k + 1))) for k in range(round(n)))
-    ground = Body.fixed("ground", Plane())
-    return Scene(bodies=(ground, *boxes), surfaces=(Surface(static_friction=friction, kinetic_friction=friction),))
+    boxes = tuple(Body.box(f"box_{k}", half, mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * k + 1))) for k in range(round(p.n)))
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(n, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_ten_minutes",
@@ -38,7 +35,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": BOXES, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     sample_interval=0.5,
     # Ten minutes at the finer steps of other cases would cost more than all of those together.
@@ -46,15 +43,15 @@ CASE = Case(
     checks=(
         stands(DURATION, "the tower stands"),
         Check(
-            metric=stack_height_error,
-            at_most=lambda dt, n=BOXES: (G * dt**2 * n * (n + 1) / 2 + n * GIVE) / ((2 * n - 1) * HALF),
-            because="boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
+            stack.stack_height_error,
+            lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
+            "boxes that touch exactly may be seen to touch only once they overlap: the top one, k = n, sees its "
             "support after k steps, in which it falls k (k + 1)/2 g dt^2, over the height of its centre; and a millimetre for "
             "each contact, which it may give way under weight. Neither grows in ten minutes",
         ),
         settled_speed(SETTLED, "a box"),
     ),
-    observe=(rest_drift, lean, energy_gain_max),
+    observe=(jitter.rest_drift, stack.lean, energy.energy_gain_max),
     headline="rest_drift",
     scale=HALF,
 )

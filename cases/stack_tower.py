@@ -1,35 +1,31 @@
 """A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE, settled_speed, supported
-from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.stack import lean, residual_kinetic_energy, stack_height_error, standing_height
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Plane, Scene, Surface
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, settled_speed, supported
+from plumbline.harness.metrics import contact_residuals, contacts, stack
+from plumbline.harness.scene import Body, Scene, Surface
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-BOXES, FRICTION, MASS, HALF = 10, 0.5, 1.0, 0.1
+MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 5.0, 4.0
 STEADY = 1.0
 """By then [s] a soft contact has found its depth; what a step costs does not change any more."""
 
 
-def scene(n: float = BOXES, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    n: float = 10
+    friction: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """n equal cubes, one on the other."""
-    boxes = [Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(n))]
-    ground = Body.fixed("ground", Plane())
-    return Scene(
-        bodies=(ground, *boxes),
-        surfaces=(Surface(static_friction=friction, kinetic_friction=friction),),
-    )
+    boxes = [
+        Body.box(f"box_{i}", (HALF, HALF, HALF), mass=MASS, p_WB=(0.0, 0.0, HALF * (2 * i + 1))) for i in range(round(p.n))
+    ]
+    return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
-def expected(time: Floats, n: float = BOXES, friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(n, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stack_tower",
@@ -39,30 +35,36 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": BOXES, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
-        Check(metric=standing_height, at_most=0.5, because="the definition of a collapse: the top below half its height"),
+        Check(stack.standing_height, 0.5, "the definition of a collapse: the top below half its height"),
         Check(
-            metric=stack_height_error,
-            at_most=lambda dt, n=BOXES: (G * dt**2 * n * (n + 1) / 2 + n * GIVE) / ((2 * n - 1) * HALF),
-            because="boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
+            stack.stack_height_error,
+            lambda dt, p: (G * dt**2 * p.n * (p.n + 1) / 2 + p.n * GIVE) / ((2 * p.n - 1) * HALF),
+            "boxes that touch exactly may be seen to touch only once they overlap. All fall alike in the first step, "
             "so that the ground shows first and box k sees its support only after k steps, in which it falls "
             "k (k + 1)/2 g dt^2; the top, k = n, over the height of its centre; and a millimetre for each contact, which it "
             "may give way under weight",
         ),
         Check(
-            metric=residual_kinetic_energy,
-            at_most=lambda dt: (G * dt) ** 2 / 2,
-            because="(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
+            stack.residual_kinetic_energy,
+            lambda dt, _: (G * dt) ** 2 / 2,
+            "(g dt)^2/2, the energy that one step of gravity gives a box before its support takes it away",
             start=SETTLED,
         ),
         settled_speed(SETTLED, "a box"),
         supported(SETTLED, DURATION),
     ),
-    observe=(lean, penetration, signorini_residual, cone_residual, dissipation_residual),
+    observe=(
+        stack.lean,
+        contacts.penetration,
+        contact_residuals.signorini_residual,
+        contact_residuals.cone_residual,
+        contact_residuals.dissipation_residual,
+    ),
     headline="stack_height_error",
 )

@@ -8,25 +8,15 @@ from functools import cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.energy import held_energy_gain_max
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.momentum import (
-    angular_momentum_drift_final,
-    angular_momentum_drift_max,
-    momentum_drift_final,
-    momentum_drift_max,
-)
-from plumbline.harness.metrics.vibration import vibration_frequency, vibration_rms
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, stays_finite
+from plumbline.harness.metrics import energy, joints, momentum, overlaps, vibration
 from plumbline.harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL
 from plumbline.harness.scene import Body, Scene, Surface, rotation_matrix
 from plumbline.harness.trajectory import Floats
 
-SPEED, SPIN, FRICTION, DAMPING = 3.0, 20.0, 0.5, 0.5
+SPEED, SPIN = 3.0, 20.0
 MASS, RADIUS, AWAY = 0.6, 0.12, 0.3
 """Of the ball, a basketball; its gap to the trunk's side at the start [m]."""
 AHEAD, ABOVE = 0.10, 0.03
@@ -37,15 +27,17 @@ TURN = 0.4
 """Angular momentum [kg m2/s] about the common centre at the case's own speed and spin, .386 rounded up."""
 
 
-def scene(
-    speed: float = SPEED,
-    spin: float = SPIN,
-    friction: float = FRICTION,
-    stiffness: float = STIFFNESS,
-    damping: float = DAMPING,
-) -> Scene:
+class P(Parameters):
+    speed: float = SPEED
+    spin: float = SPIN
+    friction: float = 0.5
+    stiffness: float = STIFFNESS
+    damping: float = 0.5
+
+
+def scene(p: P) -> Scene:
     """The ball comes from the left at `speed` [m/s], spinning at `spin` [rad/s] about the vertical."""
-    machine = quadruped(stiffness, damping)
+    machine = quadruped(p.stiffness, p.damping)
     x, y, z = machine.bodies[0].p_WB
     ball = Body.ball(
         "ball",
@@ -53,13 +45,13 @@ def scene(
         mass=MASS,
         material="ball",
         p_WB=(x + AHEAD, y + TRUNK_HALF[1] + AWAY + RADIUS, z + ABOVE),
-        v_WB=(0.0, -speed, 0.0),
-        w_WB=(0.0, 0.0, spin),
+        v_WB=(0.0, -p.speed, 0.0),
+        w_WB=(0.0, 0.0, p.spin),
     )
     return Scene(
         bodies=(ball, *machine.bodies),
         joints=machine.hinges,
-        surfaces=(Surface(between=("ball", MATERIAL), static_friction=friction, kinetic_friction=friction),),
+        surfaces=(Surface.rough(p.friction, ("ball", MATERIAL)),),
         apart=((MATERIAL, MATERIAL),),
         gravity=(0.0, 0.0, 0.0),
     )
@@ -67,7 +59,7 @@ def scene(
 
 def _turning(speed: float, spin: float) -> float:
     """Sum of the magnitudes of all bodies' angular momenta [kg m2/s] about the common centre, where the machine is at rest."""
-    stage = scene(speed, spin)
+    stage = scene(P(speed, spin))
     mass = np.array([body.mass for body in stage.bodies])
     p, v = (np.array([getattr(body, name) for body in stage.bodies]) for name in ("p_WB", "v_WB"))
     r, u = p - mass @ p / mass.sum(), v - mass @ v / mass.sum()
@@ -76,10 +68,10 @@ def _turning(speed: float, spin: float) -> float:
     return float(np.linalg.norm(parts, axis=1).sum())
 
 
-def _shifted(_dt: float, speed: float = SPEED, spin: float = SPIN) -> float:
+def _shifted(_dt: float, p: P) -> float:
     """The ball's momentum, handed on by each hinge over a micrometre, as a share of all the angular momentum there is."""
-    turn = TURN if (speed, spin) == (SPEED, SPIN) else TURN * _turning(speed, spin) / _turning(SPEED, SPIN)
-    return HINGES * MASS * speed * GAPE / turn
+    turn = TURN if (p.speed, p.spin) == (SPEED, SPIN) else TURN * _turning(p.speed, p.spin) / _turning(SPEED, SPIN)
+    return HINGES * MASS * p.speed * GAPE / turn
 
 
 @cache
@@ -88,7 +80,7 @@ def _swung(speed: float, friction: float) -> tuple[float, float]:
 
     The blow is the ball's whole momentum, and friction's share of it across.
     """
-    ball, *parts = scene(speed, friction=friction).bodies
+    ball, *parts = scene(P(speed, friction=friction)).bodies
     mass, p = np.array([body.mass for body in parts]), np.array([body.p_WB for body in parts])
     centre = mass @ p / mass.sum()
     inertia = sum((_about(body, centre) for body in parts), np.zeros((3, 3)))
@@ -105,15 +97,10 @@ def _about(body: Body, centre: Floats) -> Floats:
     return own + body.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
 
-def _handed_on(dt: float, speed: float = SPEED, friction: float = FRICTION) -> float:
+def _handed_on(dt: float, p: P) -> float:
     """One step of the pull w^2 sum m r by which parts are held to their circles, and single precision."""
-    rate, lever = _swung(speed, friction)
-    return dt * rate**2 * lever + 1e-6 * MASS * speed
-
-
-def _turned(dt: float, speed: float = SPEED, spin: float = SPIN, friction: float = FRICTION) -> float:
-    """One step's turn of what is handed on, and the hinges' gaps."""
-    return _swung(speed, friction)[0] * dt + _shifted(dt, speed, spin)
+    rate, lever = _swung(p.speed, p.friction)
+    return dt * rate**2 * lever + 1e-6 * MASS * p.speed
 
 
 CASE = Case(
@@ -123,41 +110,47 @@ CASE = Case(
     source="conservation of momentum and angular momentum (Goldstein, Classical Mechanics, 3rd ed., section 1.2)",
     truth="conservation",
     scene=scene,
-    parameters={"speed": SPEED, "spin": SPIN, "friction": FRICTION, "stiffness": STIFFNESS, "damping": DAMPING},
+    parameters=P(),
     duration=DURATION,
     # A faster ball would be past the trunk within a step of 1/60 s.
     hard=Axis(parameter="speed", unit="m/s", easy=0.3, extreme=12.0, lost=0.1),
     sample_interval=1 / 240,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="a blow without restitution takes energy away"),
+        stays_finite("a blow without restitution takes energy away"),
         Check(
-            metric=inscribed_overlap,
-            at_most=lambda dt, speed=SPEED: speed * dt + GIVE,
-            because="the ball does not pass through the trunk: one step's way may lie between the touch and its discovery, and "
+            overlaps.inscribed_overlap,
+            lambda dt, p: p.speed * dt + GIVE,
+            "the ball does not pass through the trunk: one step's way may lie between the touch and its discovery, and "
             "a contact may give by a millimetre. Without this, a ball that never touches would pass",
         ),
         Check(
-            metric=momentum_drift_max,
-            at_most=_handed_on,
-            because="what the ball loses the machine gets, and hinges and drives only hand it on. Joint coordinates do so to "
+            momentum.momentum_drift_max,
+            _handed_on,
+            "what the ball loses the machine gets, and hinges and drives only hand it on. Joint coordinates do so to "
             "first order: parts that turn at w are held to their circles by m r w^2, in the direction of a step's start, and "
             "the pull that the blow begins is a step late, dt w^2 sum m r, where w is the turning that the blow gives to the "
             "machine as one body. Bodies with coordinates of their own need none of it; 1e-6 more for single precision",
         ),
         Check(
-            metric=angular_momentum_drift_max,
-            at_most=_turned,
-            because="in joint coordinates that pull acts in a direction which is a step old, w dt of what is handed on; the "
+            momentum.angular_momentum_drift_max,
+            lambda dt, p: _swung(p.speed, p.friction)[0] * dt + _shifted(dt, p),
+            "in joint coordinates that pull acts in a direction which is a step old, w dt of what is handed on; the "
             "halves of an impulse act at a hinge's two anchors; where these are a micrometre apart, the ball's "
             "momentum, handed on once by every hinge, shifts so much of the angular momentum",
         ),
         Check(
-            metric=held_energy_gain_max,
-            at_most=lambda _dt, speed=SPEED: 1e-6 * speed**2 / 2,
-            because="blows without restitution, friction and drives that hold a target take energy and give none; 1e-6 of the "
+            energy.held_energy_gain_max,
+            lambda _, p: 1e-6 * p.speed**2 / 2,
+            "blows without restitution, friction and drives that hold a target take energy and give none; 1e-6 of the "
             "ball's, single precision",
         ),
     ),
-    observe=(momentum_drift_final, angular_momentum_drift_final, joint_gap_max, vibration_rms, vibration_frequency),
-    headline=angular_momentum_drift_max.name,
+    observe=(
+        momentum.momentum_drift_final,
+        momentum.angular_momentum_drift_final,
+        joints.joint_gap_max,
+        vibration.vibration_rms,
+        vibration.vibration_frequency,
+    ),
+    headline=momentum.angular_momentum_drift_max.name,
 )

@@ -3,45 +3,40 @@
 What moves is the engine's: too few iterations of its solver, drives that fight the contacts, or too long a step.
 """
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.rest import supported
-from plumbline.harness.case.shared_checks.standing import feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.pose import pose_error_rms
-from plumbline.harness.metrics.vibration import vibration_frequency
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, supported
+from plumbline.harness.case.standing import feet_stay, holds_its_pose, stands_up, still
+from plumbline.harness.metrics import contacts, jitter, joints, vibration
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.humanoid import humanoid
 from plumbline.harness.props.robots.robot import MATERIAL, bearing
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-FRICTION = 0.8
 LEG = 0.4
 """Length of thighs and shanks [m], roughly."""
 DURATION, SETTLED = 3.0, 1.5
 STEADY = 1.0
 
 
-def scene(stiffness: float = 1.0, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    stiffness: float = 1.0
+    friction: float = 0.8
+
+
+def scene(p: P) -> Scene:
     """The machine on the ground, its drives `stiffness` times as stiff as described, with the same damping ratios."""
-    machine = bearing(humanoid(stiffness), EARTH_GRAVITY)
+    machine = bearing(humanoid(p.stiffness), EARTH_GRAVITY)
     return Scene(
         bodies=(floor(), *machine.bodies),
         joints=machine.hinges,
-        surfaces=(grip(friction),),
+        surfaces=(grip(p.friction),),
         apart=((MATERIAL, MATERIAL),),
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, stiffness: float = 1.0, friction: float = FRICTION) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(stiffness, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stand_humanoid",
@@ -51,7 +46,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"stiffness": 1.0, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
@@ -63,9 +58,9 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt: G * dt,
-            because="g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
+            jitter.rms_speed,
+            lambda dt, _: G * dt,
+            "g dt, what one step of gravity gives a body before its support takes it away; the sway that this excites "
             "lives longer than the run",
             start=SETTLED,
         ),
@@ -73,7 +68,7 @@ CASE = Case(
         feet_stay(SETTLED, DURATION),
         supported(SETTLED, DURATION),
     ),
-    observe=(pose_error_rms, vibration_frequency, joint_gap_max, penetration),
+    observe=(joints.pose_error_rms, vibration.vibration_frequency, joints.joint_gap_max, contacts.penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

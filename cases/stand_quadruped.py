@@ -1,45 +1,41 @@
 """Quadrupeds that hold themselves up: n machines side by side, each in the pose in which its PD drives bear its weight."""
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.case.shared_checks.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics.contact_force import support_force_error
-from plumbline.harness.metrics.jitter import rms_speed
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.penetration import penetration
-from plumbline.harness.metrics.pose import pose_error_rms
-from plumbline.harness.metrics.vibration import vibration_frequency
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G
+from plumbline.harness.case.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
+from plumbline.harness.metrics import contacts, jitter, joints, vibration
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.truths.rest import resting
 
-G = -EARTH_GRAVITY[2]
-FRICTION, SPACING, ROW = 0.8, 1.0, 4
+SPACING, ROW = 1.0, 4
 DURATION, SETTLED = 3.0, 1.5
 STEADY = 1.0
 
 
-def scene(n: float = 1, stiffness: float = STIFFNESS, damping: float = DAMPING, friction: float = FRICTION) -> Scene:
+class P(Parameters):
+    n: float = 1
+    stiffness: float = STIFFNESS
+    damping: float = DAMPING
+    friction: float = 0.8
+
+
+def scene(p: P) -> Scene:
     """n machines in rows of four; drives of `stiffness` [N m/rad] and `damping` [N m s/rad]."""
-    robot = bearing(quadruped(stiffness, damping), EARTH_GRAVITY)
-    machines = [copy_of(robot, str(k), (SPACING * (k % ROW), SPACING * (k // ROW), 0.0)) for k in range(round(n))]
+    robot = bearing(quadruped(p.stiffness, p.damping), EARTH_GRAVITY)
+    machines = [copy_of(robot, str(k), (SPACING * (k % ROW), SPACING * (k // ROW), 0.0)) for k in range(round(p.n))]
     return Scene(
         bodies=(floor(), *(body for machine in machines for body in machine.bodies)),
         joints=tuple(hinge for machine in machines for hinge in machine.hinges),
-        surfaces=(grip(friction),),
+        surfaces=(grip(p.friction),),
         apart=((MATERIAL, MATERIAL),),
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(
-    time: Floats, n: float = 1, stiffness: float = STIFFNESS, damping: float = DAMPING, friction: float = FRICTION
-) -> Trajectory:
-    """Rest."""
-    return at_rest(scene(n, stiffness, damping, friction), time)
-
+expected = resting(scene)
 
 CASE = Case(
     name="stand_quadruped",
@@ -49,7 +45,7 @@ CASE = Case(
     truth="rest",
     scene=scene,
     expected=expected,
-    parameters={"n": 1, "stiffness": STIFFNESS, "damping": DAMPING, "friction": FRICTION},
+    parameters=P(),
     duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
@@ -60,22 +56,22 @@ CASE = Case(
         *stands_up(),
         holds_its_pose(LEG),
         Check(
-            metric=rms_speed,
-            at_most=lambda dt: SHARE * G * dt,
-            because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step",
+            jitter.rms_speed,
+            lambda dt, _: SHARE * G * dt,
+            "0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step",
             start=SETTLED,
         ),
         still(LEG),
         feet_stay(SETTLED, DURATION),
         Check(
-            metric=support_force_error,
-            at_most=lambda dt: SHARE * dt / (DURATION - SETTLED) + 1e-6,
-            because="the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
+            contacts.support_force_error,
+            lambda dt, _: SHARE * dt / (DURATION - SETTLED) + 1e-6,
+            "the mean force over the window misses the weight by the change of momentum, m times the speed of 0.01 g "
             "over one step; 1e-6 for a solver's tolerance",
             start=SETTLED,
         ),
     ),
-    observe=(pose_error_rms, vibration_frequency, joint_gap_max, penetration),
+    observe=(joints.pose_error_rms, vibration.vibration_frequency, joints.joint_gap_max, contacts.penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

@@ -20,14 +20,10 @@ from itertools import combinations
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check
-from plumbline.harness.case.shared_checks.rest import GIVE
-from plumbline.harness.metrics.cam_follower import cam_follower_gap
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.position import position_error_max, position_error_rms
-from plumbline.harness.metrics.velocity import velocity_error_max, velocity_error_rms
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case.bounds import GIVE, G, stays_finite
+from plumbline.harness.metrics import cam_follower, errors
 from plumbline.harness.scene import (
-    EARTH_GRAVITY,
     WORLD,
     Body,
     ConvexHull,
@@ -44,13 +40,19 @@ from plumbline.harness.scene import (
 from plumbline.harness.trajectory import Floats, Integers, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate
 
-G = -EARTH_GRAVITY[2]
-CAMS, FACETS, GEOMETRY, RATE = 4, 320, "hull", 2.0
 RADIUS, ECCENTRICITY, MASS, SPACING = 0.1, 0.03, 1.0, 0.3
 HALF = (0.12, 0.12, 0.02)
 """Half extents of a follower [m]: its face covers every corner that may be the highest one."""
 DURATION = math.pi
 """One turn at the cams' own rate [s]."""
+
+
+class P(Parameters):
+    n: float = 4
+    facets: float = 320
+    geometry: str = "hull"
+    rate: float = 2.0
+    seed: int = 0
 
 
 @lru_cache(maxsize=8)
@@ -101,9 +103,9 @@ def _lost(facets: float, geometry: str) -> float:
     return 0.0 if geometry == "ball" else RADIUS * (1.0 - inner(_parts(facets)))
 
 
-def _own(dt: float, facets: float = FACETS, geometry: str = GEOMETRY, rate: float = RATE) -> float:
+def _own(dt: float, p: P) -> float:
     """How far from its cam an engine may leave a follower [m]: what contacts that are found once a step cannot see."""
-    blow = 0.0 if geometry == "ball" else 2 * rate * RADIUS * math.sqrt(1.0 - inner(_parts(facets)) ** 2)
+    blow = 0.0 if p.geometry == "ball" else 2 * p.rate * RADIUS * math.sqrt(1.0 - inner(_parts(p.facets)) ** 2)
     return G * dt**2 + blow * dt + GIVE
 
 
@@ -143,17 +145,17 @@ def _attitudes(n: int, seed: int) -> Floats:
     return turns
 
 
-def scene(n: float = CAMS, facets: float = FACETS, geometry: str = GEOMETRY, rate: float = RATE, seed: int = 0) -> Scene:
+def scene(p: P) -> Scene:
     """n cams side by side along y, each ahead of the one before it by 1/n of a turn, with a follower on what it has for a ball.
 
     The cams turn at `rate` [rad/s]; followers start in touch, at the speed of the point that they touch.
     """
-    count, parts = round(n), _parts(facets)
+    count, parts = round(p.n), _parts(p.facets)
     bodies, joints = [], []
-    for k, q_BS in enumerate(_attitudes(count, seed)):
+    for k, q_BS in enumerate(_attitudes(count, p.seed)):
         angle, y = 2 * math.pi * k / count, SPACING * k
-        top, along = _top(parts, geometry, angle, q_BS)
-        cam = PlacedShape(shape=_shape(parts, geometry), p_BS=(ECCENTRICITY, 0.0, 0.0), q_BS=tuple(q_BS.tolist()))
+        top, along = _top(parts, p.geometry, angle, q_BS)
+        cam = PlacedShape(shape=_shape(parts, p.geometry), p_BS=(ECCENTRICITY, 0.0, 0.0), q_BS=tuple(q_BS.tolist()))
         place = (0.0, y, top + HALF[2])
         bodies += [
             Body(
@@ -165,9 +167,9 @@ def scene(n: float = CAMS, facets: float = FACETS, geometry: str = GEOMETRY, rat
                 collision=(cam,),
                 p_WB=(0.0, y, 0.0),
                 q_WB=tuple(_turned(np.array(angle)).tolist()),
-                w_WB=(0.0, -rate, 0.0),
+                w_WB=(0.0, -p.rate, 0.0),
             ),
-            Body.box(f"follower_{k}", HALF, mass=MASS, material="follower", p_WB=place, v_WB=(0.0, 0.0, rate * along)),
+            Body.box(f"follower_{k}", HALF, mass=MASS, material="follower", p_WB=place, v_WB=(0.0, 0.0, p.rate * along)),
         ]
         joints.append(Prismatic(name=f"rail_{k}", parent=WORLD, child=f"follower_{k}", anchor_W=place, axis_W=(0.0, 0.0, 1.0)))
     return Scene(
@@ -180,24 +182,17 @@ def scene(n: float = CAMS, facets: float = FACETS, geometry: str = GEOMETRY, rat
     )
 
 
-def expected(
-    time: Floats,
-    n: float = CAMS,
-    facets: float = FACETS,  # noqa: ARG001 -- of the scene: the truth is that of the ball
-    geometry: str = GEOMETRY,  # noqa: ARG001 -- of the scene
-    rate: float = RATE,
-    seed: int = 0,  # noqa: ARG001 -- of the scene
-) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The ball's: z = e sin(W t + phase) + r for the face of each follower."""
-    count = round(n)
+    count = round(p.n)
     truth = Trajectory.of(time, 2 * count)
     for k in range(count):
-        angle = 2 * math.pi * k / count + rate * truth.time
+        angle = 2 * math.pi * k / count + p.rate * truth.time
         truth.p_WB[:, 2 * k : 2 * k + 2, 1] = SPACING * k
         truth.q_WB[:, 2 * k] = _turned(angle)
-        truth.w_WB[:, 2 * k, 1] = -rate
+        truth.w_WB[:, 2 * k, 1] = -p.rate
         truth.p_WB[:, 2 * k + 1, 2] = ECCENTRICITY * np.sin(angle) + RADIUS + HALF[2]
-        truth.v_WB[:, 2 * k + 1, 2] = ECCENTRICITY * rate * np.cos(angle)
+        truth.v_WB[:, 2 * k + 1, 2] = ECCENTRICITY * p.rate * np.cos(angle)
     return truth
 
 
@@ -209,28 +204,26 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"n": CAMS, "facets": FACETS, "geometry": GEOMETRY, "rate": RATE, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     sample_interval=1 / 240,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what rides on a cam goes up and down with it"),
+        stays_finite("what rides on a cam goes up and down with it"),
         Check(
-            metric=cam_follower_gap,
-            at_most=_own,
-            because="before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
+            cam_follower.cam_follower_gap,
+            _own,
+            "before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "
             "into the face for a step; and a millimetre, which a contact may give way under weight",
         ),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt, facets=FACETS, geometry=GEOMETRY, rate=RATE: (
-                _lost(facets, geometry) + _own(dt, facets, geometry, rate)
-            ),
-            because="r (1 - cos(c)): the highest corner lies in the ball of radius r and over the largest ball that the facets "
+            errors.position_error_max,
+            lambda dt, p: _lost(p.facets, p.geometry) + _own(dt, p),
+            "r (1 - cos(c)): the highest corner lies in the ball of radius r and over the largest ball that the facets "
             "hold; and what an engine may add, the bound of the gap between cam and follower",
         ),
     ),
-    observe=(position_error_rms, velocity_error_max, velocity_error_rms),
-    headline=position_error_max.name,
+    observe=(errors.position_error_rms, errors.velocity_error_max, errors.velocity_error_rms),
+    headline=errors.position_error_max.name,
     scale=RADIUS,
 )

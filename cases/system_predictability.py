@@ -7,19 +7,13 @@ than the start decides in its place.
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.balance import (
-    exit_time_error_rms,
-    growth_exponent_error,
-    lost_start_share,
-    smallest_followed_start,
-)
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene, Sphere, Surface
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import balance
+from plumbline.harness.scene import Body, Scene, Sphere, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 
-G = -EARTH_GRAVITY[2]
-STARTS, NEAREST, FARTHEST = 100, 1e-9, 1e-3
+FARTHEST = 1e-3
 BUMP, RADIUS, MASS, FRICTION = 0.1, 0.05, 1.0, 1.0
 DEPTH, SPACING = 1e-6, 0.5
 """How deep [m] a ball stands in its bump at the start, so that it is seen by the first step, and the bumps' distance [m]."""
@@ -28,6 +22,12 @@ EXPONENT = float(np.sqrt(5 * G / (7 * REACH)))
 DURATION = 3.25
 JUDGED = 0.2
 """Up to this tilt [rad] a ball that sticks at all rolls: tan 0.2 is far below the friction."""
+
+
+class P(Parameters):
+    starts: float = 100
+    nearest: float = 1e-9
+    seed: int = 0
 
 
 def _starts(starts: float, nearest: float, seed: int) -> tuple[Floats, Floats]:
@@ -44,20 +44,18 @@ def _centres(count: int) -> Floats:
     return flat
 
 
-def scene(starts: float = STARTS, nearest: float = NEAREST, seed: int = 0) -> Scene:
+def scene(p: P) -> Scene:
     """So many balls, each on a bump of its own, at tilts from `nearest` to a thousandth [rad] in random directions."""
     bodies = []
-    for k, (tilt, azimuth, centre) in enumerate(zip(*_starts(starts, nearest, seed), _centres(round(starts)), strict=True)):
+    for k, (tilt, azimuth, centre) in enumerate(
+        zip(*_starts(p.starts, p.nearest, p.seed), _centres(round(p.starts)), strict=True)
+    ):
         aside = np.array([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)])
         bodies += [
             Body.fixed(f"bump_{k}", Sphere(radius=BUMP), material="bump", p_WB=centre.tolist()),
             Body.ball(f"ball_{k}", RADIUS, mass=MASS, material="ball", p_WB=(centre + (REACH - DEPTH) * aside).tolist()),
         ]
-    return Scene(
-        bodies=tuple(bodies),
-        surfaces=(Surface(between=("ball", "bump"), static_friction=FRICTION, kinetic_friction=FRICTION),),
-        apart=(("ball", "ball"),),
-    )
+    return Scene(bodies=tuple(bodies), surfaces=(Surface.rough(FRICTION, ("ball", "bump")),), apart=(("ball", "ball"),))
 
 
 def tilts(time: Floats, start: Floats) -> Floats:
@@ -73,20 +71,16 @@ def tilts(time: Floats, start: Floats) -> Floats:
     x = np.minimum(due, last)
     for _ in range(8):
         two, four, six = (np.sinh(k * x) for k in (2, 4, 6))
-        integrals = (
-            x / 2 + two / 4,
-            3 * x / 8 + two / 4 + four / 32,
-            5 * x / 16 + 15 * two / 64 + 3 * four / 64 + six / 192,
-        )
+        integrals = (x / 2 + two / 4, 3 * x / 8 + two / 4 + four / 32, 5 * x / 16 + 15 * two / 64 + 3 * four / 64 + six / 192)
         reached = x + m / 2 * integrals[0] + 3 * m**2 / 8 * integrals[1] + 5 * m**3 / 16 * integrals[2]
         x = np.clip(x - (reached - due) * np.sqrt(1 - m * np.cosh(x) ** 2), 0.0, last)
     angles: Floats = 2 * np.arcsin(small * np.cosh(x))
     return angles
 
 
-def expected(time: Floats, starts: float = STARTS, nearest: float = NEAREST, seed: int = 0) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rolling without slip down to a tilt of JUDGED, where the balls are left standing: nothing later is judged."""
-    start, azimuth = _starts(starts, nearest, seed)
+    start, azimuth = _starts(p.starts, p.nearest, p.seed)
     truth = Trajectory.of(time, 2 * len(start))
     theta = tilts(truth.time, start)
     centres = _centres(len(start))
@@ -105,25 +99,25 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"starts": STARTS, "nearest": NEAREST, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 240, 1 / 480, 1 / 960),
     hard=Axis(parameter="nearest", unit="rad", easy=1e-4, extreme=1e-15),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="balls that roll off fall, nothing more"),
+        stays_finite("balls that roll off fall, nothing more"),
         Check(
-            metric=growth_exponent_error,
-            at_most=lambda dt: EXPONENT * dt,
-            because="a first-order method grows by 1 + L dt a step, where exp(L dt) is right: an exponent off by L dt/2, taken "
+            balance.growth_exponent_error,
+            lambda dt, _: EXPONENT * dt,
+            "a first-order method grows by 1 + L dt a step, where exp(L dt) is right: an exponent off by L dt/2, taken "
             "twice for the compliance of contact",
         ),
         Check(
-            metric=lost_start_share,
-            at_most=0.0,
-            because="the roundings of double precision turn a line of 0.15 m at 3 m from the origin by 3e-15 rad, a millionth "
+            balance.lost_start_share,
+            0.0,
+            "the roundings of double precision turn a line of 0.15 m at 3 m from the origin by 3e-15 rad, a millionth "
             "of the smallest start; and a growth as far off as its bound moves the fall by less than a tenfold start does",
         ),
     ),
-    observe=(smallest_followed_start, exit_time_error_rms),
-    headline=growth_exponent_error.name,
+    observe=(balance.smallest_followed_start, balance.exit_time_error_rms),
+    headline=balance.growth_exponent_error.name,
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Rays
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case import Case, Check, Parameters, Rays
+from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
 from plumbline.harness.sensors.rays import first_hits
@@ -23,11 +23,15 @@ GOLDEN_ANGLE = math.pi * (3 - math.sqrt(5))
 EYE = (0.0, 0.0, 1.2)
 CHANNELS, COLUMNS = 32, 1024
 WIDTH, HEIGHT, FOCAL = 640, 480, 500.0
-SINGLE = 2.0**-24
 ROUNDING = 8 * SINGLE * REACH
 
 
-def scene(pattern: str = "lidar", thin: float = 1) -> Scene:  # noqa: ARG001 -- the rays' parameters
+class P(Parameters):
+    pattern: str = "lidar"
+    thin: float = 1
+
+
+def scene(_: P) -> Scene:
     """A floor and fifty solids on a sunflower spiral around the place of the sensor; nothing moves."""
     solids = []
     for k in range(COUNT):
@@ -63,15 +67,15 @@ def directions(pattern: str) -> Floats:
     return unit
 
 
-def rays(pattern: str = "lidar", thin: float = 1) -> Rays:
+def rays(p: P) -> Rays:
     """Every `thin`-th ray of the pattern, all from EYE."""
-    chosen = np.ascontiguousarray(directions(pattern)[:: round(thin)])
+    chosen = np.ascontiguousarray(directions(p.pattern)[:: round(p.thin)])
     return Rays(origins=np.tile(np.array(EYE), (len(chosen), 1)), directions=chosen, max_range=REACH)
 
 
-def expected(time: Floats, pattern: str = "lidar", thin: float = 1) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; ranges are the closed-form first hits."""
-    stage, cast = scene(pattern, thin), rays(pattern, thin)
+    stage, cast = scene(p), rays(p)
     start, truth = State.initial(stage), Trajectory.of(time, len(stage.bodies))
     truth.p_WB[:], truth.q_WB[:] = start.p_WB, start.q_WB
     hits = first_hits(stage, start, cast.origins, cast.directions, cast.max_range)
@@ -87,24 +91,24 @@ CASE = Case(
     scene=scene,
     expected=expected,
     rays=rays,
-    parameters={"pattern": "lidar", "thin": 1},
+    parameters=P(),
     duration=0.1,
     sample_interval=0.1,
     # The answer to a ray does not depend on the time step: one is enough.
     ladder=(1 / 240,),
     headline=range_error_max.name,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="nothing moves, so nothing can grow"),
+        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            metric=range_error_median,
-            at_most=ROUNDING,
-            because="single precision: eight roundings of the longest range; half of all rays meet their surface less "
+            range_error_median,
+            ROUNDING,
+            "single precision: eight roundings of the longest range; half of all rays meet their surface less "
             "askew than that enlarges",
         ),
         Check(
-            metric=range_false_return_share,
-            at_most=2 * ROUNDING / (1.0 / FOCAL),
-            because="a ray may err where it passes an edge within the rounding above; the nearest solids stand 2 m away, "
+            range_false_return_share,
+            2 * ROUNDING / (1.0 / FOCAL),
+            "a ray may err where it passes an edge within the rounding above; the nearest solids stand 2 m away, "
             "where the closest rays are 2 m/FOCAL apart, so that, were every ray beside an edge, this share would be in doubt",
         ),
     ),

@@ -8,33 +8,37 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
-from plumbline.harness.metrics.joint_gap import joint_gap_max
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics import errors, joints, overlaps
 from plumbline.harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
 KINDS = ("flight", "contact", "chain")
-COUNT, MASS, HALF, GAP, FRICTION = 10, 1.0, 0.1, 1e-3, 0.5
+MASS, HALF, GAP, FRICTION = 1.0, 0.1, 1e-3, 0.5
 ROD = (0.02, 0.02, 0.1)
 INTERVAL, DURATION, STEADY = 1 / 60, 1.0, 0.25
 PUSH, TWIST = 5.0, 0.2
 """Standard deviations of each component of the forces [N], half a body's weight, and of the torques [N m]."""
 
 
-def scene(kind: str = "contact", n: float = COUNT, seed: int = 0) -> Scene:  # noqa: ARG001 -- of the forces
+class P(Parameters):
+    kind: str = "contact"
+    n: float = 10
+    seed: int = 0
+
+
+def scene(p: P) -> Scene:
     """'flight': n cubes without weight that never touch; 'contact': n cubes side by side on a floor, a millimetre apart;
     'chain': n rods on hinges whose axes lie along x and y by turns, hanging from the world."""
-    count = round(n)
-    if kind == "chain":
+    count = round(p.n)
+    if p.kind == "chain":
         return _chain(count)
-    if kind not in KINDS:
-        raise ValueError(f"kind '{kind}', expected one of {', '.join(KINDS)}")
+    if p.kind not in KINDS:
+        raise ValueError(f"kind '{p.kind}', expected one of {', '.join(KINDS)}")
     edge, lattice = math.ceil(math.sqrt(count)), 2 * HALF + GAP
-    touching = kind == "contact"
+    touching = p.kind == "contact"
     cubes = [
         Body(
             name=f"cube_{k}",
@@ -50,21 +54,14 @@ def scene(kind: str = "contact", n: float = COUNT, seed: int = 0) -> Scene:  # n
         return Scene(bodies=tuple(cubes), gravity=(0.0, 0.0, 0.0))
     half = (edge * lattice + 5.0, edge * lattice + 5.0, 0.5)
     floor = Body.fixed("floor", Box(half_extents=half), p_WB=(0.0, 0.0, -0.5))
-    law = Surface(static_friction=FRICTION, kinetic_friction=FRICTION)
+    law = Surface.rough(FRICTION)
     return Scene(bodies=(floor, *cubes), surfaces=(law,))
 
 
 def _chain(count: int) -> Scene:
     length = 2 * ROD[2]
     rods = tuple(
-        Body(
-            name=f"rod_{k}",
-            mass=MASS,
-            inertia=box_inertia(MASS, ROD),
-            visual=(PlacedShape(shape=Box(half_extents=ROD)),),
-            p_WB=(0.0, 0.0, -length * (k + 0.5)),
-        )
-        for k in range(count)
+        Body.box(f"rod_{k}", ROD, mass=MASS, touches=False, p_WB=(0.0, 0.0, -length * (k + 0.5))) for k in range(count)
     )
     hinges = tuple(
         Revolute(
@@ -85,32 +82,32 @@ def noise(interval: int, bodies: int, seed: int) -> tuple[Floats, Floats]:
     return PUSH * drawn[:, 0], TWIST * drawn[:, 1]
 
 
-def control(kind: str = "contact", n: float = COUNT, seed: int = 0) -> Control:
+def control(p: P) -> Control:
     """The random forces, held for a sixtieth of a second each; what cannot move takes no notice."""
-    fixed = 1 if kind == "contact" else 0
+    fixed = 1 if p.kind == "contact" else 0
 
     def wrench(time: float, _state: State) -> tuple[Floats, Floats]:
-        force, torque = noise(round(time / INTERVAL), round(n), seed)
+        force, torque = noise(round(time / INTERVAL), round(p.n), p.seed)
         still = np.zeros((fixed, 3))
         return np.concatenate([still, force]), np.concatenate([still, torque])
 
     return Control(wrench=wrench, interval=INTERVAL)
 
 
-def expected(time: Floats, kind: str = "contact", n: float = COUNT, seed: int = 0) -> Trajectory | None:
+def expected(time: Floats, p: P) -> Trajectory | None:
     """Of cubes in flight: parabola after parabola. A cube has no gyroscopic torque, and its turning is not told here."""
-    if kind != "flight":
+    if p.kind != "flight":
         return None
-    truth, count = Trajectory.of(time, round(n)), round(n)
+    truth, count = Trajectory.of(time, round(p.n)), round(p.n)
     last = int(np.floor(truth.time.max(initial=0.0) / INTERVAL + 1e-9)) + 1
-    pushes = np.stack([noise(k, count, seed)[0] for k in range(last)]) / MASS
+    pushes = np.stack([noise(k, count, p.seed)[0] for k in range(last)]) / MASS
     v = np.concatenate([np.zeros((1, count, 3)), np.cumsum(pushes, axis=0) * INTERVAL])
-    p = np.concatenate([np.zeros((1, count, 3)), np.cumsum(v[:-1] * INTERVAL + pushes * INTERVAL**2 / 2, axis=0)])
+    moved = np.concatenate([np.zeros((1, count, 3)), np.cumsum(v[:-1] * INTERVAL + pushes * INTERVAL**2 / 2, axis=0)])
     here = np.floor(truth.time / INTERVAL + 1e-9).astype(np.int64)
     since = (truth.time - here * INTERVAL)[:, None, None]
-    start = np.array([body.p_WB for body in scene(kind, n, seed).bodies])
+    start = np.array([body.p_WB for body in scene(p).bodies])
     truth.v_WB[:] = v[here] + pushes[here] * since
-    truth.p_WB[:] = start + p[here] + v[here] * since + pushes[here] * since**2 / 2
+    truth.p_WB[:] = start + moved[here] + v[here] * since + pushes[here] * since**2 / 2
     return truth
 
 
@@ -123,25 +120,21 @@ CASE = Case(
     scene=scene,
     control=control,
     expected=expected,
-    parameters={"kind": "contact", "n": COUNT, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=1000),
-    headline=inscribed_overlap.name,
+    headline=overlaps.inscribed_overlap.name,
     scale=HALF,
     checks=(
-        Check(metric=divergence, at_most=0.0, because="forces of half a weight move things by metres, no farther"),
+        stays_finite("forces of half a weight move things by metres, no farther"),
         Check(
-            metric=position_error_max,
-            at_most=lambda dt: 6 * PUSH / MASS * math.sqrt(DURATION * INTERVAL) * math.sqrt(3) * dt,
-            because="a first-order method errs by dt/2 times the change of velocity, a sum of random pushes whose components "
+            errors.position_error_max,
+            lambda dt, _: 6 * PUSH / MASS * math.sqrt(DURATION * INTERVAL) * math.sqrt(3) * dt,
+            "a first-order method errs by dt/2 times the change of velocity, a sum of random pushes whose components "
             "spread by sigma sqrt(t T)/m; six of these are never exceeded, and a factor of 2 is left to spare",
         ),
-        Check(
-            metric=inscribed_overlap,
-            at_most=HALF,
-            because="the definition of broken: half the thinnest body",
-        ),
-        Check(metric=joint_gap_max, at_most=ROD[0], because="the definition of broken: half the thinnest body"),
+        Check(overlaps.inscribed_overlap, HALF, "the definition of broken: half the thinnest body"),
+        Check(joints.joint_gap_max, ROD[0], "the definition of broken: half the thinnest body"),
     ),
 )

@@ -9,19 +9,23 @@ Simulation of Rigid Body Systems (1996; bounds on the time of impact of bodies t
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.angular_velocity import angular_velocity_error_final
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.passage import passage_probability, passage_probability_high, passage_probability_low, sink_depth
-from plumbline.harness.metrics.position import position_error_final
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import stays_finite
+from plumbline.harness.metrics import errors, passage
 from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product
 from plumbline.harness.truths.rest import at_rest
 
-SPIN, PHASES = 60.0, 64
 MASS, RADIUS, HALF_LENGTH, POST_RADIUS, LEVER = 0.5, 0.01, 0.5, 0.01, 0.4
 SPACING, CLEARANCE, DURATION = 0.1, 0.15, 0.25
+
+
+class P(Parameters):
+    spin: float = 60.0
+    phases: int = 64
+    continuous: bool = True
+    seed: int = 0
 
 
 def _meeting() -> float:
@@ -38,14 +42,14 @@ def _angles(spin: float, phases: int, seed: int) -> Floats:
     return CLEARANCE + np.random.default_rng(seed).uniform(0.0, spin / 240, phases)
 
 
-def scene(spin: float = SPIN, phases: int = PHASES, continuous: bool = True, seed: int = 0) -> Scene:
+def scene(p: P) -> Scene:
     """`phases` rods, one above the other, turning about the vertical at `spin` [rad/s] between two common posts; no gravity.
 
     `continuous` calls for continuous collision detection; an engine that lacks it, or leaves it off by default, runs without
     and says so, and with False every engine gives what its plain contacts give.
     """
     rods = []
-    for i, angle in enumerate(_angles(spin, phases, seed)):
+    for i, angle in enumerate(_angles(p.spin, p.phases, p.seed)):
         # The rod's axis, z of its shape, lies level at the azimuth -(angle + meeting) before the posts on the x axis.
         azimuth = -(float(angle) + _meeting())
         rods.append(
@@ -57,10 +61,10 @@ def scene(spin: float = SPIN, phases: int = PHASES, continuous: bool = True, see
                 collision=(PlacedShape(shape=Capsule(radius=RADIUS, half_length=HALF_LENGTH)),),
                 p_WB=(0.0, 0.0, SPACING * i),
                 q_WB=multiply(axis_angle((0.0, 0.0, 1.0), azimuth), axis_angle((0.0, 1.0, 0.0), np.pi / 2)),
-                w_WB=(0.0, 0.0, spin),
+                w_WB=(0.0, 0.0, p.spin),
             )
         )
-    middle = SPACING * (phases - 1) / 2
+    middle = SPACING * (p.phases - 1) / 2
     posts = [
         Body.fixed(
             name, Capsule(radius=POST_RADIUS, half_length=middle + SPACING), material="post", p_WB=(side * LEVER, 0.0, middle)
@@ -72,20 +76,20 @@ def scene(spin: float = SPIN, phases: int = PHASES, continuous: bool = True, see
         surfaces=(Surface(between=("rod", "post")),),
         gravity=(0.0, 0.0, 0.0),
         apart=(("rod", "rod"),),
-        widen=Effect.CONTINUOUS_COLLISION if continuous else Effect.NONE,
+        widen=Effect.CONTINUOUS_COLLISION if p.continuous else Effect.NONE,
         # A body that turns about a principal axis feels no gyroscopic torque.
         narrow=Effect.GYROSCOPIC,
     )
 
 
-def expected(time: Floats, spin: float = SPIN, phases: int = PHASES, continuous: bool = True, seed: int = 0) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: an even turn, then rest against both posts (no restitution)."""
-    truth = at_rest(scene(spin, phases, continuous, seed), time)
-    for place, angle in enumerate(_angles(spin, phases, seed), start=2):
-        half = np.minimum(spin * truth.time, angle) / 2
+    truth = at_rest(scene(p), time)
+    for place, angle in enumerate(_angles(p.spin, p.phases, p.seed), start=2):
+        half = np.minimum(p.spin * truth.time, angle) / 2
         turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
         truth.q_WB[:, place] = product(turn, truth.q_WB[:, place])
-        truth.w_WB[:, place, 2] = np.where(spin * truth.time < angle, spin, 0.0)
+        truth.w_WB[:, place, 2] = np.where(p.spin * truth.time < angle, p.spin, 0.0)
     return truth
 
 
@@ -97,21 +101,27 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"spin": SPIN, "phases": PHASES, "continuous": True, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="spin", unit="rad/s", easy=2, extreme=500, lost=0.0),
     # Angles are followed through more than a turn: half a turn between two samples is the most.
     sample_interval=1 / 240,
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what has been stopped rests"),
+        stays_finite("what has been stopped rests"),
         Check(
-            metric=passage_probability,
-            at_most=0.0,
-            because="a post stops every rod, at any phase: none turns its middle beyond a post's; 0 of 64 put the probability "
+            passage.passage_probability,
+            0.0,
+            "a post stops every rod, at any phase: none turns its middle beyond a post's; 0 of 64 put the probability "
             "under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(passage_probability_low, passage_probability_high, sink_depth, angular_velocity_error_final, position_error_final),
-    headline=passage_probability.name,
+    observe=(
+        passage.passage_probability_low,
+        passage.passage_probability_high,
+        passage.sink_depth,
+        errors.angular_velocity_error_final,
+        errors.position_error_final,
+    ),
+    headline=passage.passage_probability.name,
 )

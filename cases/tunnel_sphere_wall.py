@@ -8,15 +8,22 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.passage import sink_depth
-from plumbline.harness.metrics.tunnelling import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.metrics import passage, tunnelling
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-SPEED, PHASES, THICKNESS, RADIUS, MASS = 50.0, 64, 0.01, 0.05, 1.0
+THICKNESS, RADIUS, MASS = 0.01, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
+
+
+class P(Parameters):
+    speed: float = 50.0
+    phases: int = 64
+    thickness: float = THICKNESS
+    continuous: bool = True
+    seed: int = 0
 
 
 def _starts(speed: float, phases: int, seed: int) -> Floats:
@@ -26,9 +33,7 @@ def _starts(speed: float, phases: int, seed: int) -> Floats:
     return CLEARANCE + np.random.default_rng(seed).uniform(0.0, speed / 60, phases)
 
 
-def scene(
-    speed: float = SPEED, phases: int = PHASES, thickness: float = THICKNESS, continuous: bool = True, seed: int = 0
-) -> Scene:
+def scene(p: P) -> Scene:
     """`phases` spheres side by side along y, flying along x at `speed` [m/s] at a wall `thickness` [m] thick; no gravity.
 
     `continuous` calls for continuous collision detection; an engine that lacks it, or leaves it off by default, runs without
@@ -41,36 +46,29 @@ def scene(
             mass=MASS,
             material="sphere",
             p_WB=(-float(way) - RADIUS, SPACING * i, 0.0),
-            v_WB=(speed, 0.0, 0.0),
+            v_WB=(p.speed, 0.0, 0.0),
         )
-        for i, way in enumerate(_starts(speed, phases, seed))
+        for i, way in enumerate(_starts(p.speed, p.phases, p.seed))
     ]
-    middle = SPACING * (phases - 1) / 2
+    middle = SPACING * (p.phases - 1) / 2
     wall = Body.fixed(
-        "wall", Box(half_extents=(thickness / 2, middle + SPACING, 0.5)), material="wall", p_WB=(thickness / 2, middle, 0.0)
+        "wall", Box(half_extents=(p.thickness / 2, middle + SPACING, 0.5)), material="wall", p_WB=(p.thickness / 2, middle, 0.0)
     )
     return Scene(
         bodies=(wall, *spheres),
         surfaces=(Surface(between=("sphere", "wall")),),
         gravity=(0.0, 0.0, 0.0),
         apart=(("sphere", "sphere"),),
-        widen=Effect.CONTINUOUS_COLLISION if continuous else Effect.NONE,
+        widen=Effect.CONTINUOUS_COLLISION if p.continuous else Effect.NONE,
     )
 
 
-def expected(
-    time: Floats,
-    speed: float = SPEED,
-    phases: int = PHASES,
-    thickness: float = THICKNESS,
-    continuous: bool = True,
-    seed: int = 0,
-) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: straight flight, then rest at the face of the wall (no restitution)."""
-    truth = at_rest(scene(speed, phases, thickness, continuous, seed), time)
-    for place, way in enumerate(_starts(speed, phases, seed), start=1):
-        truth.p_WB[:, place, 0] += np.minimum(speed * truth.time, way)
-        truth.v_WB[:, place, 0] = np.where(speed * truth.time < way, speed, 0.0)
+    truth = at_rest(scene(p), time)
+    for place, way in enumerate(_starts(p.speed, p.phases, p.seed), start=1):
+        truth.p_WB[:, place, 0] += np.minimum(p.speed * truth.time, way)
+        truth.v_WB[:, place, 0] = np.where(p.speed * truth.time < way, p.speed, 0.0)
     return truth
 
 
@@ -82,18 +80,18 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={"speed": SPEED, "phases": PHASES, "thickness": THICKNESS, "continuous": True, "seed": 0},
+    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            metric=tunnel_probability,
-            at_most=0.0,
-            because="a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
+            tunnelling.tunnel_probability,
+            0.0,
+            "a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(tunnel_probability_low, tunnel_probability_high, sink_depth, stop_gap),
+    observe=(tunnelling.tunnel_probability_low, tunnelling.tunnel_probability_high, passage.sink_depth, tunnelling.stop_gap),
     headline="tunnel_probability",
     eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

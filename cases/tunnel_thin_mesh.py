@@ -11,28 +11,29 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check
-from plumbline.harness.metrics.divergence import divergence
-from plumbline.harness.metrics.passage import (
-    lateral_kick,
-    passage_probability,
-    passage_probability_high,
-    passage_probability_low,
-    rest_speed,
-    sink_depth,
-)
-from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Effect, Scene, Surface, TriangleMesh
+from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.metrics import passage
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, TriangleMesh
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
 
-G = -EARTH_GRAVITY[2]
-SPEED, SLIDE, PHASES, THICKNESS = 20.0, 1.0, 32, 0.01
+SLIDE, PHASES = 1.0, 32
 RADIUS, MASS, CELL = 0.05, 1.0, 0.25
 FALL, DURATION = 0.02, 0.5
 ALONG = (-1, 4)
 """The first and last corner of the grounds along x, in cells: balls start in cell 0 and slide for two."""
 OFF_EDGE = 0.37
 """How far beside an edge every other ball runs, in cells: on no corner, inner edge or diagonal."""
+
+
+class P(Parameters):
+    speed: float = 20.0
+    slide: float = SLIDE
+    phases: int = PHASES
+    thickness: float = 0.01
+    continuous: bool = True
+    seed: int = 0
 
 
 def _slab(rows: int, thickness: float) -> TriangleMesh:
@@ -58,28 +59,21 @@ def _falls(phases: int, seed: int) -> Floats:
     return FALL + np.random.default_rng(seed).uniform(0.0, 1 / 60, 2 * phases)
 
 
-def scene(
-    speed: float = SPEED,
-    slide: float = SLIDE,
-    phases: int = PHASES,
-    thickness: float = THICKNESS,
-    continuous: bool = True,
-    seed: int = 0,
-) -> Scene:
+def scene(p: P) -> Scene:
     """`phases` balls over each of two grounds `thickness` [m] thick, falling at `speed` and going along x at `slide` [m/s].
 
     Over the mesh every other ball goes right along a line of inner edges. `continuous` calls for continuous collision
     detection; an engine that lacks it, or leaves it off by default, runs without and says so, and with False every engine
     gives what its plain contacts give.
     """
-    rows = phases + 2
+    rows = p.phases + 2
     width = CELL * rows
-    draw = np.random.default_rng((seed, 1))
+    draw = np.random.default_rng((p.seed, 1))
     balls = []
-    for i, fall in enumerate(_falls(phases, seed)):
-        row, over_mesh = i % phases, i >= phases
+    for i, fall in enumerate(_falls(p.phases, p.seed)):
+        row, over_mesh = i % p.phases, i >= p.phases
         y = CELL * (row + (OFF_EDGE if row % 2 else 0.0)) + (2 * width if over_mesh else 0.0)
-        height = speed * float(fall) + G * float(fall) ** 2 / 2
+        height = p.speed * float(fall) + G * float(fall) ** 2 / 2
         balls.append(
             Body.ball(
                 f"ball_{i}",
@@ -87,42 +81,34 @@ def scene(
                 mass=MASS,
                 material="ball",
                 p_WB=(float(draw.uniform(0.0, CELL)), y, RADIUS + height),
-                v_WB=(slide, 0.0, -speed),
+                v_WB=(p.slide, 0.0, -p.speed),
             )
         )
     half_x, middle_x = CELL * (ALONG[1] - ALONG[0]) / 2, CELL * (ALONG[1] + ALONG[0]) / 2
     plate = Body.fixed(
         "plate",
-        Box(half_extents=(half_x, width / 2, thickness / 2)),
+        Box(half_extents=(half_x, width / 2, p.thickness / 2)),
         material="ground",
-        p_WB=(middle_x, width / 2 - CELL, -thickness / 2),
+        p_WB=(middle_x, width / 2 - CELL, -p.thickness / 2),
     )
-    mesh = Body.fixed("mesh", _slab(rows, thickness), material="ground", p_WB=(0.0, 2 * width, 0.0))
+    mesh = Body.fixed("mesh", _slab(rows, p.thickness), material="ground", p_WB=(0.0, 2 * width, 0.0))
     return Scene(
         bodies=(plate, mesh, *balls),
         surfaces=(Surface(between=("ball", "ground")),),
         apart=(("ball", "ball"),),
-        widen=Effect.CONTINUOUS_COLLISION if continuous else Effect.NONE,
+        widen=Effect.CONTINUOUS_COLLISION if p.continuous else Effect.NONE,
     )
 
 
-def expected(
-    time: Floats,
-    speed: float = SPEED,
-    slide: float = SLIDE,
-    phases: int = PHASES,
-    thickness: float = THICKNESS,
-    continuous: bool = True,
-    seed: int = 0,
-) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: free fall until the ground, then an even slide on it."""
-    truth = at_rest(scene(speed, slide, phases, thickness, continuous, seed), time)
-    for place, fall in enumerate(_falls(phases, seed), start=2):
+    truth = at_rest(scene(p), time)
+    for place, fall in enumerate(_falls(p.phases, p.seed), start=2):
         falling = np.minimum(truth.time, fall)
-        truth.p_WB[:, place, 0] += slide * truth.time
-        truth.p_WB[:, place, 2] -= speed * falling + G * falling**2 / 2
-        truth.v_WB[:, place, 0] = slide
-        truth.v_WB[:, place, 2] = np.where(truth.time < fall, -speed - G * truth.time, 0.0)
+        truth.p_WB[:, place, 0] += p.slide * truth.time
+        truth.p_WB[:, place, 2] -= p.speed * falling + G * falling**2 / 2
+        truth.v_WB[:, place, 0] = p.slide
+        truth.v_WB[:, place, 2] = np.where(truth.time < fall, -p.speed - G * truth.time, 0.0)
     return truth
 
 
@@ -134,36 +120,28 @@ CASE = Case(
     truth="closed form",
     scene=scene,
     expected=expected,
-    parameters={
-        "speed": SPEED,
-        "slide": SLIDE,
-        "phases": PHASES,
-        "thickness": THICKNESS,
-        "continuous": True,
-        "seed": 0,
-    },
+    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=300, lost=0.0),
     checks=(
-        Check(metric=divergence, at_most=0.0, because="what has landed slides on"),
+        stays_finite("what has landed slides on"),
         Check(
-            metric=passage_probability,
-            at_most=0.0,
-            because="a ground lets no ball through, at any phase: no centre ends below its middle; 0 of 64 put the probability "
+            passage.passage_probability,
+            0.0,
+            "a ground lets no ball through, at any phase: no centre ends below its middle; 0 of 64 put the probability "
             "under 5.7 % (Wilson, 95 %)",
         ),
         Check(
-            metric=lateral_kick,
-            at_most=lambda _dt, speed=SPEED, slide=SLIDE: 1e-6 * math.hypot(speed, slide),
-            because="level ground without friction has no force along it, inner edge or not; 1e-6 of the speed for single "
-            "precision",
+            passage.lateral_kick,
+            lambda _, p: 1e-6 * math.hypot(p.speed, p.slide),
+            "level ground without friction has no force along it, inner edge or not; 1e-6 of the speed for single precision",
         ),
         Check(
-            metric=rest_speed,
-            at_most=lambda dt: G * dt,
-            because="a ball at rest on the ground is given g dt by gravity in each step before the ground takes it away",
+            passage.rest_speed,
+            lambda dt, _: G * dt,
+            "a ball at rest on the ground is given g dt by gravity in each step before the ground takes it away",
         ),
     ),
-    observe=(passage_probability_low, passage_probability_high, sink_depth),
-    headline=passage_probability.name,
+    observe=(passage.passage_probability_low, passage.passage_probability_high, passage.sink_depth),
+    headline=passage.passage_probability.name,
 )

@@ -43,7 +43,7 @@ def angle_between(q: np.ndarray, true: np.ndarray) -> float:
 def true_attitude(seconds: float) -> np.ndarray:
     """q_WB of the free top by elliptic functions."""
     assert CASE.expected is not None
-    truth = CASE.expected(np.array([seconds]), moments=tuple(MOMENTS), spin=SPIN)
+    truth = CASE.expected(np.array([seconds]), CASE.at(moments=tuple(MOMENTS), spin=SPIN))
     assert isinstance(truth, Trajectory)
     return np.asarray(truth.q_WB[0, 0])
 

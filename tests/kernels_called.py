@@ -50,7 +50,7 @@ def _scenes(adapter: Adapter, studies: list[str], knobs: bool) -> Iterator[tuple
         for trial in load_study(name).trials(cases, {adapter.name: adapter}, {adapter.name: adapter.version()}):
             yield trial.scene(cases[trial.case]), trial.settings
     for case in cases.values() if knobs else ():
-        scene = case.scene(**case.parameters)
+        scene = case.scene(case.parameters)
         for track in adapter.tracks.values():
             for knob in ("solver", "integrator", "options.continuous", "options.coordinates"):
                 for value in adapter.knobs[knob]:

@@ -1,6 +1,6 @@
 """A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
 
-from plumbline.harness.case.case import Axis, Case, Check, Clocks, Converged, Rays, Unit
+from plumbline.harness.case.case import Axis, Case, Check, Clocks, Converged, Parameters, Rays, Step, Unit
 
 __all__ = [
     "Axis",
@@ -8,6 +8,8 @@ __all__ = [
     "Check",
     "Clocks",
     "Converged",
+    "Parameters",
     "Rays",
+    "Step",
     "Unit",
 ]

@@ -1,12 +1,9 @@
 """A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cache
-from inspect import Parameter, signature
-from types import MappingProxyType
-from typing import Any, Literal
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any, Literal, Self, dataclass_transform
 
 import numpy as np
 
@@ -24,42 +21,70 @@ Clocks = Literal["work", "reading", "call", "casting", "sensing"]
 range finders, or its steps with all that its sensors read."""
 
 
-OUTER = "outer"
-"""What a bound calls the step between two calls, if it depends on that."""
-OWN: Mapping[str, Any] = MappingProxyType({})
-"""In place of parameters: the case's own."""
+@dataclass_transform(frozen_default=True)
+@dataclass(frozen=True, eq=False)
+class Parameters(Mapping[str, Any]):
+    """The parameters of a case: a class of fields, each with the case's own value; read as a mapping by their names too."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, eq=False)(cls)
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.__dataclass_fields__:
+            raise KeyError(name)
+        return getattr(self, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__dataclass_fields__)
+
+    def __len__(self) -> int:
+        return len(self.__dataclass_fields__)
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self.values()))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+class Step(float):
+    """The time step [s] that an engine really takes, a sub-step where it has some.
+
+    Terms:
+        outer: the step [s] between two calls, over which states are told and forces from outside are held.
+    """
+
+    outer: float
+
+    def __new__(cls, taken: float, outer: float) -> Self:
+        """A step of `taken` seconds within one of `outer` seconds."""
+        step = super().__new__(cls, taken)
+        step.outer = outer
+        return step
+
+
+@dataclass(frozen=True, slots=True)
 class Check:
     """A bound on a metric, derived in words.
 
     Terms:
         at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the step
-        that the engine really takes [s], its sub-step, for errors that shrink with it; by name `outer`, of the step [s] between
-        two calls, over which states are told and forces from outside are held; and of those parameters of the case, by name,
-        that it is derived from, whose defaults are the case's own. because: the derivation. start, end [s]: the part of the run
-        that is judged.
+        that the engine really takes, for errors that shrink with it, and of the case's parameters. because: the derivation.
+        start, end [s]: the part of the run that is judged.
     """
 
     metric: Metric
-    at_most: float | Callable[..., float]
+    at_most: float | Callable[[Step, Any], float]
     because: str
+    _: KW_ONLY
     start: float = 0.0
     end: float | None = None
 
-    def bound(self, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> float:
-        """The bound at a case's parameters, its own where they are left out, for a time step dt [s] that an engine takes in
-        steps of `substep` [s]: in one where that is left out."""
+    def bound(self, dt: float, parameters: Parameters, substep: float | None = None) -> float:
+        """The bound at parameters of the case, for a time step dt [s] that an engine takes in steps of `substep` [s]: in one
+        where that is left out."""
         if not callable(self.at_most):
             return float(self.at_most)
-        wanted = _named(self.at_most)
-        arguments = parameters if wanted is None else {name: parameters[name] for name in wanted if name in parameters}
-        between = {OUTER: dt} if OUTER in signature(self.at_most).parameters else {}
-        taken = dt if substep is None else substep
-        return float(self.at_most(taken, **between, **{name: _frozen(value) for name, value in arguments.items()}))
+        return float(self.at_most(Step(dt if substep is None else substep, dt), parameters))
 
-    def passes(self, value: float, dt: float, parameters: Mapping[str, Any] = OWN, substep: float | None = None) -> bool:
+    def passes(self, value: float, dt: float, parameters: Parameters, substep: float | None = None) -> bool:
         """Is the value finite and on the right side of the bound?"""
         if not np.isfinite(value):
             return False
@@ -67,19 +92,8 @@ class Check:
         return value <= bound if self.metric.better == "lower" else value >= bound
 
 
-@cache
-def _named(law: Callable[..., float]) -> tuple[str, ...] | None:
-    """The parameters that a bound takes beside the steps; None where it takes all."""
-    taken = [parameter for parameter in list(signature(law).parameters.values())[1:] if parameter.name != OUTER]
-    return (
-        None
-        if any(parameter.kind == Parameter.VAR_KEYWORD for parameter in taken)
-        else tuple(parameter.name for parameter in taken)
-    )
-
-
 def _frozen(value: Any) -> Any:
-    """What came through JSON as lists, as the tuples that it was: bounds that take long are kept by their arguments."""
+    """What came through JSON as lists, as the tuples that it was: bounds that take long are kept by their parameters."""
     return tuple(_frozen(element) for element in value) if isinstance(value, list | tuple) else value
 
 
@@ -90,6 +104,12 @@ class Converged:
     trajectory: Trajectory
     position_error: float
     velocity_error: float
+
+    @classmethod
+    def between(cls, fine: Trajectory, coarse: Trajectory) -> Self:
+        """The finer of two, whose error bars are the largest distances to the coarser one."""
+        p, v = (np.linalg.norm(a - b, axis=-1) for a, b in ((fine.p_WB, coarse.p_WB), (fine.v_WB, coarse.v_WB)))
+        return cls(trajectory=fine, position_error=float(p.max(initial=0.0)), velocity_error=float(v.max(initial=0.0)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,9 +143,9 @@ class Case:
 
     Terms:
         name: the file's; its prefix is the family. duration [s].
-        scene(**parameters) gives the scene; expected(time (t,), **parameters) the truth at those times, a `Converged`, or
-        None where only conservation, statistics, or the engines' agreement on a limit judge. truth: what kind of truth that is,
-        in words. coarsest [s]: without
+        parameters: what study files and searches may set, with the case's own values. scene(parameters) gives the scene;
+        expected(time (t,), parameters) the truth at those times, a `Converged`, or None where only conservation, statistics,
+        or the engines' agreement on a limit judge. truth: what kind of truth that is, in words. coarsest [s]: without
         `expected`, the truth is the exact solver of the reference engine, extrapolated from runs of at most this step.
         sample_interval [s]: distance of recorded samples, 0 for every step. dt [s]: the step of a quick look; ladder: the
         steps of an accuracy run. with_contacts: record contacts at each sample.
@@ -135,9 +155,9 @@ class Case:
         headline is no error that has to shrink with the step.
         ensemble: number of seeds, each a trial of its own that gets `seed` as a parameter.
         steady [s]: from there on every step costs alike, so the clock starts there; None clocks whole runs.
-        control(**parameters): the forces that act from outside, told anew before the steps.
-        retellings(**parameters): the scene told in other ways, each run beside it into streams '<name>/...'.
-        rays(**parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
+        control(parameters): the forces that act from outside, told anew before the steps.
+        retellings(parameters): the scene told in other ways, each run beside it into streams '<name>/...'.
+        rays(parameters): what is cast at time 0, into the streams 'rays/...', and what the clock counts instead of steps.
         insists: effects that the case declares though its own motion does not show them, by name, each with its reason.
         eased: by name, other parameters that make the scene a saner one, as a remedy where it breaks.
         worlds: the parameter that says how many equal worlds are stepped together, '' for none.
@@ -149,13 +169,13 @@ class Case:
     question: str
     source: str
     truth: Literal["closed form", "converged reference", "conservation", "statistics", "rest", "agreed limit"]
-    scene: Callable[..., Scene]
+    scene: Callable[[Any], Scene]
     checks: tuple[Check, ...]
     duration: float
-    expected: Callable[..., Trajectory | Converged | None] | None = None
+    expected: Callable[[Floats, Any], Trajectory | Converged | None] | None = None
     coarsest: float | None = None
     observe: tuple[Metric, ...] = ()
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Parameters = field(default_factory=Parameters)
     hard: Axis | None = None
     ensemble: int = 1
     sample_interval: float = 1 / 60
@@ -166,9 +186,9 @@ class Case:
     scale: float = 1.0
     converges: Literal["smoothly", "once", ""] = ""
     steady: float | None = None
-    control: Callable[..., Control] | None = None
-    retellings: Callable[..., tuple[Retelling, ...]] | None = None
-    rays: Callable[..., Rays] | None = None
+    control: Callable[[Any], Control] | None = None
+    retellings: Callable[[Any], tuple[Retelling, ...]] | None = None
+    rays: Callable[[Any], Rays] | None = None
     worlds: str = ""
     undropped: Scene | None = None
     insists: Mapping[str, str] = field(default_factory=dict)
@@ -190,13 +210,10 @@ class Case:
     def __post_init__(self) -> None:
         if self.coarsest is not None and self.expected is not None:
             raise ValueError(f"case '{self.name}': has both a truth and a coarsest step to make one from, expected one of them")
-        for check in self.checks:
-            unknown = set(_named(check.at_most) or () if callable(check.at_most) else ()) - set(self.parameters)
-            if unknown:
-                raise ValueError(
-                    f"case '{self.name}': the bound of {check.metric.name} names the parameter '{min(unknown)}', expected some "
-                    f"of: {', '.join(self.parameters) or 'none'}"
-                )
+
+    def at(self, **parameters: Any) -> Parameters:
+        """The case's parameters with other values for some of them. Raises: TypeError: for one that it does not have."""
+        return replace(self.parameters, **{name: _frozen(value) for name, value in parameters.items()})
 
     @property
     def family(self) -> str:
@@ -213,4 +230,4 @@ class Case:
 
     def truth_at(self, time: Floats, parameters: Mapping[str, Any]) -> Trajectory | Converged | None:
         """The truth at the given times [s], shape (t,)."""
-        return None if self.expected is None else self.expected(time, **parameters)
+        return None if self.expected is None else self.expected(time, self.at(**parameters))

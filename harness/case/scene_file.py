@@ -14,13 +14,12 @@ from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.metrics import (
     contact_residuals,
+    contacts,
     divergence,
     energy,
-    joint_gap,
-    limits,
+    joints,
     momentum,
     own_readings,
-    penetration,
 )
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.importers.companion import beside, load_companion
@@ -44,9 +43,9 @@ OBSERVED = (
     energy.held_energy_gain_max,
     momentum.momentum_drift_max,
     momentum.angular_momentum_drift_max,
-    joint_gap.joint_gap_max,
-    limits.limit_overshoot_max,
-    penetration.penetration,
+    joints.joint_gap_max,
+    joints.limit_overshoot_max,
+    contacts.penetration,
     contact_residuals.signorini_residual,
     contact_residuals.cone_residual,
     contact_residuals.dissipation_residual,
@@ -72,12 +71,12 @@ def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
         question="Where does each engine end as its time step goes to zero, who agrees with whom, and at what cost?",
         source=f"the file {path.name}",
         truth="agreed limit",
-        scene=lambda: scene,
+        scene=lambda _: scene,
         checks=(
             Check(
-                metric=divergence.divergence,
-                at_most=0.0,
-                because="every number of every sampled state has to be finite; whether it is right, engines have to agree on",
+                divergence.divergence,
+                0.0,
+                "every number of every sampled state has to be finite; whether it is right, engines have to agree on",
             ),
         ),
         observe=(*OBSERVED, own_readings.gyroscope_off_motion, own_readings.range_off_geometry) if scene.sensors else OBSERVED,

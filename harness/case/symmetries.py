@@ -15,7 +15,7 @@ import numpy as np
 from plumbline.harness.scene import WORLD, Body, Joint, Prescribed, Quaternion, Scene, Vector3
 from plumbline.harness.scene import multiply as times
 from plumbline.harness.scene import rotate as turned_vector
-from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.shape import scaled_shape
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.kinematics import conjugate, product, rotate
 
@@ -149,7 +149,7 @@ def scaled(scene: Scene, name: str, size: float) -> Retelling:
         if body.prescribed is not None:
             raise ValueError(f"body '{body.name}': its motion is prescribed, which is not scaled")
         parts = tuple(
-            replace(placed, shape=_sized(placed.shape, size), p_BS=at(placed.p_BS, size)) for placed in body.collision
+            replace(placed, shape=scaled_shape(placed.shape, size), p_BS=at(placed.p_BS, size)) for placed in body.collision
         )
         inertia = (np.array(body.inertia) * size**2).tolist()
         there = replace(body, p_WB=at(body.p_WB, size), v_WB=at(body.v_WB, speed), w_WB=at(body.w_WB, 1 / clock))
@@ -194,23 +194,3 @@ def _led(
         shifts=tuple(replace(shift, axis_W=axis(shift.axis_W)) for shift in prescribed.shifts),
         turn=None if turn is None else replace(turn, anchor_W=point(turn.anchor_W), axis_W=axis(turn.axis_W)),
     )
-
-
-def _sized(shape: Shape, size: float) -> Shape:
-    match shape:
-        case Sphere():
-            return Sphere(radius=size * shape.radius)
-        case Box():
-            x, y, z = shape.half_extents
-            return Box(half_extents=(size * x, size * y, size * z))
-        case Capsule():
-            return Capsule(radius=size * shape.radius, half_length=size * shape.half_length)
-        case Cylinder():
-            return Cylinder(radius=size * shape.radius, half_length=size * shape.half_length)
-        case Ellipsoid():
-            a, b, c = shape.semi_axes
-            return Ellipsoid(semi_axes=(size * a, size * b, size * c))
-        case Plane():
-            return shape
-        case ConvexHull() | TriangleMesh():
-            return replace(shape, vertices=(size * np.array(shape.vertices)).tolist())

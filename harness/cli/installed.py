@@ -69,7 +69,7 @@ def cases(as_json: bool) -> None:
     if as_json:
         print_json([describe_case(case) for case in catalogue])
         return
-    effects = [", ".join(case.scene(**case.parameters).effects.names) for case in catalogue]
+    effects = [", ".join(case.scene(case.parameters).effects.names) for case in catalogue]
     shown = [
         (case.name, case.question, case.truth, acting, case.source) for case, acting in zip(catalogue, effects, strict=True)
     ]

@@ -35,7 +35,7 @@ def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None
     narrow = Effect.NONE
     for name in names:
         narrow |= Effect[name.upper()]
-    scene = case.scene()
+    scene = case.scene(case.parameters)
     minimal = replace(scene, narrow=scene.narrow | narrow, widen=scene.widen & ~narrow)
     source = Path(case.name.removeprefix(SCENE_PREFIX))
     path = store.folder / MINIMAL / f"{source.stem}.minimal.toml"

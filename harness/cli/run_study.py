@@ -162,7 +162,8 @@ def run(
         stop(USAGE, _of_file(study, error))
     adapters = chosen_engines(engine_names)
     if own:
-        refuse_two_frictions(study, next(iter(chosen.values())).scene(), adapters)
+        case = next(iter(chosen.values()))
+        refuse_two_frictions(study, case.scene(case.parameters), adapters)
     folder = out or Path("build") / plan.name
     for sentence in support_lines(chosen, adapters, of_robot):
         say(sentence, err=True)

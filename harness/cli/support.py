@@ -19,7 +19,7 @@ def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]"
     from plumbline.harness.case.undropped import KINDS
     from plumbline.harness.study.plugins import version_of
 
-    used = {name: features_of(case.scene(**case.parameters)) for name, case in cases.items()}
+    used = {name: features_of(case.scene(case.parameters)) for name, case in cases.items()}
     lines = []
     for name, adapter in adapters.items():
         version, reason = version_of(adapter)

@@ -3,14 +3,24 @@
 Source: IEEE Std 952-1997 (scale factor, misalignment); SciPy's rotations, so that an error in ours would show.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.scene import AxisNoise, Imu, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
 SHARE = 1e-2
 """What the rounding of readings, q^2/12, may be of the variance of the white noise before it counts as a law of its own [1]."""
+
+
+def noisy_channels(scene: Scene) -> Iterator[tuple[Imu, str, AxisNoise]]:
+    """The inertial sensors that have a law of noise: each with the name and the law of both its channels."""
+    for sensor in scene.sensors:
+        if isinstance(sensor, Imu) and sensor.noise is not None:
+            yield sensor, "accelerometer", sensor.noise.accelerometer
+            yield sensor, "gyroscope", sensor.noise.gyroscope
 
 
 def inertial_residual(sensor: Imu, channel: str, actual: Trajectory) -> Floats:

@@ -47,10 +47,18 @@ def last(series: Floats) -> float:
 def three(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Metric, Metric]:
     """Three metrics of one series: '<name>_max', '<name>_rms' and '<name>_final'."""
 
+    largest, final = two(name, unit, source, series)
+    mean = Metric(name=f"{name}_rms", unit=unit, source=source, measure=lambda run: root_mean_square(series(run)))
+    return largest, mean, final
+
+
+def two(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Metric]:
+    """Two metrics of one series: '<name>_max' and '<name>_final'."""
+
     def reduced(suffix: str, reduce: Callable[[Floats], float]) -> Metric:
         return Metric(name=f"{name}_{suffix}", unit=unit, source=source, measure=lambda run: reduce(series(run)))
 
-    return reduced("max", maximum), reduced("rms", root_mean_square), reduced("final", last)
+    return reduced("max", maximum), reduced("final", last)
 
 
 def proportion(name: str, source: str, verdict: str, count: Callable[[Run], tuple[int, int]]) -> tuple[Metric, Metric, Metric]:

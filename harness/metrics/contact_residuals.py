@@ -16,6 +16,16 @@ Slips are read off the states of the bodies, so that an engine's own report of v
 
 Source: Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 1988; Acary, Brogliato, Numerical Methods for
 Nonsmooth Dynamical Systems, 2008, chapter 3 (the three laws); Stewart, SIAM Review 42 (2000) 3 (maximum dissipation).
+
+Momentum residual: by how much contact forces and gravity miss the change of momentum that the bodies show in the same step.
+
+    r_k = m (v_k - v_{k-1}) - (F_k + m g) dt
+
+for each movable body without joints, with the sum F_k of the recorded contact forces on it, which are averages over the last
+step. Only samples one step apart can be judged: between others forces went unrecorded. The worst of all steps and bodies
+counts, over the greatest m |v_k - v_{k-1}| of the record, so that 1 is a force that is missing where it matters most.
+
+Source: Newton's second law in its integral form; Moreau, Unilateral Contact and Dry Friction in Finite Freedom Dynamics, 1988.
 """
 
 import math
@@ -25,6 +35,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.contact_impulses import forces_on
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Integers, Trajectory
 
@@ -154,3 +165,25 @@ def _dissipation(at: _Recorded, slow: float) -> Floats:
 def dissipation_residual(run: Run) -> float:
     """Stewart 2000: |T + mu_k N u/|u|| of contacts that slip faster than g dt, over the weight, at worst"""
     return _worst(run, _dissipation)
+
+
+@metric("1", even=True)
+def momentum_residual(run: Run) -> float:
+    """Newton's second law over a step: |m dv - (F + m g) dt| at worst, over the greatest m |dv|"""
+    if run.actual.contacts is None:
+        raise NotMeasurable("no contacts were recorded")
+    steps = np.flatnonzero(np.abs(np.diff(run.actual.time) - run.actual.dt) < 1e-6 * run.actual.dt) + 1
+    if len(steps) == 0:
+        raise NotMeasurable("no two samples are one step apart, so that forces went unrecorded")
+    jointed = {name for joint in run.scene.joints for name in (joint.parent, joint.child)}
+    bodies = [k for k, b in enumerate(run.scene.bodies) if b.movable and b.name not in jointed and b.linear_damping == 0]
+    if not bodies:
+        raise NotMeasurable("no body moves under contacts and gravity alone")
+    mass = np.array([run.scene.bodies[k].mass for k in bodies])[:, None]
+    gravity = np.array(run.scene.gravity) * (Effect.GRAVITY in run.scene.effects)
+    gained = mass * (run.actual.v_WB[steps][:, bodies] - run.actual.v_WB[steps - 1][:, bodies])
+    force = np.array([forces_on(run.actual.contacts[k], len(run.scene.bodies))[bodies] for k in steps])
+    greatest = float(np.linalg.norm(gained, axis=-1).max())
+    if greatest == 0.0:
+        raise NotMeasurable("nothing changes its momentum")
+    return float(np.linalg.norm(gained - (force + mass * gravity) * run.actual.dt, axis=-1).max()) / greatest

@@ -3,16 +3,29 @@
 A deviation is what was measured (disparity, or range up to whole wraps) less its ideal value, over the standard deviation that
 the law gives there: sigma_d for disparities, whose sigma of depth is z^2/(f b) sigma_d, with q^2/12 of a step q added in
 squares. The bands hold equally many pixels, so that a sigma that grows wrongly with depth shows at one of the ends.
+
+Invalid pixels of a depth camera: those that geometry and optics take away, and the share that is lost at random.
+
+The truth's stream '<sensor>/lost' names the first. The score of the second is its distance from the law in the standard
+deviations that the law gives it: below z it says that Wilson's interval for confidence z, drawn
+about the observed rate, holds the law's.
+
+Quantisation of disparities: how far they lie off the multiples of the step, and whether neighbours are one step apart.
+
+Wrap-around of time of flight: no range is read beyond the unambiguous one, and what lies beyond reads whole turns less.
 """
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.metric.camera_frames import frames, noisy_cameras
+from plumbline.harness.metric.camera_frames import beside_truth, frames, noisy_cameras
+from plumbline.harness.metric.noise_scores import mean_score, neighbour_scores, share_score, spread_score
+from plumbline.harness.metric.series import maximum
 from plumbline.harness.scene import DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
-from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats, Trajectory
 
 BANDS = 8
 LEAST = 100
@@ -86,30 +99,115 @@ def _bands(run: Run) -> list[Floats]:
 @metric("1")
 def depth_mean_score(run: Run) -> list[float]:
     """standard error of a mean, worst band of depth"""
-    return [abs(band.mean()) * np.sqrt(len(band)) for band in _bands(run)]
+    return [mean_score(band) for band in _bands(run)]
 
 
 @metric("1")
 def depth_spread_score(run: Run) -> list[float]:
     """Wilson, Hilferty (1931): chi^2 of squares, worst band of depth"""
-    # Wilson and Hilferty's cube root makes the chi-squared sum of squares normal to one part in n.
-    scores = []
-    for band in _bands(run):
-        third = 2.0 / (9.0 * len(band))
-        scores.append(abs(np.mean(np.square(band)) ** (1 / 3) - (1 - third)) / np.sqrt(third))
-    return scores
+    return [spread_score(band) for band in _bands(run)]
 
 
 @metric("1", empty=f"fewer than {LEAST} pairs of neighbouring pixels are valid")
 def depth_correlation_score(run: Run) -> list[float]:
     """correlation of neighbouring pixels and frames"""
-    # Largest over neighbours in time, row and column: the mean product of deviations is 1/sqrt(n) wide.
+    # Neighbours in time, row and column.
+    return [score for _, _, deviation in deviations(run) for score in neighbour_scores(deviation, LEAST)]
+
+
+Mask = NDArray[np.bool_]
+
+
+def _pixels(actual: Trajectory, expected: Trajectory | None, sensor: str) -> tuple[Mask, Mask, Mask] | None:
+    """Of all pixels with an ideal depth: those that read nothing, that the truth calls lost; and whether there is any NaN."""
+    depth, ideal = frames(actual, sensor, "depth"), frames(actual, sensor, "depth_ideal")
+    if expected is None or f"{sensor}/lost" not in expected.streams:
+        raise NotMeasurable(f"the truth has no stream '{sensor}/lost'")
+    lost = expected.streams[f"{sensor}/lost"]
+    _, true_depth = beside_truth(actual, expected, sensor, "depth_ideal")
+    if np.isnan(ideal).any():
+        return None
+    return np.isnan(depth), lost > 0.5, np.isfinite(ideal) & np.isfinite(true_depth)
+
+
+@metric("1")
+def depth_missing_score(run: Run) -> float:
+    """Wilson, Probable inference, the law of succession, and statistical inference (1927)"""
     scores = []
-    for _, _, deviation in deviations(run):
-        for axis in range(3):
-            count = deviation.shape[axis]
-            a, b = (deviation.take(np.arange(start, count - 1 + start), axis=axis).ravel() for start in (0, 1))
-            both = ~np.isinf(a) & ~np.isinf(b)
-            if both.sum() >= LEAST:
-                scores.append(abs(np.mean(a[both] * b[both])) * np.sqrt(both.sum()))
-    return scores
+    for camera in noisy_cameras(run.scene):
+        assert camera.noise is not None
+        pixels = _pixels(run.actual, run.expected, camera.name)
+        if pixels is None:
+            return float("nan")
+        silent, lost, seen = pixels
+        asked = seen & ~lost
+        count, law = int(asked.sum()), camera.noise.missing
+        if count == 0:
+            raise NotMeasurable(f"no pixel of sensor '{camera.name}' sees what it can measure")
+        scores.append(share_score(float(np.mean(silent[asked])), law, count))
+    return maximum(np.array(scores))
+
+
+@metric("1")
+def depth_lost_but_answered_share(run: Run) -> float:
+    """definition: share of the pixels without a second view, light or texture that read a depth all the same"""
+    shares = []
+    for camera in noisy_cameras(run.scene):
+        pixels = _pixels(run.actual, run.expected, camera.name)
+        if pixels is None:
+            return float("nan")
+        silent, lost, seen = pixels
+        if (lost & seen).any():
+            shares.append(float(np.mean(~silent[lost & seen])))
+    if not shares:
+        raise NotMeasurable("the truth takes no pixel away")
+    return maximum(np.array(shares))
+
+
+@metric("1")
+def disparity_step_error(run: Run) -> float:
+    """Khoshelham, Elberink, Sensors 12 (2012) 1437, section 3: f b / z is a multiple of the step; error in steps"""
+    # The larger of both, in steps: a step twice too fine leaves the lattice, one twice too coarse skips a neighbour.
+    errors = []
+    for camera in noisy_cameras(run.scene):
+        law = camera.noise
+        if not isinstance(law, StereoNoise | StructuredLightNoise) or law.disparity_step == 0:
+            continue
+        depth, ideal = frames(run.actual, camera.name, "depth"), frames(run.actual, camera.name, "depth_ideal")
+        if np.isnan(ideal).any():
+            return float("nan")
+        steps = camera.focal_x * law.baseline / depth[np.isfinite(depth)] / law.disparity_step
+        levels = np.unique(np.rint(steps))
+        if len(levels) < 2:
+            raise NotMeasurable(f"sensor '{camera.name}' reads {len(levels)} disparities, expected at least two")
+        errors += [np.max(np.abs(steps - np.rint(steps))), abs(np.min(np.diff(levels)) - 1.0)]
+    if not errors:
+        raise NotMeasurable("no depth camera of the scene quantises disparities")
+    return maximum(np.array(errors))
+
+
+SLACK = 1e-12
+"""Relative rounding of the way from a range to a z-depth and back."""
+
+
+@metric("1")
+def range_unwrapped_share(run: Run) -> float:
+    """Hansard et al., Time-of-Flight Cameras (2012), chapter 1: a phase tells the range modulo half a wavelength"""
+    shares = []
+    for camera in noisy_cameras(run.scene):
+        law = camera.noise
+        if not isinstance(law, TimeOfFlightNoise) or law.unambiguous_range is None:
+            continue
+        depth, ideal = frames(run.actual, camera.name, "depth"), frames(run.actual, camera.name, "depth_ideal")
+        if np.isnan(ideal).any():
+            return float("nan")
+        slant = _slant(camera)
+        valid = np.isfinite(ideal) & ~np.isnan(depth)
+        beyond = valid & (ideal * slant > law.unambiguous_range)
+        if not beyond.any():
+            raise NotMeasurable(f"sensor '{camera.name}' sees nothing beyond its unambiguous range {law.unambiguous_range} m")
+        turns = (depth * slant)[valid] / law.unambiguous_range
+        shares.append(float(np.mean((turns < 0.0) | (turns > 1.0 + SLACK))))
+    if not shares:
+        raise NotMeasurable("no depth camera of the scene has an unambiguous range")
+    return float(np.max(shares))

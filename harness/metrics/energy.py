@@ -11,7 +11,7 @@ them. For an integrator that does not stagger the raw figure is the right one; b
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.metric.series import last
+from plumbline.harness.metric.series import two
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
@@ -137,14 +137,7 @@ def _staggered_drift(run: Run) -> Floats:
     return drift
 
 
-@metric("1", SOURCE)
-def energy_drift_max(run: Run) -> Floats:
-    return _drift(run)
-
-
-@metric("1", SOURCE)
-def energy_drift_final(run: Run) -> float:
-    return last(_drift(run))
+energy_drift_max, energy_drift_final = two("energy_drift", "1", SOURCE, _drift)
 
 
 @metric("1", SOURCE, even=True)

@@ -1,6 +1,8 @@
 """Retellings: how far the same scene, told another way and told back, parts from the case's own run.
 
 Its motion stands in the streams '<name>/...'. Equal bits are a difference of zero; a run that ended early is never close.
+
+World spread: do equal worlds that are stepped together have the same future?
 """
 
 from collections.abc import Callable
@@ -9,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.metric import Metric, NotMeasurable, Run, metric
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import angle_between
 
@@ -83,3 +85,11 @@ ATTITUDE_DIFFERENCE = _of_each("attitude_difference", "rad", "definition: larges
 AGREEING_SAMPLES = _of_each(
     "agreeing_samples", "1", "definition: samples before the first that differs in a bit", _agreeing, "higher"
 )
+
+
+@metric("1")
+def world_spread(run: Run) -> float:
+    """definition: largest difference of any number of a world's state at the end from the first world's, in SI units"""
+    if "worlds/spread" not in run.actual.streams:
+        raise NotMeasurable("the worlds were not compared")
+    return float(np.max(run.actual.streams["worlds/spread"], initial=0.0))

@@ -7,14 +7,11 @@ Contact with a static body does so as well; a case that has it does not ask for 
 
 import numpy as np
 
-from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.metric.series import last
+from plumbline.harness.metric import NotMeasurable, Run
+from plumbline.harness.metric.series import two
 from plumbline.harness.scene import WORLD
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
-
-LINEAR = "conservation of momentum: sum of m v, less M g t"
-ANGULAR = "conservation of angular momentum: sum of r x m v + R I R^T w about the common centre of mass, over its start"
 
 
 def _isolated(run: Run) -> None:
@@ -64,21 +61,12 @@ def _angular(run: Run) -> Floats:
     return change
 
 
-@metric("kg m/s", LINEAR)
-def momentum_drift_max(run: Run) -> Floats:
-    return _momentum(run)
-
-
-@metric("kg m/s", LINEAR)
-def momentum_drift_final(run: Run) -> float:
-    return last(_momentum(run))
-
-
-@metric("1", ANGULAR)
-def angular_momentum_drift_max(run: Run) -> Floats:
-    return _angular(run)
-
-
-@metric("1", ANGULAR)
-def angular_momentum_drift_final(run: Run) -> float:
-    return last(_angular(run))
+momentum_drift_max, momentum_drift_final = two(
+    "momentum_drift", "kg m/s", "conservation of momentum: sum of m v, less M g t", _momentum
+)
+angular_momentum_drift_max, angular_momentum_drift_final = two(
+    "angular_momentum_drift",
+    "1",
+    "conservation of angular momentum: sum of r x m v + R I R^T w about the common centre of mass, over its start",
+    _angular,
+)

@@ -2,11 +2,16 @@
 
 A deviation is (range - ideal range) over the standard deviation that the law gives for that range: a standard normal variable,
 independent from beam to beam and scan to scan. Each score is of the order of 1 where the law holds.
+
+Dropout rate: its distance from the law in the standard deviations that the law gives it.
+
+A score below z says that Wilson's interval for confidence z, drawn about the observed rate, holds the law's rate.
 """
 
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
+from plumbline.harness.metric.noise_scores import kolmogorov_distance, mean_score, neighbour_scores, share_score, spread_score
 from plumbline.harness.scene import Lidar
 from plumbline.harness.trajectory import Floats
 
@@ -43,43 +48,51 @@ def _flat(run: Run) -> Floats:
 @metric("1")
 def range_mean_score(run: Run) -> float:
     """standard error of a mean"""
-    deviations = _flat(run)
-    return float(abs(deviations.mean()) * np.sqrt(len(deviations)))
+    return mean_score(_flat(run))
 
 
 @metric("1")
 def range_spread_score(run: Run) -> float:
     """Wilson, Hilferty (1931): chi^2 of squares"""
-    # Wilson and Hilferty's cube root makes the chi-squared sum of squares normal to one part in n.
-    deviations = _flat(run)
-    n = len(deviations)
-    third = 2.0 / (9.0 * n)
-    return float(abs((np.sum(np.square(deviations)) / n) ** (1 / 3) - (1 - third)) / np.sqrt(third))
+    return spread_score(_flat(run))
 
 
 @metric("1")
 def range_distribution_distance(run: Run) -> float:
     """Kolmogorov (1933): sqrt(n) D"""
-    # Kolmogorov's distance from the standard normal distribution times sqrt(n).
-    from scipy import stats  # late: a listing must not pay for it
-
-    deviations = _flat(run)
-    if np.isnan(deviations).any():
-        return float("nan")
-    # The statistic is the same by any method; this one spends nothing on the p-value, which takes most of the time otherwise.
-    return float(stats.kstest(deviations, "norm", method="asymp").statistic * np.sqrt(len(deviations)))
+    return kolmogorov_distance(_flat(run))
 
 
 @metric("1", empty="fewer than 100 pairs of neighbouring beams returned")
 def range_correlation_score(run: Run) -> list[float]:
     """correlation of neighbouring beams and scans"""
-    # Largest over neighbours in time, elevation and azimuth: the mean product of deviations is 1/sqrt(n) wide.
+    # Neighbours in time, elevation and azimuth.
+    return [score for deviation in _deviations(run) for score in neighbour_scores(deviation, 100)]
+
+
+SOURCE = "Wilson, Probable inference, the law of succession, and statistical inference (1927)"
+
+
+@metric("1", SOURCE)
+def dropout_score(run: Run) -> float:
     scores = []
-    for deviation in _deviations(run):
-        for axis in range(3):
-            count = deviation.shape[axis]
-            a, b = (deviation.take(np.arange(start, count - 1 + start), axis=axis).ravel() for start in (0, 1))
-            both = ~np.isinf(a) & ~np.isinf(b)
-            if both.sum() >= 100:
-                scores.append(abs(np.mean(a[both] * b[both])) * np.sqrt(both.sum()))
-    return scores
+    for sensor in run.scene.sensors:
+        if not isinstance(sensor, Lidar) or sensor.noise is None:
+            continue
+        noisy, ideal = (run.actual.streams.get(f"{sensor.name}/{channel}") for channel in ("range", "range_ideal"))
+        if noisy is None or ideal is None:
+            raise NotMeasurable(f"ranges of sensor '{sensor.name}' were not recorded")
+        if np.isnan(noisy).any() or np.isnan(ideal).any():
+            return float("nan")
+        hit = np.isfinite(ideal)
+        count, law = int(hit.sum()), sensor.noise.dropout
+        if count == 0:
+            raise NotMeasurable(f"no beam of sensor '{sensor.name}' hits anything")
+        if np.isfinite(noisy[~hit]).any():
+            # A return from nothing is no dropout, and no law allows it.
+            return float("inf")
+        lost = float(np.mean(~np.isfinite(noisy[hit])))
+        scores.append(share_score(lost, law, count))
+    if not scores:
+        raise NotMeasurable("no range finder of the scene has a noise model")
+    return float(np.max(scores))

@@ -8,11 +8,9 @@ import math
 from plumbline.harness.scene import (
     Body,
     Box,
-    PlacedShape,
     Revolute,
     Scene,
     Surface,
-    box_inertia,
     principal_inertia,
 )
 
@@ -35,11 +33,11 @@ def stage() -> Scene:
     ball = Body.ball("ball", RADIUS, mass=MASS, material="mover", p_WB=(-2.0, 0.0, RADIUS - DEPTH), v_WB=(0.6, -0.8, 0.0))
     theta = math.radians(AMPLITUDE)
     half = (0.02, 0.02, LENGTH / 2)
-    rod = Body(
-        name="rod",
+    rod = Body.box(
+        "rod",
+        half,
         mass=MASS,
-        inertia=box_inertia(MASS, half),
-        visual=(PlacedShape(shape=Box(half_extents=half)),),
+        touches=False,
         p_WB=(LENGTH / 2 * math.sin(theta), 2.0, HEIGHT - LENGTH / 2 * math.cos(theta)),
         q_WB=(math.cos(theta / 2), 0.0, -math.sin(theta / 2), 0.0),
     )
@@ -55,6 +53,6 @@ def stage() -> Scene:
     return Scene(
         bodies=(floor, box, ball, rod, top),
         joints=(hinge,),
-        surfaces=(Surface(between=("floor", "mover"), static_friction=FRICTION, kinetic_friction=FRICTION),),
+        surfaces=(Surface.rough(FRICTION, ("floor", "mover")),),
         apart=(("mover", "mover"),),
     )

@@ -38,7 +38,7 @@ def preloads(cases: Mapping[str, Case], engines: Mapping[str, Adapter]) -> tuple
 
 
 def _has_imu(case: Case) -> bool:
-    return any(isinstance(sensor, Imu) for sensor in case.scene(**case.parameters).sensors)
+    return any(isinstance(sensor, Imu) for sensor in case.scene(case.parameters).sensors)
 
 
 def _built_in(kind: str, name: str) -> str | None:

@@ -9,7 +9,7 @@ from pydantic.dataclasses import dataclass
 from plumbline.harness.scene.appearance import Appearance
 from plumbline.harness.scene.inertia import box_inertia, sphere_inertia
 from plumbline.harness.scene.prescribed import Prescribed
-from plumbline.harness.scene.shape import Box, Shape, Sphere
+from plumbline.harness.scene.shape import Box, Plane, Shape, Sphere
 from plumbline.harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
 
 
@@ -87,21 +87,28 @@ class Body:
             raise ValueError(f"{where}: a plane has no bounds; expected motion 'static' or 'kinematic', got 'dynamic'")
 
     @classmethod
-    def box(cls, name: str, half_extents: Vector3, mass: float = 1.0, **fields: Any) -> Self:
-        """A solid box [m, kg] that touches. Args: fields: the others of a body."""
+    def box(cls, name: str, half_extents: Vector3, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
+        """A solid box [m, kg] that touches, or is only seen. Args: fields: the others of a body."""
         inertia, shape = box_inertia(mass, half_extents), Box(half_extents=half_extents)
-        return cls(name=name, mass=mass, inertia=inertia, collision=(PlacedShape(shape=shape),), **fields)
+        fields["collision" if touches else "visual"] = (PlacedShape(shape=shape),)
+        return cls(name=name, mass=mass, inertia=inertia, **fields)
 
     @classmethod
-    def ball(cls, name: str, radius: float, mass: float = 1.0, **fields: Any) -> Self:
-        """A solid ball [m, kg] that touches. Args: fields: the others of a body."""
+    def ball(cls, name: str, radius: float, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
+        """A solid ball [m, kg] that touches, or is only seen. Args: fields: the others of a body."""
         inertia, shape = sphere_inertia(mass, radius), Sphere(radius=radius)
-        return cls(name=name, mass=mass, inertia=inertia, collision=(PlacedShape(shape=shape),), **fields)
+        fields["collision" if touches else "visual"] = (PlacedShape(shape=shape),)
+        return cls(name=name, mass=mass, inertia=inertia, **fields)
 
     @classmethod
     def fixed(cls, name: str, shape: Shape, **fields: Any) -> Self:
         """A static body of one shape at its origin. Args: fields: the others of a body."""
         return cls(name=name, motion="static", collision=(PlacedShape(shape=shape),), **fields)
+
+    @classmethod
+    def ground(cls, material: str = "ground") -> Self:
+        """Level ground, solid below z = 0."""
+        return cls.fixed("ground", Plane(), material=material)
 
     @property
     def mass_point(self) -> bool:

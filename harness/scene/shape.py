@@ -1,8 +1,10 @@
 """Collision and visual geometry: a closed union of eight shapes, each in its own frame S."""
 
 import math
+from dataclasses import replace
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
@@ -67,8 +69,6 @@ class ConvexHull:
     type: Literal["convex_hull"] = "convex_hull"
 
     def __post_init__(self) -> None:
-        import numpy as np
-
         points = np.asarray(self.vertices)
         spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
         if spread[2] <= 1e-9 * spread[0]:
@@ -84,8 +84,6 @@ class TriangleMesh:
     type: Literal["triangle_mesh"] = "triangle_mesh"
 
     def __post_init__(self) -> None:
-        import numpy as np
-
         points, faces = np.asarray(self.vertices), np.asarray(self.faces)
         if faces.min() < 0 or faces.max() >= len(points):
             bad = int(np.flatnonzero(((faces < 0) | (faces >= len(points))).any(axis=1))[0])
@@ -103,7 +101,6 @@ def polyhedron_of(shape: Ellipsoid) -> tuple[Vector3, ...]:
 
     Its faces lie inside the surface by up to 2.7 % of the largest semi-axis.
     """
-    import numpy as np
     import trimesh
 
     corners = np.array(trimesh.creation.icosphere(subdivisions=2).vertices) * np.array(shape.semi_axes)
@@ -142,6 +139,16 @@ def outer_radius(shape: "Shape") -> float:
             return max(math.hypot(*vertex) for vertex in vertices)
         case Plane():
             return math.inf
+
+
+LENGTHS = ("radius", "half_length", "half_extents", "semi_axes", "vertices")
+"""The fields of shapes that are lengths [m]."""
+
+
+def scaled_shape(shape: "Shape", size: float) -> "Shape":
+    """The shape with all its lengths times `size`; of a half space itself."""
+    lengths = {name: (size * np.array(getattr(shape, name))).tolist() for name in LENGTHS if hasattr(shape, name)}
+    return replace(shape, **lengths)
 
 
 Shape = Annotated[

@@ -1,5 +1,7 @@
 """The law of contact between a pair of materials."""
 
+from typing import Self
+
 from pydantic.dataclasses import dataclass
 
 from plumbline.harness.scene.values import FROZEN, Name, NonNegative, Probability
@@ -22,6 +24,11 @@ class Surface:
     restitution: Probability = 0.0
     rolling_friction: NonNegative = 0.0
     torsional_friction: NonNegative = 0.0
+
+    @classmethod
+    def rough(cls, friction: float, between: tuple[str, str] = ("default", "default"), **fields: float) -> Self:
+        """A surface with one coefficient, static and kinetic. Args: fields: the others of a surface."""
+        return cls(between=between, static_friction=friction, kinetic_friction=friction, **fields)
 
     def __post_init__(self) -> None:
         if self.static_friction < self.kinetic_friction:

@@ -255,7 +255,7 @@ def _dropping(plain: Trial, group: Sequence[Trial], records: Mapping[str, Record
         consequence = None if run is None else weighed(departure(run), matters(store, here, run, scale), here, run, declared)
         return consequence is not None and consequence.matters is False
 
-    declared = case.scene(**plain.parameters).effects.names
+    declared = case.scene(case.at(**plain.parameters)).effects.names
     single = [effect for effect in declared if effect not in case.insists and idle(effect)]
     dropped = single[:1]
     for effect in single[1:]:

@@ -77,7 +77,7 @@ def _of_scene(
     for trial in scene:
         if trial.alteration == AS_IT_IS:
             ladders.setdefault((trial.engine, trial.track), []).append(trial)
-    scale, share = extent(case.scene(**scene[0].parameters)), asked.budget / len(ladders)
+    scale, share = extent(case.scene(case.at(**scene[0].parameters))), asked.budget / len(ladders)
     number = max(trial.round for trial in scene) + 1
     limits = {side: _limit(ladder, records, scale, store) for side, ladder in ladders.items()}
     more = [
@@ -148,7 +148,7 @@ def _undropped(
         if answered:
             finest.setdefault(engine, min(answered, key=lambda trial: trial.settings.dt))
     for trial in finest.values():
-        kinds = kinds_left_out(case.scene(**trial.parameters), case.undropped)
+        kinds = kinds_left_out(case.scene(case.at(**trial.parameters)), case.undropped)
         yield trial.probing(
             case,
             alteration=Alteration(name=UNDROPPED, undropped=kinds),

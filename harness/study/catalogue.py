@@ -11,7 +11,7 @@ from plumbline.harness.study.plugins import version_of
 
 def describe_case(case: Case) -> dict[str, Any]:
     """A case as a JSON-ready row: question, truth, effects, source, parameters, checks with their derivations."""
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     return {
         "name": case.name,
         "family": case.family,

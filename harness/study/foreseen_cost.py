@@ -32,7 +32,7 @@ def misfit(own: Any, value: bool | int | float | str) -> str:
 def scene_at(case: Case, parameters: Mapping[str, Any]) -> Scene:
     """The scene of a case. Raises: NoScene."""
     try:
-        return case.scene(**parameters)
+        return case.scene(case.at(**parameters))
     except Exception as error:
         given = {name: value for name, value in parameters.items() if case.parameters.get(name) != value}
         message = " ".join(str(error).split())

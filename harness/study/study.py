@@ -273,7 +273,7 @@ def _clocked(experiment: Experiment, case: Case, parameters: Mapping[str, Any]) 
                 f"{case.unit(parameters)}, expected 'work' alone"
             )
         if clocks in ("casting", "sensing"):
-            sensors = case.scene(**parameters).sensors
+            sensors = case.scene(case.at(**parameters)).sensors
             kind = "range finder" if clocks == "casting" else "sensor"
             if not any(clocks == "sensing" or sensor.type == "lidar" for sensor in sensors):
                 raise StudyError(

@@ -63,7 +63,7 @@ class Trial:
     def scene(self, case: Case) -> Scene:
         """What is put to the engine."""
         whole = case.undropped if self.alteration.undropped else None
-        return self.alteration.of(case.scene(**self.parameters) if whole is None else whole)
+        return self.alteration.of(case.scene(case.at(**self.parameters)) if whole is None else whole)
 
     def named(self) -> "Trial":
         """The trial with its name: a digest of all that decides its answer, question, versions and sources included."""
@@ -111,7 +111,7 @@ def question_of(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
     scene_digest = hashlib.sha256(dump_json(scene).encode()).hexdigest()
     asked = [scene_digest, case.duration, case.sample_interval, case.with_contacts]
     if case.control is not None:
-        control = case.control(**parameters)
+        control = case.control(case.at(**parameters))
         asked += [control.interval, hashlib.sha256(wrench_after(control, State.initial(scene))).hexdigest()]
     if case.retellings is not None:
         asked += [
@@ -121,10 +121,10 @@ def question_of(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
                 retelling.restored_at,
                 hashlib.sha256(dump_json(retelling.scene).encode()).hexdigest(),
             ]
-            for retelling in case.retellings(**parameters)
+            for retelling in case.retellings(case.at(**parameters))
         ]
     if case.rays is not None:
-        rays = case.rays(**parameters)
+        rays = case.rays(case.at(**parameters))
         asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())
         asked.append(rays.max_range)
     return digest(asked)

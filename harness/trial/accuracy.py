@@ -91,11 +91,11 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
         end = math.inf if check.end is None else check.end
         judged = actual.between(check.start, end) if check.start > 0 or check.end is not None else actual
         truth = None if expected is None else (expected.between(check.start, end) if judged is not actual else expected)
-        bound = check.bound(actual.dt)
+        bound = check.bound(actual.dt, case.parameters)
         because = check.because if check.metric.better == "lower" else f"at least this: {check.because}"
         try:
             value = check.metric(scene, judged, truth)
-            passed: bool | None = check.passes(value, actual.dt)
+            passed: bool | None = check.passes(value, actual.dt, case.parameters)
             off = _off(check.metric, own, scene, judged)
             if off > 0.0 and check.metric.better == "lower":
                 bound += off
@@ -216,12 +216,12 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
         simulation = cast(Simulation, Answering(clocked(cast(Simulation, WorldOf(batch, worlds - 1))), scene))
     else:
         simulation = paced(cast(Simulation, Answering(clocked(adapter.build(scene, trial.settings)), scene)), pace)
-        control = acting(scene, None if case.control is None else case.control(**trial.parameters))
+        control = acting(scene, None if case.control is None else case.control(case.at(**trial.parameters)))
         if control is not None:
             simulation = cast(Simulation, Controlled(simulation, control, pace, len(scene.bodies)))
     try:
         with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
-        seen = {} if case.rays is None else cast_once(simulation, case.rays(**trial.parameters))
+        seen = {} if case.rays is None else cast_once(simulation, case.rays(case.at(**trial.parameters)))
         actual, broke = simulate(
             simulation,
             scene,
@@ -243,7 +243,7 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
     finally:
         simulation.close()
     if case.retellings is not None and broke is None and not trial.alteration.every_step:
-        for retelling in case.retellings(**trial.parameters):
+        for retelling in case.retellings(case.at(**trial.parameters)):
             other = replace(retelling, scene=trial.alteration.of(retelling.scene))
             streams, remarks = equivalent_streams(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))

@@ -83,7 +83,7 @@ def bounded(
     bounds = _read_bounds(kept)
     if bounds is None:
         start = clock.monotonic()
-        bounds = [check.bound(dt, parameters, substep) for check in case.checks]
+        bounds = [check.bound(dt, case.at(**parameters), substep) for check in case.checks]
         if kept is not None and clock.monotonic() - start > LONG:
             _write_bounds(kept, bounds)
     return replace(case, checks=tuple(replace(check, at_most=b) for check, b in zip(case.checks, bounds, strict=True)))

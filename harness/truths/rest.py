@@ -1,5 +1,8 @@
 """Rest: every body stays where the scene puts it."""
 
+from collections.abc import Callable
+from typing import Any
+
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -10,3 +13,8 @@ def at_rest(scene: Scene, time: Floats) -> Trajectory:
     truth.p_WB[:] = [body.p_WB for body in scene.bodies]
     truth.q_WB[:] = [body.q_WB for body in scene.bodies]
     return truth
+
+
+def resting(scene: Callable[[Any], Scene]) -> Callable[[Floats, Any], Trajectory]:
+    """The truth of a case in whose scene nothing moves."""
+    return lambda time, parameters: at_rest(scene(parameters), time)

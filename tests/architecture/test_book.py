@@ -131,7 +131,7 @@ def test_every_setting_is_one_that_the_case_can_be_built_with(name: str, setting
         settings = replace(settings, **{setting: told}, iterations=None if told == "exact" else settings.iterations)
     elif not own:
         settings = replace(settings, options={setting: told})
-    simulation = engine.build(case.scene(**{**case.parameters, **own}), settings)
+    simulation = engine.build(case.scene(case.at(**own)), settings)
     used = simulation.resolved
     assert own or told in (used.integrator, used.solver, used.options.get(setting))
     simulation.close()

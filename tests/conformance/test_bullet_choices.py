@@ -97,7 +97,7 @@ def test_steps_longer_than_the_vendors_are_cut_and_no_others() -> None:
 
 @pytest.mark.parametrize(("ratio", "due"), [(1, 200), (333, 200), (500, 300), (1000, 600), (2000, 1200), (1e6, 1200)])
 def test_iterations_go_by_the_ratio_of_the_masses_unless_they_are_told(ratio: float, due: int) -> None:
-    scene = CASES["stack_mass_ratio"].scene(ratio=ratio)
+    scene = CASES["stack_mass_ratio"].scene(CASES["stack_mass_ratio"].at(ratio=ratio))
 
     def iterations(told: Scene, settings: Settings) -> int | None:
         simulation = ADAPTER.build(told, settings)
@@ -135,7 +135,7 @@ def test_reported_forces_are_what_changes_the_momentum_whatever_the_sub_steps(ca
 
 def test_a_body_at_rest_is_borne_by_its_weight_at_any_number_of_sub_steps() -> None:
     case = CASES["rest_penetration"]
-    scene = case.scene(shape="sphere")
+    scene = case.scene(case.at(shape="sphere"))
     for substeps in (1, 3):
         simulation = ADAPTER.build(scene, replace(TUNED, substeps=substeps))
         try:
@@ -171,7 +171,7 @@ def test_a_quadruped_stands_on_drives_of_any_stiffness(stiffness: float) -> None
 
 def test_the_engines_own_motors_are_rigid_and_said_to_be_another_law() -> None:
     case = CASES["stand_quadruped"]
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     rigid = with_options(TUNED, drives="motor")
     simulation = ADAPTER.build(scene, rigid)
     try:
@@ -188,7 +188,7 @@ def test_the_engines_own_motors_are_rigid_and_said_to_be_another_law() -> None:
 def test_where_points_are_let_go_is_each_world_s_own_though_bullet_has_one_gap_for_all() -> None:
     """A block that slides down a plane: the gap at which its points are let go decides which of them rub."""
     case = plugins.case("friction_roll_incline")
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     settings = with_options(ADAPTER.tracks["default"].with_dt(1 / 240))
 
     def place(simulation: Any) -> np.ndarray:

@@ -134,7 +134,7 @@ def test_rays_meet_each_shape_where_geometry_says(shape: Shape) -> None:
 
 def test_a_ray_costs_no_more_calls_than_the_vendor_s_own_reading_loop() -> None:
     """The clock runs over `caster`: for each ray the vendor's call and one that keeps what it told."""
-    stage, rays = system_rays.scene(), system_rays.rays(thin=64)
+    stage, rays = system_rays.scene(system_rays.P()), system_rays.rays(system_rays.P(thin=64))
     simulation = ADAPTER.build(stage, with_options())
     assert isinstance(simulation, DartSimulation)
     args = rays.origins, rays.directions, rays.max_range

@@ -45,6 +45,8 @@ from tests.conformance.dart_scenes import (
     with_options,
 )
 
+QUADRUPED = stand_quadruped.scene(stand_quadruped.P())
+
 
 def _coordinate(scene: Scene, duration: float, settings: Settings | None = None) -> float:
     w, _, _, z = state_after(scene, duration, settings).q_WB[0]
@@ -169,7 +171,7 @@ def test_a_driven_arm_beside_contact_converges_to_lagrange_s_equations(track: Se
 
 
 def test_drives_are_foreseen_on_tuned_wherever_something_can_hold_them_and_joint_springs_elsewhere() -> None:
-    standing, hung = stand_quadruped.scene(), hinged_wheel(drive=PD)
+    standing, hung = QUADRUPED, hinged_wheel(drive=PD)
     stopped = hinged_wheel(drive=PD, limits=Limits(lower=-1.0))
     for scene, track, law in (
         (standing, TUNED, "stable"), (stopped, TUNED, "stable"), (hung, TUNED, "spring"), (standing, Settings(), "spring")
@@ -217,7 +219,7 @@ def test_a_servo_pushes_with_no_more_than_its_limit() -> None:
 
 def test_a_quadruped_stands_on_servos_at_a_sixtieth_of_a_second_without_sagging() -> None:
     """It stands where its targets are: higher than on the scene's own drives, which give way under its weight."""
-    machine = stand_quadruped.scene()
+    machine = QUADRUPED
     servo = state_after(machine, 1.0, with_options(1 / 60, drives="servo")).p_WB[1, 2]
     finer = state_after(machine, 1.0, with_options(1 / 240, drives="servo")).p_WB[1, 2]
     assert servo > State.initial(machine).p_WB[1, 2]
@@ -242,7 +244,11 @@ def _on_springs(scene: Scene) -> Scene:
     return replace(scene, joints=tuple(joints))
 
 
-@pytest.mark.parametrize("machine", [stand_quadruped.scene(), _on_springs(stand_quadruped.scene())], ids=["drives", "springs"])
+@pytest.mark.parametrize(
+    "machine",
+    [QUADRUPED, _on_springs(QUADRUPED)],
+    ids=["drives", "springs"],
+)
 def test_a_machine_in_equilibrium_stands_on_what_is_foreseen_and_sags_on_joint_springs(machine: Scene) -> None:
     """The deviation of joint springs: after a second the trunk has sunk by a centimetre at least. Foreseen, it falls for one
     step until its contacts are loaded, g dt^2, and stays: also at a step at which plain torques explode."""
@@ -257,7 +263,7 @@ def test_what_is_foreseen_of_machines_side_by_side_costs_what_it_costs_of_each()
     """In calls, which no load of the machine disturbs: few for one, and of four machines four times as many."""
     counts = []
     for n in (1, 4):
-        simulation = ADAPTER.build(stand_quadruped.scene(n=n), with_options(1 / 240, TUNED))
+        simulation = ADAPTER.build(stand_quadruped.scene(stand_quadruped.P(n=n)), with_options(1 / 240, TUNED))
         simulation.step(20)
         counts.append(calls_of(partial(simulation.step, 10)) / 10)
     assert counts[0] < 400
@@ -266,7 +272,7 @@ def test_what_is_foreseen_of_machines_side_by_side_costs_what_it_costs_of_each()
 
 def test_what_is_foreseen_solves_the_law_with_all_that_holds() -> None:
     """Torques against the law with a multiplier for each hold, in plain words, of a quadruped whose contacts are loaded."""
-    scene, dt = stand_quadruped.scene(), 1 / 240
+    scene, dt = QUADRUPED, 1 / 240
     simulation = ADAPTER.build(scene, with_options(dt, TUNED))
     assert isinstance(simulation, DartSimulation)
     built = simulation._open

@@ -62,7 +62,7 @@ DT = 1 / 240
 def test_a_scene_has_the_solver_of_its_arrangement(
     case: Case, parameters: dict[str, float], solver: str, detector: str
 ) -> None:
-    scene = case.scene(**{**case.parameters, **parameters})
+    scene = case.scene(case.at(**parameters))
     resolved = ADAPTER.build(scene, TUNED.with_dt(DT)).resolved
     assert (resolved.solver, resolved.options["detector"]) == (solver, detector)
     assert resolved.iterations == {"nsgs": 100, "matrix_free": 200, "dantzig": None}[solver]
@@ -81,7 +81,7 @@ def test_a_scene_has_the_solver_of_its_arrangement(
     ],
 )
 def test_the_cone_is_solved_to_more_digits_where_a_step_of_gravity_is_fast(push: float, dt: float, tolerance: float) -> None:
-    scene = friction_wall_pinch.CASE.scene(**{**friction_wall_pinch.CASE.parameters, "push": push})
+    scene = friction_wall_pinch.CASE.scene(friction_wall_pinch.CASE.at(push=push))
     assert ADAPTER.build(scene, TUNED.with_dt(dt)).resolved.tolerance == tolerance
     # By sub-steps, which are what DART takes.
     assert ADAPTER.build(scene, replace(TUNED.with_dt(2 * dt), substeps=2)).resolved.tolerance == tolerance

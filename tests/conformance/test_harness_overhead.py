@@ -23,7 +23,7 @@ def test_a_step_through_the_harness_is_measured_against_the_bare_loop(capsys: py
     import mujoco
 
     case = plugins.case("stack_tower")
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     ours = adapter.build(scene, adapter.tracks["tuned"])
     bare = adapter.build(scene, adapter.tracks["tuned"])
     model, state = bare._m, bare._d  # the vendor's own handles

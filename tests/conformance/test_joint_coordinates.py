@@ -8,6 +8,7 @@ from plumbline.adapters.reference import ADAPTER
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance import CHECKS, run_check
 from plumbline.harness.study import plugins
+from plumbline.harness.study.foreseen_cost import scene_at
 
 
 def in_coordinates(settings: Settings, coordinates: str, integrator: str | None = None) -> Settings:
@@ -52,7 +53,7 @@ SLOW = [(OTHER, "tuned"), (OWN, "tuned")]
 def test_a_check_of_joints_holds_in_all_coordinates(name: str, adapter: Adapter, track: str) -> None:
     (check,) = (check for check in CHECKS if check.name == name)
     if adapter is MORE and name in TOUCHING:
-        scene_with_contacts = plugins.case("stand_quadruped").scene()
+        scene_with_contacts = scene_at(plugins.case("stand_quadruped"), {})
         with pytest.raises(Unsupported, match="contacts"):
             adapter.build(scene_with_contacts, adapter.tracks[track])
         return
@@ -61,7 +62,7 @@ def test_a_check_of_joints_holds_in_all_coordinates(name: str, adapter: Adapter,
 
 
 def test_checks_of_joints_are_solved_in_joint_coordinates_and_tell_so() -> None:
-    scene = plugins.case("joint_chain").scene()
+    scene = scene_at(plugins.case("joint_chain"), {})
     for track in ADAPTER.tracks:
         resolved = ADAPTER.build(scene, ADAPTER.tracks[track]).resolved
         assert resolved.options["coordinates"] == "joint"
@@ -71,7 +72,7 @@ def test_checks_of_joints_are_solved_in_joint_coordinates_and_tell_so() -> None:
 
 def used(name: str, settings: Settings) -> Settings:
     """What the engine makes of the settings in a case's scene."""
-    return ADAPTER.build(plugins.case(name).scene(), settings).resolved
+    return ADAPTER.build(scene_at(plugins.case(name), {}), settings).resolved
 
 
 def test_loops_keep_their_bodies_own_coordinates_unless_asked_for_under_semi_implicit_euler() -> None:
@@ -94,7 +95,7 @@ def test_trees_in_contact_take_joint_coordinates_under_semi_implicit_euler_unles
         assert "coordinates" not in used("system_far_origin", settings).options
     tuned = ADAPTER.tracks["tuned"]
     assert [used("stand_quadruped", replace(tuned, substeps=parts)).substeps for parts in (1, 2, 4, 16)] == [1, 1, 1, 2]
-    scene = plugins.case("stand_quadruped").scene()
+    scene = scene_at(plugins.case("stand_quadruped"), {})
     rubs = replace(scene, joints=tuple(replace(joint, friction_loss=0.01) for joint in scene.joints))
     assert ADAPTER.build(rubs, tuned).resolved.substeps == 1
     soft = replace(tuned, solver="tgs_soft")

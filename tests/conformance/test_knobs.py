@@ -49,7 +49,7 @@ def test_a_knob_that_acts_on_nothing_here_changes_nothing(case: str, engine: str
     if why_unavailable(engine):
         pytest.skip(why_unavailable(engine))
     question, contestant = plugins.case(case), adapter(engine)
-    scene = question.scene()
+    scene = question.scene(question.parameters)
     track = replace(contestant.tracks["tuned"], dt=question.dt)
     base = answer(engine, scene, track)
     if not base:
@@ -69,7 +69,7 @@ def test_a_turn_that_resolves_to_the_same_settings_changes_nothing(case: str, en
     question, contestant = plugins.case(case), adapter(engine)
     study = Study(name="s", experiments=(Experiment(name="e", tracks=("tuned",)),))
     (trial,) = study.trials({case: question}, {engine: contestant}, {engine: "1"})
-    scene = question.scene(**trial.parameters)
+    scene = question.scene(question.at(**trial.parameters))
     base = answer(engine, scene, trial.settings)
     idle = idle_turns(trial, question, contestant)
     assert bool(idle) == bool(base), "every engine takes one sub-step for none, or has a solver chosen"

@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.case import Case
-from plumbline.harness.metrics.meetings import pairs_met
+from plumbline.harness.metrics.overlaps import pairs_met
 from plumbline.harness.search.first_break import Ruler
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment, Limit
@@ -91,4 +91,4 @@ def test_at_the_easy_end_of_an_axis_of_blows_something_is_hit(name: str, engine:
         run = answer_of(trial, case, adapter(engine), trial.scene(case)).actual
     except Unsupported as reason:
         pytest.skip(str(reason))
-    assert pairs_met(case.scene(**trial.parameters), run) >= 1
+    assert pairs_met(case.scene(case.at(**trial.parameters)), run) >= 1

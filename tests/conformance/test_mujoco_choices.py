@@ -17,7 +17,7 @@ from tests.conformance.mujoco_scenes import DEFAULT, TUNED, G, built, hinge_at, 
 
 def scene_of(case: str, **parameters: Any) -> Scene:
     told: Case = importlib.import_module(f"plumbline.cases.{case}").CASE
-    return told.scene(**{**told.parameters, **parameters})
+    return told.scene(told.at(**parameters))
 
 
 def model_of(simulation: MujocoSimulation) -> Any:

@@ -11,6 +11,7 @@ from plumbline.adapters.reference import ADAPTER, choose_solver
 from plumbline.harness.adapter import Settings, SettingsError, Simulation, Unsupported
 from plumbline.harness.scene import WORLD, Ball, Body, Box, Effect, PlacedShape, Plane, Prismatic, Scene, Sphere, Surface
 from plumbline.harness.study import plugins
+from plumbline.harness.study.foreseen_cost import scene_at
 from plumbline.harness.trajectory import State
 from tests.conformance.put import put
 
@@ -125,7 +126,7 @@ def test_pairs_of_many_bodies_are_not_looked_at(monkeypatch: pytest.MonkeyPatch)
 
 def test_the_sub_steps_that_are_told_are_those_that_are_taken() -> None:
     """Runge-Kutta takes dt whole where nothing can touch; whatever was asked for, the answer is the same there."""
-    top = plugins.case("spin_heavy_top").scene()
+    top = scene_at(plugins.case("spin_heavy_top"), {})
     assert ADAPTER.build(top, TUNED).resolved.substeps == 1
     assert ADAPTER.build(top, ADAPTER.tracks["default"]).resolved.substeps == 4
     ends = [_end(ADAPTER.build(top, replace(TUNED, substeps=parts)), top, 60) for parts in (1, 8)]
@@ -200,7 +201,7 @@ def test_tuned_takes_whole_steps_where_sub_steps_would_see_nothing() -> None:
     for speed, steps in ((20.0, 8), (10.0, None)):  # of each against the other
         used = ADAPTER.build(pairs(speed=speed, continuous=False), TUNED).resolved
         assert used.options.get("steps") == steps
-    assert "steps" not in ADAPTER.build(plugins.case("friction_backspin").scene(), TUNED.with_dt(1 / 60)).resolved.options
+    assert "steps" not in ADAPTER.build(scene_at(plugins.case("friction_backspin"), {}), TUNED.with_dt(1 / 60)).resolved.options
 
 
 @pytest.mark.parametrize(("ball", "asked", "substeps", "sweeps"), [
@@ -261,7 +262,7 @@ def test_a_linkage_goes_through_its_singular_pose_wherever_the_steps_fall(subste
 def test_a_level_of_detail_is_taken_where_it_is_asked_for_alone() -> None:
     """The slab of the case is convex, so that its hull stops the ball as the mesh does; unset, nothing is said of levels."""
     case = plugins.case("tunnel_thin_mesh")
-    scene = case.scene(**{**case.parameters, "phases": 1})
+    scene = case.scene(case.at(phases=1))
     plain = ADAPTER.build(scene, ADAPTER.tracks["default"])
     assert "level_of_detail" not in plain.resolved.options
     asked = replace(ADAPTER.tracks["default"], options={"level_of_detail": "hull"})

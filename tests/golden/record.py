@@ -88,7 +88,7 @@ WRONG_USAGE = (
 def scenes() -> Iterator[Named]:
     """Each case of the catalogue: its scene at its own parameters, and its bounds at three steps."""
     for name, case in sorted(plugins.cases().items()):
-        yield f"scenes/{name}.json", dump_json(case.scene(**case.parameters))
+        yield f"scenes/{name}.json", dump_json(case.scene(case.parameters))
         yield (
             f"bounds/{name}.json",
             json.dumps(
@@ -97,7 +97,7 @@ def scenes() -> Iterator[Named]:
                         check.metric.name,
                         check.metric.unit,
                         check.because,
-                        *(check.bound(dt) for dt in (1 / 60, 1 / 240, 1e-3)),
+                        *(check.bound(dt, case.parameters) for dt in (1 / 60, 1 / 240, 1e-3)),
                     ]
                     for check in case.checks
                 ],

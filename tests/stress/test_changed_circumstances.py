@@ -89,8 +89,8 @@ def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
             "the harness that steps and measures changed: harness/trial/simulate.py",
         ),
         (
-            HARNESS / "metrics" / "position.py",
-            "runs anew 2: the adapter's source changed: harness/metrics/position.py",
+            HARNESS / "metrics" / "errors.py",
+            "runs anew 2: the adapter's source changed: harness/metrics/errors.py",
         ),
     ],
     ids=lambda value: value.name if isinstance(value, Path) else "",

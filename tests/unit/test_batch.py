@@ -12,7 +12,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State
 
 CASE = plugins.case("stack_pile")
-SCENE = CASE.scene(n=4)
+SCENE = CASE.scene(CASE.at(n=4))
 BODIES = len(SCENE.bodies)
 
 

@@ -13,6 +13,7 @@ from plumbline.harness.run.timing_protocol import summarise
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.foreseen_cost import scene_at
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import State
 from plumbline.harness.trial.bench import (
@@ -128,7 +129,7 @@ def test_worlds_are_stepped_together_a_few_steps_at_a_time() -> None:
 def test_rays_are_cast_instead_of_steps_and_counted_one_by_one() -> None:
     case = plugins.case("system_rays")
     made, maker = bench(case, thin=64)
-    rays = case.rays(pattern="lidar", thin=64)  # type: ignore[misc]
+    rays = case.rays(case.at(pattern="lidar", thin=64))  # type: ignore[misc]
     assert made.units == len(rays.origins) == 32 * 1024 // 64
     made.clock(3)
     assert [count for what, count in maker.told if what == "cast"] == [made.units] * 3
@@ -188,7 +189,7 @@ def test_an_empty_call_takes_no_step_and_never_ends_a_run(monkeypatch: pytest.Mo
 @pytest.mark.parametrize("engine", ["bullet", "dart", "mujoco", "reference"])
 @pytest.mark.parametrize("case", ["flight_box", "stack_pile"])
 def test_a_call_without_a_step_changes_no_bit_of_what_comes(engine: str, case: str) -> None:
-    adapter, scene = plugins.adapter(engine), plugins.case(case).scene()
+    adapter, scene = plugins.adapter(engine), scene_at(plugins.case(case), {})
     if (reason := plugins.version_of(adapter)[1]) is not None:
         pytest.skip(reason)
     ends = []
@@ -314,8 +315,8 @@ def test_a_price_is_that_of_one_ray_or_one_world() -> None:
 @pytest.mark.parametrize("engine", ["mujoco", "bullet"])
 def test_rays_cast_into_arrays_made_beforehand_hit_what_other_rays_hit(engine: str) -> None:
     case, adapter = plugins.case("system_rays"), plugins.adapter(engine)
-    rays = case.rays(pattern="lidar", thin=16)  # type: ignore[misc]
-    simulation = adapter.build(case.scene(), adapter.tracks["tuned"])
+    rays = case.rays(case.at(pattern="lidar", thin=16))  # type: ignore[misc]
+    simulation = adapter.build(case.scene(case.parameters), adapter.tracks["tuned"])
     usual = simulation.cast(rays.origins, rays.directions, rays.max_range)
     cast = caster(simulation, rays)
     assert getattr(cast, "func", None) is None, "the adapter offers a call of its own"

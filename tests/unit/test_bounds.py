@@ -4,15 +4,14 @@ import ast
 import inspect
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from plumbline.cases.system_level_of_detail import inner
 from plumbline.harness.adapter import Settings
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.case import Check
+from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.scene import EARTH_GRAVITY
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
@@ -29,13 +28,12 @@ LONG_ONES = ("joint_chain", "joint_double_pendulum_chaotic", "joint_fourbar", "j
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in LONG_ONES else ()) for name in CASES])
-def test_the_defaults_of_a_bound_are_the_parameters_of_its_case(name: str) -> None:
-    """Told or not, and read back from the JSON of a record: the same number."""
+def test_a_bound_is_the_same_at_parameters_read_back_from_a_record(name: str) -> None:
     case = CASES[name]
     told = json.loads(json.dumps(dict(case.parameters)))
     for check in case.checks:
-        bounds = [check.bound(case.dt), check.bound(case.dt, case.parameters), check.bound(case.dt, told)]
-        assert bounds[0] == bounds[1] == bounds[2], check.metric.name
+        bounds = [check.bound(case.dt, case.parameters), check.bound(case.dt, case.at(**told))]
+        assert bounds[0] == bounds[1], check.metric.name
         assert np.isfinite(bounds[0])
 
 
@@ -60,11 +58,10 @@ def test_no_bound_reads_a_constant_in_place_of_a_parameter(name: str) -> None:
         elif isinstance(statement, ast.Assign) and all(isinstance(target, ast.Name) for target in statement.targets):
             meaning[statement.targets[0].id] = statement.value  # type: ignore[attr-defined]
     scene = meaning[CASES[name].scene.__name__]
-    assert isinstance(scene, ast.FunctionDef)
-    own = {default.id for default in scene.args.defaults if isinstance(default, ast.Name)}
-    ahead = [
-        read for node in ast.walk(module) if isinstance(node, ast.keyword) and node.arg == "at_most" for read in _names(node)
-    ]
+    fields = [node for statement in module.body if isinstance(statement, ast.ClassDef) for node in statement.body]
+    own = {field.value.id for field in fields if isinstance(field, ast.AnnAssign) and isinstance(field.value, ast.Name)}
+    checks = [node for node in ast.walk(module) if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Check"]
+    ahead = [read for check in checks for read in _names(check.args[1])]
     read = set[str]()
     while ahead:
         one = ahead.pop()
@@ -106,7 +103,7 @@ def test_a_bound_follows_the_parameters_that_it_is_derived_from(
         speeds = [np.sqrt(np.cos(np.radians(20.0)) - np.cos(np.radians(amplitude))) for amplitude in (80.0, 179.0)]
         times = float(speeds[1] / speeds[0])
     told = dict(case.parameters) | changed
-    assert check.bound(case.dt, told) == pytest.approx(times * check.bound(case.dt), rel=1e-12)
+    assert check.bound(case.dt, case.at(**told)) == pytest.approx(times * check.bound(case.dt, case.parameters), rel=1e-12)
 
 
 @pytest.mark.parametrize("ratios", [(0.1,), pytest.param((0.1, 1.0, 2.0), marks=pytest.mark.slow)])
@@ -115,16 +112,16 @@ def test_a_spring_of_any_rate_errs_by_as_much_in_its_own_time(ratios: tuple[floa
     case = CASES["joint_spring"]
     (check,) = (check for check in case.checks if check.metric.name == "position_error_max")
     slow = dict(case.parameters) | {"ratios": ratios}
-    assert check.bound(1e-8, slow | {"rate": 6e4}) == pytest.approx(check.bound(1e-4, slow), rel=1e-6)
+    assert check.bound(1e-8, case.at(**(slow | {"rate": 6e4}))) == pytest.approx(check.bound(1e-4, case.at(**slow)), rel=1e-6)
 
 
 def test_where_a_motion_has_no_truth_its_bound_is_no_number() -> None:
     """A number there could let pass what nothing was compared with; beyond mu = 4/3 Painleve's rod has no motion."""
     case = CASES["friction_painleve"]
     (check,) = (check for check in case.checks if check.metric.name == "position_error_max")
-    assert np.isfinite(check.bound(1e-3, dict(case.parameters) | {"friction": 0.5}))
-    assert np.isnan(check.bound(1e-3, dict(case.parameters) | {"friction": 2.0}))
-    assert not check.passes(0.0, 1e-3, dict(case.parameters) | {"friction": 2.0})
+    assert np.isfinite(check.bound(1e-3, case.at(friction=0.5)))
+    assert np.isnan(check.bound(1e-3, case.at(friction=2.0)))
+    assert not check.passes(0.0, 1e-3, case.at(friction=2.0))
 
 
 def test_a_trial_is_judged_by_the_bound_at_its_own_parameters() -> None:
@@ -149,22 +146,17 @@ def test_a_trial_is_judged_by_the_bound_at_its_own_parameters() -> None:
 
 def test_a_bound_is_of_the_step_that_is_taken_unless_it_names_the_one_between_two_calls() -> None:
     """g dt of a fall, and a run that ends within an outer step, at 1/60 s taken in eight."""
-    (fall,) = (check for check in CASES["stack_tower"].checks if check.metric.name == "rms_speed")
-    assert fall.bound(1 / 60, substep=1 / 480) == pytest.approx(fall.bound(1 / 480), rel=1e-12)
-    (end,) = (check for check in CASES["stack_card_house"].checks if check.metric.better == "higher")
-    assert end.bound(1 / 60, substep=1 / 480) == end.bound(1 / 60)
-    both = Check(metric=position_error_max, at_most=lambda dt, outer, speed=1.0: speed * (dt + 10 * outer), because="test")
-    assert both.bound(0.1, {"speed": 2.0}, 0.025) == pytest.approx(2.05, rel=1e-12)
-    assert both.bound(0.1) == pytest.approx(1.1, rel=1e-12)
+    tower, house = CASES["stack_tower"], CASES["stack_card_house"]
+    (fall,) = (check for check in tower.checks if check.metric.name == "rms_speed")
+    assert fall.bound(1 / 60, tower.parameters, 1 / 480) == pytest.approx(fall.bound(1 / 480, tower.parameters), rel=1e-12)
+    (end,) = (check for check in house.checks if check.metric.better == "higher")
+    assert end.bound(1 / 60, house.parameters, substep=1 / 480) == end.bound(1 / 60, house.parameters)
+    box = CASES["flight_box"]
+    both = Check(metric=position_error_max, at_most=lambda dt, p: p.speed * (dt + 10 * dt.outer), because="test")
+    assert both.bound(0.1, box.at(speed=2.0), 0.025) == pytest.approx(2.05, rel=1e-12)
+    assert both.bound(0.1, box.at(speed=1.0)) == pytest.approx(1.1, rel=1e-12)
 
 
-def _case(check: Check) -> Case:
-    return replace(CASES["flight_box"], checks=(check,))
-
-
-def test_a_bound_that_names_no_parameter_of_its_case_is_refused() -> None:
-    check = Check(metric=position_error_max, at_most=lambda dt, mass=1.0: mass * dt, because="test")
-    with pytest.raises(
-        ValueError, match="bound of position_error_max names the parameter 'mass', expected some of: speed, spin"
-    ):
-        _case(check)
+def test_a_parameter_that_a_case_does_not_have_is_refused() -> None:
+    with pytest.raises(TypeError, match="unexpected keyword argument 'mass'"):
+        CASES["flight_box"].at(mass=1.0)

@@ -148,7 +148,7 @@ def test_a_file_of_commands_beside_a_scene_of_ours_does_too(tmp_path: Path) -> N
     (tmp_path / "wheel.plumb.toml").write_text('commands = "turn.csv"\nduration = 1.0\n')
     (tmp_path / "turn.csv").write_text("time,axle\n0,0\n1,2\n")
     case = plugins.case(f"{plugins.SCENE_PREFIX}{tmp_path / 'wheel.toml'}")
-    (joint,) = case.scene().joints
+    (joint,) = case.scene(case.parameters).joints
     assert joint.drive.motion == Samples(time=(0.0, 1.0), target=(0.0, 2.0))  # type: ignore[union-attr]
     (tmp_path / "turn.csv").write_text("time,axles\n0,0\n")
     with pytest.raises(RobotError, match="column 'axles' is no joint with a drive that follows, expected one of 'axle'"):

@@ -127,9 +127,9 @@ def test_a_trial_and_its_clock_run_under_the_control_and_its_name_depends_on_it(
     bench.clock(240)
     end = State.empty(1)
     bench._simulation.state(end)
-    assert np.linalg.norm(end.p_WB[0] - case.scene().bodies[0].p_WB) < 0.01
+    assert np.linalg.norm(end.p_WB[0] - case.scene(case.parameters).bodies[0].p_WB) < 0.01
     bench.stop()
-    weaker = replace(case, control=lambda **_: Control(wrench=_of_time))
+    weaker = replace(case, control=lambda _: Control(wrench=_of_time))
     assert _trial(weaker, adapter, 1 / 240).trial != trial.trial
-    start = State.initial(case.scene())
-    assert wrench_after(case.control(eccentricity=0.5), start) != wrench_after(Control(wrench=_of_time), start)  # type: ignore[misc]
+    start = State.initial(case.scene(case.parameters))
+    assert wrench_after(case.control(case.at(eccentricity=0.5)), start) != wrench_after(Control(wrench=_of_time), start)  # type: ignore[misc]

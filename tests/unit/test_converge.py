@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from plumbline.adapters.reference import ADAPTER
-from plumbline.harness.case import Case, Check
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia
 from plumbline.harness.statistics.richardson import extrapolate
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -149,7 +149,7 @@ def test_samples_that_are_not_evenly_spaced_are_refused() -> None:
 def _case(at_most: float) -> Case:
     return Case(
         name="impact_made", title="", question="", source="", truth="converged reference", duration=0.25, coarsest=1 / 120,
-        scene=lambda: _scene(_sphere(0.47), restitution=0.7),
+        scene=lambda _: _scene(_sphere(0.47), restitution=0.7),
         checks=(
             Check(metric=position_error_max, at_most=at_most, because="test"), Check(metric=WAY, at_most=0.0, because="test"),
         ),
@@ -162,7 +162,7 @@ WAY = Metric(name="way", unit="m", source="test", measure=lambda run: float(run.
 
 def test_the_bar_is_added_to_the_bound_of_what_is_measured_against_the_truth_and_to_no_other(tmp_path: Path) -> None:
     case = _case(0.0)
-    scene = case.scene()
+    scene = case.scene(case.parameters)
     time = np.arange(16) / 60
     made = truth_of(case, scene, time, {}, tmp_path)
     assert made is not None
@@ -182,48 +182,51 @@ def test_the_bar_is_added_to_the_bound_of_what_is_measured_against_the_truth_and
 
 def test_a_truth_is_made_once_and_read_back_bit_for_bit(tmp_path: Path) -> None:
     case, time = _case(0.0), np.arange(4) / 60
-    first = truth_of(case, case.scene(), time, {}, tmp_path)
+    first = truth_of(case, case.scene(case.parameters), time, {}, tmp_path)
     (kept,) = (tmp_path / "truths").iterdir()
     stamp = kept.stat().st_mtime_ns
-    second = truth_of(case, case.scene(), time, {}, tmp_path)
+    second = truth_of(case, case.scene(case.parameters), time, {}, tmp_path)
     assert kept.stat().st_mtime_ns == stamp
     assert first is not None
     assert second is not None
     assert np.array_equal(first.trajectory.p_WB, second.trajectory.p_WB)
     assert (first.position_error, first.velocity_error) == (second.position_error, second.velocity_error)
-    truth_of(case, case.scene(), time[:3], {}, tmp_path)
+    truth_of(case, case.scene(case.parameters), time[:3], {}, tmp_path)
     assert len(list((tmp_path / "truths").iterdir())) == 2
 
 
 def test_a_slow_closed_form_is_made_once_for_a_folder_and_anew_when_anything_changes(tmp_path: Path) -> None:
     calls: list[int] = []
 
-    def slow(time: Floats, turn: float = 1.0) -> Trajectory:
+    class P(Parameters):
+        turn: float = 1.0
+
+    def slow(time: Floats, p: P) -> Trajectory:
         calls.append(1)
         sleep(1.5 * LONG)
         truth = Trajectory.of(time, 1)
-        truth.p_WB[:, 0, 0] = turn * time
+        truth.p_WB[:, 0, 0] = p.turn * time
         return truth
 
-    case = replace(_case(0.0), truth="closed form", coarsest=None, expected=slow)
+    case = replace(_case(0.0), truth="closed form", coarsest=None, expected=slow, parameters=P())
     time, later = np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 6)
-    first = truth_of(case, case.scene(), time, {"turn": 2.0}, tmp_path)
-    again = truth_of(case, case.scene(), time, {"turn": 2.0}, tmp_path)
+    first = truth_of(case, case.scene(case.parameters), time, {"turn": 2.0}, tmp_path)
+    again = truth_of(case, case.scene(case.parameters), time, {"turn": 2.0}, tmp_path)
     assert first is not None
     assert again is not None
     np.testing.assert_array_equal(first.trajectory.p_WB, again.trajectory.p_WB)
     assert len(calls) == 1
-    truth_of(case, case.scene(), later, {"turn": 2.0}, tmp_path)
-    truth_of(case, case.scene(), time, {"turn": 3.0}, tmp_path)
+    truth_of(case, case.scene(case.parameters), later, {"turn": 2.0}, tmp_path)
+    truth_of(case, case.scene(case.parameters), time, {"turn": 3.0}, tmp_path)
     assert len(calls) == 3
-    truth_of(case, case.scene(), time, {"turn": 2.0}, None)
+    truth_of(case, case.scene(case.parameters), time, {"turn": 2.0}, None)
     assert len(calls) == 4
 
 
 def test_slow_bounds_are_worked_out_once_for_a_folder_and_a_step(tmp_path: Path) -> None:
     calls: list[float] = []
 
-    def slow(dt: float) -> float:
+    def slow(dt: float, _: Parameters) -> float:
         calls.append(dt)
         sleep(1.5 * LONG)
         return dt / 3.0

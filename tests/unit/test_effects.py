@@ -68,7 +68,7 @@ def case_of(name: str, scene: Scene, **more: object) -> Case:
         question="",
         source="",
         truth="conservation",
-        scene=lambda: scene,
+        scene=lambda _: scene,
         checks=(check,),
         duration=0.25,
         **more,
@@ -188,7 +188,7 @@ def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Stud
     assert without == ["gyroscopic"]
     assert file.name == "my_ball.minimal.toml"
     minimal = plugins.case(f"{plugins.SCENE_PREFIX}{file}")
-    assert minimal.scene().effects == Effect.GRAVITY
+    assert minimal.scene(minimal.parameters).effects == Effect.GRAVITY
     assert (minimal.duration, load_companion(beside(file)).seed) == (0.25, 3)
     assert all("minimal" not in problem.path.relative_to(store.folder).parts for problem in problems(store.folder))
 

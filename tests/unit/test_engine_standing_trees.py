@@ -10,6 +10,7 @@ from plumbline.harness.props.robots.quadruped import quadruped
 from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
 from plumbline.harness.study import plugins
+from plumbline.harness.study.foreseen_cost import scene_at
 from plumbline.harness.trajectory import Floats, State
 
 DROP = 0.05
@@ -30,7 +31,7 @@ def test_a_humanoid_in_joint_coordinates_stands_and_gives_way_less_than_in_its_b
     """Nothing should move. Measured over 3/8 s at 1/240 s: .003 mm in joint coordinates, .45 mm in the bodies' own, where
     contacts and joints are swept in turns; a tenth of that is asked for. Forces are those of the weight, to a speed of 1 mm/s
     that a step may change: 70 kg x 1e-3 m/s x 240/s."""
-    scene = plugins.case("stand_humanoid").scene()
+    scene = scene_at(plugins.case("stand_humanoid"), {})
     start = State.initial(scene).p_WB
     mine, own = (np.abs(places(scene, name, 1 / 240, 90, 1)[0] - start).max() for name in ("joint", "maximal"))
     assert mine <= 0.1 * own
@@ -46,7 +47,7 @@ def test_feet_bear_a_machine_at_a_hundredth_of_the_depth_of_a_spring_for_themsel
     """A spring that turns by a quarter in a sub-step sank by .38 mm in one, .055 mm in four, as was measured: by the weight
     over the effective mass of a foot. One a hundred times as stiff sinks by a hundredth; feet begin a micrometre deep."""
     settings = Settings(dt=1 / 240, substeps=substeps, options={"coordinates": "joint"})
-    simulation = ADAPTER.build(plugins.case("stand_quadruped").scene(), settings)
+    simulation = ADAPTER.build(scene_at(plugins.case("stand_quadruped"), {}), settings)
     simulation.step(240)
     assert np.abs(simulation.contacts().gap).max() <= sinks / 100 + 1e-6
 

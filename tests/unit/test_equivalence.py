@@ -233,22 +233,22 @@ def _streams(run: Trajectory, name: str, shift: float = 0.0) -> dict[str, Floats
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_equal_motions_pass_and_one_a_little_aside_fails(case: Case, shift: float) -> None:
-    scene = case.scene()
+    scene = case.scene(case.parameters)
     names = [c.metric.name for c in case.checks if c.metric.name != "divergence"]
-    tellings = [told.name for told in case.retellings()]  # type: ignore[misc]
+    tellings = [told.name for told in case.retellings(case.parameters)]  # type: ignore[misc]
     run = replace(Trajectory.of(np.arange(11) / 10, len(scene.bodies)), dt=DT)
     same = {key: value for name in tellings for key, value in _streams(run, name).items()}
     fine = replace(run, streams=same)
-    assert all(c.passes(c.metric(scene, fine), DT) for c in case.checks)
+    assert all(c.passes(c.metric(scene, fine), DT, case.parameters) for c in case.checks)
     for name in names:
         telling = name.removesuffix("_position_difference").removesuffix("_difference")
         aside = replace(run, streams=same | _streams(run, telling, shift))
         check = next(c for c in case.checks if c.metric.name == name)
-        assert not check.passes(check.metric(scene, aside), DT), name
+        assert not check.passes(check.metric(scene, aside), DT, case.parameters), name
 
 
 def test_the_bodies_of_determinism_fall_free_of_each_other_at_first() -> None:
-    scene = system_determinism.scene()
+    scene = system_determinism.scene(system_determinism.P())
     places = np.array([body.p_WB for body in scene.bodies[1:]])
     # A box's corner is 0.142 m from its middle, a ball reaches 0.08: neighbours are a box and a ball.
     assert (np.linalg.norm(np.diff(places, axis=0), axis=1) > np.linalg.norm(system_determinism.HALF) - 0.005 + 0.08).all()
@@ -262,6 +262,6 @@ def test_a_trial_runs_its_retellings_and_its_name_depends_on_them() -> None:
     def name(of: Case) -> str:
         return next(iter(study.trials({of.name: of}, {adapter.name: adapter}, {adapter.name: "1"}))).trial
 
-    elsewhere = replace(case, retellings=lambda **_: (moved(stage(), (1.0, 0.0, 0.0)),))
+    elsewhere = replace(case, retellings=lambda _: (moved(stage(), (1.0, 0.0, 0.0)),))
     assert name(case) == name(replace(case))
     assert name(case) != name(elsewhere) != name(replace(case, retellings=None))

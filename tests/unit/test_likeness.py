@@ -12,6 +12,7 @@ from plumbline.harness.findings.likeness import Likeness, likeness
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
+from plumbline.harness.study.foreseen_cost import scene_at
 from plumbline.harness.study.reproduce import trial_of
 from plumbline.harness.trial.accuracy import outcome
 from tests.run_folder import write_run_folder
@@ -68,5 +69,5 @@ def test_another_status_is_different_whatever_the_bits(store: Store) -> None:
 
 @pytest.mark.parametrize(("solver", "promised"), [("exact", False), ("tgs_soft", True)])
 def test_the_exact_solver_says_that_its_bits_are_of_one_machine(solver: str, promised: bool) -> None:
-    simulation = ADAPTER.build(plugins.case("stack_tower").scene(), Settings(dt=1 / 240, solver=solver))
+    simulation = ADAPTER.build(scene_at(plugins.case("stack_tower"), {}), Settings(dt=1 / 240, solver=solver))
     assert only_here(simulation.resolved.plain()) is not promised

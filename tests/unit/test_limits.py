@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings, Simulation, Unsupported
-from plumbline.harness.case import Axis, Case, Check
+from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.starts import TOLERANCE, member
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.metrics.divergence import divergence
@@ -29,8 +29,12 @@ EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
 """Ends of the axis; starts break up to so much below the limit, each by its own."""
 
 
-def stage(speed: float = 1.0) -> Scene:
-    body = Body(name="ball", v_WB=(speed, 0.0, 0.0), collision=(PlacedShape(shape=Sphere(radius=0.1)),))
+class P(Parameters):
+    speed: float = 1.0
+
+
+def stage(p: P) -> Scene:
+    body = Body(name="ball", v_WB=(p.speed, 0.0, 0.0), collision=(PlacedShape(shape=Sphere(radius=0.1)),))
     return Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0))
 
 
@@ -43,7 +47,7 @@ def case_of(easy: float = EASY, extreme: float = EXTREME, first: float = EASY, *
         truth="conservation",
         scene=stage,
         checks=(Check(metric=divergence, at_most=0.0, because=""),),
-        parameters={"speed": first},
+        parameters=P(first),
         duration=0.1,
         hard=Axis(parameter="speed", unit="m/s", easy=easy, extreme=extreme, lost=0.0),
         headline=divergence.name,
@@ -269,7 +273,7 @@ def test_parts_of_a_step_that_is_itself_sought_are_refused() -> None:
 
 
 def test_starts_are_the_same_for_everyone_and_differ_from_each_other() -> None:
-    scene = stage(5.0)
+    scene = stage(P(5.0))
     first, again, other = (member(scene, number, 0.01) for number in (3, 3, 4))
     assert first.scene == again.scene
     assert first.scene != other.scene

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metrics.collapse import first_break
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.overlaps import inscribed_overlap
 from plumbline.harness.scene import WORLD, Body, PlacedShape, Plane, Prismatic, Revolute, Scene, Sphere, Spring, Surface
 from plumbline.harness.trajectory import Trajectory
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.contact_flips import contact_flips
+from plumbline.harness.metrics.contacts import contact_flips
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Contacts, Trajectory
 

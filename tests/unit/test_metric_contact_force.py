@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metric.contact_impulses import impulses_of
-from plumbline.harness.metrics.contact_force import support_force_error
+from plumbline.harness.metrics.contacts import support_force_error
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Contacts, Trajectory
 

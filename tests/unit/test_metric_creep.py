@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.creep import creep_speed
+from plumbline.harness.metrics.slide import creep_speed
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Trajectory
 

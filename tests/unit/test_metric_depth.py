@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.depth_error import depth_error_max, depth_error_median, depth_error_rms
-from plumbline.harness.metrics.depth_missing import depth_lost_but_answered_share, depth_missing_score
-from plumbline.harness.metrics.depth_noise import BANDS, depth_correlation_score, depth_mean_score, depth_spread_score
-from plumbline.harness.metrics.depth_quantisation import disparity_step_error
-from plumbline.harness.metrics.pixel_error import pixel_error
-from plumbline.harness.metrics.range_wrap import range_unwrapped_share
-from plumbline.harness.metrics.silhouette import silhouette_iou
+from plumbline.harness.metrics.depth_noise import (
+    BANDS,
+    depth_correlation_score,
+    depth_lost_but_answered_share,
+    depth_mean_score,
+    depth_missing_score,
+    depth_spread_score,
+    disparity_step_error,
+    range_unwrapped_share,
+)
+from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import (
     Body,
     Box,

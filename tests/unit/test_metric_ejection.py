@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.ejection import ejection_speed
+from plumbline.harness.metrics.overlaps import ejection_speed
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Trajectory
 

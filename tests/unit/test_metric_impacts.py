@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.containment import escaped_share
 from plumbline.harness.metrics.energy import energy_gain_max, energy_growth_rate
-from plumbline.harness.metrics.inscribed_overlap import inscribed_overlap
+from plumbline.harness.metrics.overlaps import escaped_share, inscribed_overlap
 from plumbline.harness.metrics.passage import (
     lateral_kick,
     passage_probability,

@@ -8,19 +8,19 @@ import pytest
 from plumbline.cases import sensor_imu_readout
 from plumbline.cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTING, RATE, SPIN_UP, G
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.imu_readout import inertial_readout_error
+from plumbline.harness.metrics.inertial_readings import inertial_readout_error
 from plumbline.harness.scene import AxisNoise
 from plumbline.harness.sensors.imu_errors import read_out, sensed
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 
 CASE = sensor_imu_readout.CASE
-SCENE = CASE.scene(**CASE.parameters)
+SCENE = CASE.scene(CASE.parameters)
 
 
 def heard(law: dict[str, AxisNoise] | None = None) -> Trajectory:
     """What the harness makes of the case's true signals by a law of each channel."""
-    truth = CASE.expected(np.arange(0.0, CASE.duration + 1e-9, 1 / RATE), **CASE.parameters)  # type: ignore[misc]
+    truth = CASE.expected(np.arange(0.0, CASE.duration + 1e-9, 1 / RATE), CASE.parameters)  # type: ignore[misc]
     streams = dict(truth.streams)
     for channel, own in (law or {"accelerometer": ACCELEROMETER, "gyroscope": GYROSCOPE}).items():
         streams[f"imu/{channel}"] = read_out(own, sensed(own, streams[f"imu/{channel}_ideal"]))

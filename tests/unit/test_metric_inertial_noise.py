@@ -15,9 +15,8 @@ from plumbline.harness.metrics.allan import (
     slope_bound,
     windows,
 )
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from plumbline.harness.metrics.noise_bias import inertial_bias_score, variance_of_mean
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
+from plumbline.harness.metrics.inertial_noise import inertial_bias_score, inertial_correlation_score, variance_of_mean
+from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
 from plumbline.harness.sensors.imu_noise import axis_noise, three_axes
 from plumbline.harness.trajectory import Floats, Trajectory

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.load_split import load_shares, load_split_error
+from plumbline.harness.metrics.contacts import load_shares, load_split_error
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Contacts, Trajectory
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.overhang import harmonic_overhang, overhang_limit_error
+from plumbline.harness.metrics.statics import harmonic_overhang, overhang_limit_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface
 from plumbline.harness.trajectory import Trajectory
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.cases.stack_pile import RADIUS, expected, scene
-from plumbline.cases.stack_tower import scene as tower
+from plumbline.cases import stack_tower
+from plumbline.cases.stack_pile import RADIUS, P, expected, scene
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.overlap import overlap
+from plumbline.harness.metrics.overlaps import overlap
 from plumbline.harness.trajectory import Trajectory
 
 FIRST = 5  # after the floor and four walls
@@ -17,18 +17,18 @@ ROUNDING = 1e-15  # a few roundings of coordinates below 1 m
 
 
 def rest(n: int = 20) -> Trajectory:
-    return expected(np.arange(3) / 20, n=n)
+    return expected(np.arange(3) / 20, P(n=n))
 
 
 def test_a_packing_that_touches_does_not_overlap() -> None:
-    assert overlap(scene(n=20), rest()) == pytest.approx(0.0, abs=ROUNDING)
+    assert overlap(scene(P(n=20)), rest()) == pytest.approx(0.0, abs=ROUNDING)
 
 
 def test_a_ball_pushed_into_another_overlaps_by_that_much() -> None:
     run = rest()
     way = run.p_WB[0, FIRST + 1] - run.p_WB[0, FIRST]
     run.p_WB[1, FIRST] += 1e-4 * way / np.linalg.norm(way)
-    assert overlap(scene(n=20), run) == pytest.approx(1e-4, abs=ROUNDING)
+    assert overlap(scene(P(n=20)), run) == pytest.approx(1e-4, abs=ROUNDING)
 
 
 @pytest.mark.parametrize(("wall", "direction"), [("floor", (0, 0, -1)), ("west", (-1, 0, 0)), ("north", (0, 1, 0))])
@@ -37,17 +37,17 @@ def test_a_ball_that_left_the_container_overlaps_its_wall_by_more_than_a_radius(
 ) -> None:
     run = rest()
     run.p_WB[2, FIRST] += 3.0 * np.array(direction)
-    assert overlap(scene(n=20), run) > RADIUS
+    assert overlap(scene(P(n=20)), run) > RADIUS
 
 
 def test_what_is_not_finite_is_never_swallowed() -> None:
     run = rest()
     run.p_WB[1, FIRST, 0] = math.nan
-    assert math.isnan(overlap(scene(n=20), run))
+    assert math.isnan(overlap(scene(P(n=20)), run))
 
 
 def test_boxes_and_empty_windows_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no single ball"):
-        overlap(tower(), Trajectory.of(np.zeros(1), 11))
+        overlap(stack_tower.scene(stack_tower.P()), Trajectory.of(np.zeros(1), 11))
     with pytest.raises(NotMeasurable, match="samples"):
-        overlap(scene(n=20), replace(rest()).between(9.0, 10.0))
+        overlap(scene(P(n=20)), replace(rest()).between(9.0, 10.0))

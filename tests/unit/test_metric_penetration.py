@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.penetration import penetration, reported_penetration
+from plumbline.harness.metrics.contacts import penetration, reported_penetration
 from plumbline.harness.scene import (
     Body,
     Box,

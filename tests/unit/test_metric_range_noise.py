@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.dropout import dropout_score
 from plumbline.harness.metrics.range_error import (
     intensity_error_max,
     range_error_max,
@@ -15,6 +14,7 @@ from plumbline.harness.metrics.range_error import (
     range_false_return_share,
 )
 from plumbline.harness.metrics.range_noise import (
+    dropout_score,
     range_correlation_score,
     range_distribution_distance,
     range_mean_score,

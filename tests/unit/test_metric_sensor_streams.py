@@ -13,11 +13,14 @@ from plumbline.cases import sensor_streams
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metric.inertial_residual import inertial_residual
 from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
-from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, delay, gyroscope_lag_error
-from plumbline.harness.metrics.noise_distribution import inertial_distribution_distance, inertial_histogram_score
-from plumbline.harness.metrics.noise_independence import inertial_correlation_score
-from plumbline.harness.metrics.noise_spectrum import difference_spectrum, inertial_spectrum_score
-from plumbline.harness.metrics.stream_stamps import time_stamp_error
+from plumbline.harness.metrics.inertial_noise import (
+    difference_spectrum,
+    inertial_correlation_score,
+    inertial_distribution_distance,
+    inertial_histogram_score,
+    inertial_spectrum_score,
+)
+from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, delay, gyroscope_lag_error, time_stamp_error
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
 from plumbline.harness.sensors.imu_errors import read_out, sensed
 from plumbline.harness.sensors.imu_noise import three_axes
@@ -50,7 +53,7 @@ def _streams(law: AxisNoise, seed: int = 1, name: str = "imu") -> dict[str, Floa
 def _case_streams() -> dict[str, Floats]:
     """What the two sensors of the case say at rest, the late one three readings fewer."""
     found: dict[str, Floats] = {}
-    scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
+    scene = sensor_streams.CASE.scene(sensor_streams.CASE.parameters)
     for sensor in scene.sensors:
         if not isinstance(sensor, Imu) or sensor.noise is None:
             continue
@@ -150,7 +153,7 @@ def test_a_stream_shared_with_a_late_sensor_is_seen_although_that_one_has_fewer_
 def test_all_pairs_of_the_case_are_compared() -> None:
     """Any axis of one sensor that carries any other axis of any sensor is seen: 66 pairs of twelve axes."""
     axes = [(sensor, channel, axis) for sensor in ("left", "right") for channel in CHANNELS for axis in range(3)]
-    case_scene = sensor_streams.CASE.scene(**sensor_streams.CASE.parameters)
+    case_scene = sensor_streams.CASE.scene(sensor_streams.CASE.parameters)
     sound = _case_streams()
     assert inertial_correlation_score(case_scene, _answer(sound)) < 4.0
     pairs = list(itertools.combinations(axes, 2))

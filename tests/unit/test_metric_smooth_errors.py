@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics import angular_velocity, attitude, divergence, position, velocity
+from plumbline.harness.metrics import divergence, errors
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product
 
 SCENE = Scene(bodies=(Body(name="a"), Body(name="b"), Body(name="rock", motion="static")))
 METRICS = {
-    "p_WB": (position.position_error_max, position.position_error_rms, position.position_error_final),
-    "v_WB": (velocity.velocity_error_max, velocity.velocity_error_rms, velocity.velocity_error_final),
+    "p_WB": (errors.position_error_max, errors.position_error_rms, errors.position_error_final),
+    "v_WB": (errors.velocity_error_max, errors.velocity_error_rms, errors.velocity_error_final),
     "w_WB": (
-        angular_velocity.angular_velocity_error_max,
-        angular_velocity.angular_velocity_error_rms,
-        angular_velocity.angular_velocity_error_final,
+        errors.angular_velocity_error_max,
+        errors.angular_velocity_error_rms,
+        errors.angular_velocity_error_final,
     ),
-    "q_WB": (attitude.attitude_error_max, attitude.attitude_error_rms, attitude.attitude_error_final),
+    "q_WB": (errors.attitude_error_max, errors.attitude_error_rms, errors.attitude_error_final),
 }
 ALL = [metric for metrics in METRICS.values() for metric in metrics]
 
@@ -60,14 +60,14 @@ def test_an_offset_of_one_body_at_one_instant_is_measured_to_the_digit(array: st
 def test_a_turn_by_an_angle_is_measured_as_that_angle_whatever_the_sign_of_the_quaternion(angle: float) -> None:
     q = _motion().q_WB.copy()
     q[-1, 0] = -product(q[-1, 0], np.array([np.cos(angle / 2), 0.0, np.sin(angle / 2) * 0.6, np.sin(angle / 2) * 0.8]))
-    assert attitude.attitude_error_max(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
-    assert attitude.attitude_error_final(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
+    assert errors.attitude_error_max(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
+    assert errors.attitude_error_final(SCENE, _with("q_WB", q), _motion()) == pytest.approx(angle, abs=1e-15)
 
 
 def test_a_static_body_does_not_dilute_the_error() -> None:
     p = _motion().p_WB.copy()
     p[:, 2] += 100.0
-    assert position.position_error_max(SCENE, _with("p_WB", p), _motion()) == 0.0
+    assert errors.position_error_max(SCENE, _with("p_WB", p), _motion()) == 0.0
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -84,7 +84,7 @@ def test_one_bad_number_makes_every_reduction_non_finite(array: str, bad: float)
 def test_a_zero_quaternion_is_no_attitude() -> None:
     q = _motion().q_WB.copy()
     q[2, 0] = 0.0
-    assert np.isnan(attitude.attitude_error_max(SCENE, _with("q_WB", q), _motion()))
+    assert np.isnan(errors.attitude_error_max(SCENE, _with("q_WB", q), _motion()))
 
 
 def test_finite_states_do_not_diverge() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.threshold import incline_acceleration_error, threshold_angle_error
+from plumbline.harness.metrics.statics import incline_acceleration_error, threshold_angle_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
 from plumbline.harness.trajectory import Trajectory
 

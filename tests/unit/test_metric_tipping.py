@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.tipping import tipping_angle_error, wrong_fates
+from plumbline.harness.metrics.statics import tipping_angle_error, wrong_fates
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, axis_angle, rotate
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.kinematics import product

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.world_spread import world_spread
+from plumbline.harness.metrics.equivalence import world_spread
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Trajectory
 

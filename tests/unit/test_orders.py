@@ -172,6 +172,6 @@ def test_every_track_of_a_built_in_engine_has_a_promise_for_the_integrator_that_
     for adapter in plugins.adapters().values():
         if plugins.version_of(adapter)[1] is None:
             for settings in adapter.tracks.values():
-                simulation = adapter.build(case.scene(**case.parameters), settings)
+                simulation = adapter.build(case.scene(case.parameters), settings)
                 assert simulation.resolved.integrator in adapter.orders, adapter.name
                 simulation.close()

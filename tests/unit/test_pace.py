@@ -130,9 +130,10 @@ def test_what_reckons_with_even_steps_is_not_measurable() -> None:
 
 def test_sensors_refuse_uneven_steps() -> None:
     case = plugins.case("sensor_imu_rest")
+    scene = case.scene(case.parameters)
     with pytest.raises(Unsupported, match="sensors under uneven steps"):
         simulate(
-            None, case.scene(), pace=Pace.of("loaded", DT), duration=1.0, sample_interval=0.0, with_contacts=False, seed=0  # type: ignore[arg-type]
+            None, scene, pace=Pace.of("loaded", DT), duration=1.0, sample_interval=0.0, with_contacts=False, seed=0  # type: ignore[arg-type]
         )  # fmt: skip
 
 

@@ -51,12 +51,12 @@ FEW = 30
 
 def moved(case: Case, engine: str, instants: int) -> Trajectory | None:
     """What an engine's default track makes of the beginning of a case; None of one that it cannot express."""
-    adapter, scene = plugins.adapter(engine), replace(case.scene(**case.parameters), sensors=())
+    adapter, scene = plugins.adapter(engine), replace(case.scene(case.parameters), sensors=())
     try:
         simulation: Simulation = Answering(adapter.build(scene, replace(adapter.tracks["default"], dt=case.dt)), scene)
     except Unsupported:
         return None
-    control = acting(scene, None if case.control is None else case.control(**case.parameters))
+    control = acting(scene, None if case.control is None else case.control(case.parameters))
     if control is not None:
         simulation = Controlled(simulation, control, case.dt, len(scene.bodies))
     try:
@@ -88,7 +88,7 @@ def seen_of(case: Case, instants: int = FEWER) -> dict[str, dict[str, Floats]]:
 
 def moving_of(case: Case) -> list[Batch]:
     """The shapes of a case's bodies that move, as recordings gather them."""
-    bodies = json.loads(dump_json(case.scene(**case.parameters)))["bodies"]
+    bodies = json.loads(dump_json(case.scene(case.parameters)))["bodies"]
     return sharing(bodies, [k for k, body in enumerate(bodies) if body["motion"] != "static"])
 
 

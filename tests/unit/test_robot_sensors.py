@@ -126,7 +126,7 @@ def run_of(tmp_path: Path) -> tuple[Scene, Trajectory]:
         settings=adapter.tracks["tuned"].with_dt(1 / 240),
         seed=0,
     )
-    scene = case.scene()
+    scene = case.scene(case.parameters)
     return scene, _stepped(trial, case, adapter, scene, case.sample_interval, Pace(1 / 240)).actual
 
 

@@ -182,7 +182,7 @@ def test_hinges_connect_what_hangs_together(machine: Robot) -> None:
 
 
 def test_a_copy_stands_elsewhere_and_is_called_by_its_name() -> None:
-    scene = stand_quadruped.scene(n=5)
+    scene = stand_quadruped.scene(stand_quadruped.P(n=5))
     trunks = [np.array(body.p_WB) for body in scene.bodies if body.name.endswith("trunk")]
     assert len(trunks) == 5
     assert all(np.linalg.norm(a - b) >= 1.0 for a, b in pairwise(trunks))
@@ -191,7 +191,7 @@ def test_a_copy_stands_elsewhere_and_is_called_by_its_name() -> None:
 
 def test_a_hinge_turned_by_hand_has_that_angle_and_rate() -> None:
     """The lower part of a leg swings about its knee: the joint's coordinate grows by the angle, its rate is the spin."""
-    scene = stand_quadruped.scene()
+    scene = stand_quadruped.scene(stand_quadruped.P())
     joint = next(one for one in scene.joints if one.name == "0 front left shank")
     assert isinstance(joint, Revolute)
     time = np.linspace(0.0, 1.0, 11)
@@ -212,5 +212,5 @@ def test_a_hinge_turned_by_hand_has_that_angle_and_rate() -> None:
 @pytest.mark.parametrize("case", [stand_quadruped.CASE, stand_humanoid.CASE])
 def test_other_parameters_make_scenes_too(case: Case) -> None:
     for stiffness in (0.5, 7.0):
-        scene = case.scene(stiffness=stiffness, friction=0.4)
+        scene = case.scene(case.at(stiffness=stiffness, friction=0.4))
         assert scene.surfaces[0].static_friction == 0.4

@@ -70,7 +70,7 @@ def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:
     assert {
         "plumbline.cases.impact_bounce",
         "plumbline.harness.metrics.restitution",
-        "plumbline.harness.case.shared_checks.impact",
+        "plumbline.harness.case.bounds",
         "plumbline.harness.scene.scene",
     } <= modules
     assert (

@@ -77,7 +77,7 @@ def test_a_parameter_that_a_case_does_not_have_is_named() -> None:
 
 def test_another_scene_behind_the_same_parameters_is_another_trial() -> None:
     case = plugins.case("flight_projectile")
-    heavier = dataclasses.replace(case, scene=lambda **p: case.scene(**(p | {"mass": 2 * p["mass"]})))
+    heavier = dataclasses.replace(case, scene=lambda p: case.scene(case.at(**dict(p) | {"mass": 2 * p["mass"]})))
     adapters, study = {"mujoco": plugins.adapter("mujoco")}, load_study("quick")
     names = [{t.trial for t in study.trials({case.name: c}, adapters, {"mujoco": "1"})} for c in (case, heavier)]
     assert not names[0] & names[1]
@@ -167,7 +167,7 @@ def test_every_variant_of_a_study_is_one_that_its_engine_builds(given: str, scen
         engine = plugins.adapter(name)
         if plugins.version_of(engine)[1] is None:
             for variant in variants.values():
-                engine.build(case.scene(), variant.over(engine.tracks)).close()
+                engine.build(case.scene(case.parameters), variant.over(engine.tracks)).close()
 
 
 def test_every_built_in_study_calls_whom_there_is() -> None:

@@ -20,9 +20,9 @@ def test_one_scene_runs_or_cannot_with_the_reason() -> None:
 
 def test_what_a_robot_s_user_can_leave_out_is_said_by_its_option() -> None:
     case, adapter = plugins.case("joint_pendulum"), plugins.adapter("reference")
-    (joint,) = case.scene(**case.parameters).joints
-    heavy = replace(case.scene(**case.parameters), joints=(replace(joint, armature=0.1, friction_loss=0.1),))
-    robot = {case.name: replace(case, scene=lambda **_: heavy)}
+    (joint,) = case.scene(case.parameters).joints
+    heavy = replace(case.scene(case.parameters), joints=(replace(joint, armature=0.1, friction_loss=0.1),))
+    robot = {case.name: replace(case, scene=lambda _: heavy)}
     lame = {"lame": replace(adapter, features=adapter.features & ~(Feature.ARMATURE | Feature.FRICTION_LOSS))}
     (line,) = support_lines(robot, lame, droppable=True)
     assert line.endswith(": cannot: it lacks armature, friction_loss; it runs with --drop armature --drop friction_loss")
@@ -35,7 +35,7 @@ def test_of_many_scenes_counts_are_said_and_each_reason_once() -> None:
     names = ("flight_projectile", "friction_rolling_resistance", "stack_tower", "joint_pendulum")
     cases = {name: plugins.case(name) for name in names}
     adapter = plugins.adapter("reference")
-    contact = [name for name, case in cases.items() if Feature.BOX in features_of(case.scene(**case.parameters))]
+    contact = [name for name, case in cases.items() if Feature.BOX in features_of(case.scene(case.parameters))]
     (line,) = support_lines(cases, {"reference": replace(adapter, features=adapter.features & ~Feature.BOX)})
     assert contact
     assert line.endswith(f": runs {4 - len(contact)} of 4 cases; lacks box ({len(contact)})")

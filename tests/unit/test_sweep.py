@@ -9,7 +9,7 @@ import pytest
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
 from plumbline.harness.case import Case
-from plumbline.harness.metrics.position import position_error_max
+from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.search.front import SCREENING, due_for_clock, next_trials
 from plumbline.harness.store.record import Measurement, Record
@@ -24,7 +24,7 @@ CASE = Case(
     question="",
     source="",
     truth="closed form",
-    scene=lambda: Scene(bodies=(Body(name="ball", mass=1.0),)),
+    scene=lambda _: Scene(bodies=(Body(name="ball", mass=1.0),)),
     checks=(),
     duration=1.0,
     headline=position_error_max.name,

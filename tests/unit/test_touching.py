@@ -86,7 +86,7 @@ def test_a_body_reaches_as_far_as_its_farthest_point() -> None:
 )
 def test_no_start_of_an_ensemble_opens_a_gap_between_bodies_that_touch(name: str) -> None:
     case = plugins.case(name)
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     touched = touches(scene)
     assert touched
     for number in range(4):

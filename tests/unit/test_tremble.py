@@ -170,7 +170,7 @@ STANDING = cache(stand_humanoid.scene)
 CASE = replace(
     stand_humanoid.CASE,
     scene=STANDING,
-    expected=lambda time, **parameters: at_rest(STANDING(**parameters), time),
+    expected=lambda time, p: at_rest(STANDING(p), time),
     duration=1.5,
     checks=tuple(check for check in stand_humanoid.CASE.checks if check.metric.name in READ),
     observe=tuple(metric for metric in stand_humanoid.CASE.observe if metric.name in READ),

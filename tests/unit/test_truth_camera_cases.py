@@ -21,7 +21,7 @@ from plumbline.cases.sensor_depth_spheres import BALLS, LONGEST
 from plumbline.cases.sensor_depth_spheres import CASE as SPHERES
 from plumbline.harness.case import Case
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.colour_error import colour_error_max, colour_error_median
+from plumbline.harness.metrics.pictures import colour_error_max, colour_error_median
 from plumbline.harness.scene import DepthCamera
 from plumbline.harness.sensors.depth_camera import lost
 from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
@@ -54,7 +54,7 @@ def _truth(case: Case) -> Trajectory:
 @pytest.mark.parametrize(("tilt", "speed"), [(0.6, 1.5), (-0.4, -2.0), (0.0, 0.0)])
 def test_the_planes_equation_gives_what_rays_from_the_moving_camera_meet(tilt: float, speed: float) -> None:
     truth = _worked_out(PLANE, tilt=tilt, speed=speed)
-    scene = PLANE.scene(tilt=tilt, speed=speed)
+    scene = PLANE.scene(PLANE.at(tilt=tilt, speed=speed))
     camera: Any = scene.sensors[0]
 
     def state_at(time: float) -> State:
@@ -71,7 +71,7 @@ def test_the_planes_equation_gives_what_rays_from_the_moving_camera_meet(tilt: f
 def test_the_plane_is_seen_to_its_far_end_and_never_grazes_more_than_the_bound_says() -> None:
     depth = _truth(PLANE).streams["depth/depth_ideal"]
     assert 0.02 < np.isinf(depth).mean() < 0.5
-    scene = PLANE.scene()
+    scene = PLANE.scene(PLANE.parameters)
     camera: Any = scene.sensors[0]
     sight = true_sight(scene, camera, State.initial(scene))
     assert sight.cosine[sight.measurable].min() > PLANE_GRAZING
@@ -80,7 +80,7 @@ def test_the_plane_is_seen_to_its_far_end_and_never_grazes_more_than_the_bound_s
 def test_each_balls_silhouette_is_its_conic_and_its_depth_solves_the_quadric() -> None:
     """A pixel's ray s K^-1 (u, v, 1) meets |p - c| = r at the smaller root of a quadratic in s, which is z itself."""
     truth = _truth(SPHERES)
-    scene = SPHERES.scene()
+    scene = SPHERES.scene(SPHERES.parameters)
     camera: Any = scene.sensors[0]
     K = intrinsics(camera)
     homogeneous = np.column_stack([pixel_centres(camera), np.ones(640 * 480)])
@@ -109,7 +109,7 @@ def test_each_balls_silhouette_is_its_conic_and_its_depth_solves_the_quadric() -
 def test_every_body_shows_in_as_many_pixels_as_the_bounds_assume(case: Case, least: int) -> None:
     for name, stream in _truth(case).streams.items():
         if name.endswith("/body"):
-            counts = {place: int((stream[0] == place).sum()) for place in range(len(case.scene(**case.parameters).bodies))}
+            counts = {place: int((stream[0] == place).sum()) for place in range(len(case.scene(case.parameters).bodies))}
             assert min(counts.values()) >= least, counts
             for place, count in counts.items():
                 mask = np.pad(stream[0] == place, 1)
@@ -119,7 +119,7 @@ def test_every_body_shows_in_as_many_pixels_as_the_bounds_assume(case: Case, lea
 
 
 def test_the_solids_of_the_picture_stand_in_the_cameras_frame() -> None:
-    scene = PINHOLE.scene()
+    scene = PINHOLE.scene(PINHOLE.parameters)
     camera: Any = scene.sensors[0]
     body = _truth(PINHOLE).streams["camera/body"][0]
     for place, solid in enumerate(scene.bodies):
@@ -155,13 +155,13 @@ WAYS = pytest.mark.parametrize("ways", [OBLIQUE, pytest.param(ALONG_AXES, marks=
 
 @cache
 def _sights() -> list[tuple[DepthCamera, Any, Any]]:
-    scene = NOISE.scene()
+    scene = NOISE.scene(NOISE.parameters)
     cameras = [camera for camera in scene.sensors if isinstance(camera, DepthCamera)]
     return [(camera, camera.noise, true_sight(scene, camera, State.initial(scene))) for camera in cameras]
 
 
 def test_the_halls_gaps_have_all_their_causes() -> None:
-    scene = NOISE.scene()
+    scene = NOISE.scene(NOISE.parameters)
     names = [body.name for body in scene.bodies]
     for _, noise, sight in _sights():
         gone = lost(noise, sight)
@@ -179,7 +179,7 @@ def test_the_halls_gaps_have_all_their_causes() -> None:
 @WAYS
 def test_no_pixel_of_the_hall_hangs_on_an_edge_or_a_bound(ways: Floats) -> None:
     """A camera moved by 1e-9 m there and back loses the same pixels: a thousand roundings of the longest ray."""
-    scene = NOISE.scene()
+    scene = NOISE.scene(NOISE.parameters)
     rig = scene.index("rig")
     for camera, noise, sight in _sights():
         for way in ways:
@@ -200,7 +200,7 @@ def test_no_pixel_of_the_hall_grazes_more_than_the_bound_says_and_the_far_part_w
 
 def test_sunlight_takes_only_what_it_falls_on() -> None:
     _, noise, sight = _sights()[1]
-    dark = NOISE.scene(infrared=0.0)
+    dark = NOISE.scene(NOISE.at(infrared=0.0))
     camera: Any = dark.sensors[1]
     without = lost(noise, true_sight(dark, camera, State.initial(dark)))
     more = lost(noise, sight) & ~without
@@ -213,14 +213,14 @@ def test_sunlight_takes_only_what_it_falls_on() -> None:
 
 @pytest.mark.parametrize("case", [PLANE, SPHERES, PINHOLE, OPTICS, NOISE], ids=lambda c: c.name)
 def test_every_step_of_the_ladder_is_a_divisor_of_the_sensors_interval(case: Case) -> None:
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     for dt in (case.dt, *case.ladder):
         assert all(steps_between_readings(sensor, dt) >= 1 for sensor in scene.sensors)
 
 
 @cache
 def _optics(tilt: float = 0.5) -> tuple[Any, dict[str, Any]]:
-    scene = OPTICS.scene(tilt=tilt)
+    scene = OPTICS.scene(OPTICS.at(tilt=tilt))
     return scene, {camera.name: (camera, true_sight(scene, camera, State.initial(scene))) for camera in scene.sensors}
 
 
@@ -310,7 +310,7 @@ def test_light_of_one_camera_never_comes_from_the_others_scene_and_no_pixel_hang
 
 def test_a_wrong_index_and_a_mirror_that_does_not_mirror_are_seen_in_the_colours(monkeypatch: pytest.MonkeyPatch) -> None:
     truth = _truth(OPTICS)
-    scene = OPTICS.scene()
+    scene = OPTICS.scene(OPTICS.parameters)
     assert colour_error_max(scene, truth, truth) == 0.0
     assert colour_error_median(scene, truth, truth) == 0.0
     colour = truth.streams["through/colour"]
@@ -327,4 +327,4 @@ def test_a_wrong_index_and_a_mirror_that_does_not_mirror_are_seen_in_the_colours
     for metric in (colour_error_max, colour_error_median):
         assert np.isnan(metric(scene, replace(truth, streams={**truth.streams, "through/colour": bad}), truth))
     with pytest.raises(NotMeasurable, match="no colour camera"):
-        colour_error_max(SPHERES.scene(), truth, truth)
+        colour_error_max(SPHERES.scene(SPHERES.parameters), truth, truth)

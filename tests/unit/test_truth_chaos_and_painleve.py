@@ -11,8 +11,8 @@ from plumbline.cases import friction_painleve as painleve
 from plumbline.cases import joint_double_pendulum_chaotic as chaos
 from plumbline.harness.case import Case, Converged
 from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.contacts import impulse_max
 from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from plumbline.harness.metrics.impulse import impulse_max
 from plumbline.harness.metrics.painleve import painleve_coefficient
 from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
@@ -26,7 +26,9 @@ def verdicts(case: Case, run: Trajectory, **parameters: Any) -> dict[str, bool]:
     for c in (c for c in case.checks if not c.metric.name.endswith("_residual")):
         end = np.inf if c.end is None else c.end
         truth = None if expected is None else expected.between(c.start, end)
-        found[c.metric.name] = c.passes(c.metric(case.scene(**chosen), run.between(c.start, end), truth), run.dt)
+        found[c.metric.name] = c.passes(
+            c.metric(case.scene(case.at(**chosen)), run.between(c.start, end), truth), run.dt, case.parameters
+        )
     return found
 
 
@@ -36,15 +38,15 @@ TIME = np.arange(601) / 60
 
 
 def test_each_member_starts_as_far_from_the_first_as_it_says() -> None:
-    upper = [body for body in chaos.scene().bodies if body.name.startswith("upper")]
+    upper = [body for body in chaos.scene(chaos.P()).bodies if body.name.startswith("upper")]
     angles = np.array([2 * np.arctan2(-b.q_WB[2], b.q_WB[0]) for b in upper])
     assert angles[0] == pytest.approx(np.radians(120.0), abs=1e-15)
     np.testing.assert_allclose(angles[1:] - angles[0], np.geomspace(1e-6, 1e-3, 7), rtol=1e-9)
 
 
 def test_the_reference_is_converged_up_to_the_horizon_and_keeps_its_energy_to_the_end() -> None:
-    made = chaos.expected(TIME)
-    bound = min(c.bound(min(chaos.CASE.ladder)) for c in chaos.CASE.checks if c.end is not None)
+    made = chaos.expected(TIME, chaos.P())
+    bound = min(c.bound(min(chaos.CASE.ladder), chaos.CASE.parameters) for c in chaos.CASE.checks if c.end is not None)
     assert 0 < made.position_error < 1e-6 * bound
     again = chaos._roughly(120.0, 120.0, 8)
     late = TIME > 8.0
@@ -54,17 +56,17 @@ def test_the_reference_is_converged_up_to_the_horizon_and_keeps_its_energy_to_th
 
 
 def test_the_starts_have_forgotten_each_other_by_the_time_that_averages_are_taken() -> None:
-    run, scene = chaos.expected(TIME).trajectory, chaos.scene()
+    run, scene = chaos.expected(TIME, chaos.P()).trajectory, chaos.scene(chaos.P())
     early, late = (ensemble_spread(scene, run.between(0.0, t), None) for t in (1.0, chaos.PARTED + 1))
     assert early < 0.01
     assert late > 0.1
     # Another set of starts has the same average, to the standard errors that the bound is made of.
     other = chaos._roughly(120.02, 120.0, 8).between(chaos.PARTED, 10.0)
-    assert ensemble_energy_error(scene, other, run.between(chaos.PARTED, 10.0)) < 5 * chaos._late()[0]
+    assert ensemble_energy_error(scene, other, run.between(chaos.PARTED, 10.0)) < 5 * chaos._late(chaos.P())[0]
 
 
 def test_chaos_passes_and_a_brake_a_gap_and_a_late_start_fail() -> None:
-    fine = replace(chaos.expected(TIME).trajectory, dt=1 / 1920)
+    fine = replace(chaos.expected(TIME, chaos.P()).trajectory, dt=1 / 1920)
     assert all(verdicts(chaos.CASE, fine).values())
     braked = replace(
         fine, v_WB=fine.v_WB * np.exp(-0.1 * TIME)[:, None, None], w_WB=fine.w_WB * np.exp(-0.1 * TIME)[:, None, None]
@@ -80,7 +82,7 @@ def test_chaos_passes_and_a_brake_a_gap_and_a_late_start_fail() -> None:
 
 
 def test_an_ensemble_needs_members_and_swallows_nothing() -> None:
-    scene, run = chaos.scene(), chaos.expected(TIME).trajectory
+    scene, run = chaos.scene(chaos.P()), chaos.expected(TIME, chaos.P()).trajectory
     energies = kinetic_energies(scene, run.between(0.0, 0.0))
     assert energies.shape == (8,)
     assert not energies.any()
@@ -115,7 +117,7 @@ def _newton_euler(_t: float, y: Floats, friction: float) -> Floats:
 @pytest.mark.parametrize("friction", [0.3, 0.7, 1.0])
 def test_the_rod_obeys_newton_and_euler_on_a_stiff_spring(friction: float) -> None:
     time = STEPS[::10]
-    truth = painleve.expected(time, friction)
+    truth = painleve.expected(time, painleve.P(friction))
     assert truth is not None
     start = [0.0, painleve.RADIUS + painleve.HALF * np.sin(np.arctan(2.0)), np.arctan(2.0), -8.0, 0.0, 0.0]
     found = solve_ivp(_newton_euler, (0.0, time[-1]), start, "LSODA", time, rtol=1e-9, atol=1e-11, args=(friction,)).y
@@ -145,14 +147,14 @@ def test_the_blow_that_stops_the_foot_is_that_of_the_docstring() -> None:
 
 
 def test_beyond_the_paradox_and_where_the_foot_stops_there_is_no_truth() -> None:
-    assert painleve.expected(STEPS, 1.0) is not None
-    assert painleve.expected(STEPS, 1.2) is None  # lifts off
-    assert painleve.expected(STEPS, 1.5) is None  # paradox
-    assert painleve.expected(STEPS, 1.0, speed=1.0) is None  # stops
+    assert painleve.expected(STEPS, painleve.P(1.0)) is not None
+    assert painleve.expected(STEPS, painleve.P(1.2)) is None  # lifts off
+    assert painleve.expected(STEPS, painleve.P(1.5)) is None  # paradox
+    assert painleve.expected(STEPS, painleve.P(1.0, speed=1.0)) is None  # stops
 
 
 def _rod(force: float = 20.0) -> Trajectory:
-    made = painleve.expected(STEPS)
+    made = painleve.expected(STEPS, painleve.P())
     assert made is not None
     contact = Contacts.of([0], [1], [[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], [0.0], [[0.0, 0.0, force]])
     return replace(made.trajectory, dt=1 / 960, contacts=(contact,) * len(STEPS))
@@ -170,7 +172,7 @@ def test_the_rod_passes_and_each_fault_fails_its_check() -> None:
 
 
 def test_impulses_and_the_coefficient_are_as_planted_and_nothing_is_swallowed() -> None:
-    scene, run = painleve.scene(), _rod()
+    scene, run = painleve.scene(painleve.P()), _rod()
     assert impulse_max(scene, run) == pytest.approx(20.0 / 960, rel=1e-12)
     odd = replace(run.contacts[0], force_W=np.array([[np.nan, 0.0, 0.0]]))  # type: ignore[index]
     assert np.isnan(impulse_max(scene, replace(run, contacts=(*run.contacts[:3], odd, *run.contacts[4:]))))  # type: ignore[index]
@@ -179,7 +181,7 @@ def test_impulses_and_the_coefficient_are_as_planted_and_nothing_is_swallowed() 
     angles = 2 * np.arctan2(run.q_WB[:, 1, 2], run.q_WB[:, 1, 0])
     by_hand = min(painleve.load(np.pi / 2 - float(a), 0.0, 1.0)[0] for a in angles)
     assert painleve_coefficient(scene, run) == pytest.approx(by_hand, rel=1e-12)
-    assert painleve_coefficient(painleve.scene(friction=1.5), run) < 0
+    assert painleve_coefficient(painleve.scene(painleve.P(friction=1.5)), run) < 0
     run.q_WB[3] = np.nan
     assert np.isnan(painleve_coefficient(scene, run))
     with pytest.raises(NotMeasurable, match="no rod"):

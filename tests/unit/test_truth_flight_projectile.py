@@ -39,12 +39,12 @@ def _semi_implicit(dt: float, damping: float = 0.0) -> Trajectory:
 
 @pytest.mark.parametrize("dt", CASE.ladder)
 def test_semi_implicit_euler_passes_and_hidden_damping_fails_at_every_step_of_the_ladder(dt: float) -> None:
-    scene = CASE.scene(**CASE.parameters)
+    scene = CASE.scene(CASE.parameters)
     for damping in (0.0, 0.04):
         answer = _semi_implicit(Settings(dt=dt).dt, damping)
         truth = CASE.truth_at(answer.time, CASE.parameters)
         assert isinstance(truth, Trajectory)
-        passed = {c.metric.name: c.passes(c.metric(scene, answer, truth), dt) for c in CASE.checks}
+        passed = {c.metric.name: c.passes(c.metric(scene, answer, truth), dt, CASE.parameters) for c in CASE.checks}
         assert all(passed.values()) == (damping == 0.0), passed
         assert passed["position_error_max"] == passed["velocity_error_max"] == (damping == 0.0)
 

@@ -17,7 +17,7 @@ G = 9.81
 def test_a_truth_starts_in_the_state_of_the_scene(case: Case) -> None:
     truth = case.truth_at(np.zeros(1), case.parameters)
     assert isinstance(truth, Trajectory)
-    start = State.initial(case.scene(**case.parameters))
+    start = State.initial(case.scene(case.parameters))
     for name in ("p_WB", "q_WB", "v_WB", "w_WB"):
         np.testing.assert_allclose(getattr(truth, name)[0], getattr(start, name), atol=1e-12)
 
@@ -30,7 +30,7 @@ def test_stick_and_slip_is_the_limit_of_small_steps(static: float, kinetic: floa
     step, x, v, stuck = 1e-5, 0.0, 0.0, True
     found = []
     for k in range(400_000):
-        pull = module.STIFFNESS * (drawn * k * step - x) / module.MASS
+        pull = module.P().stiffness * (drawn * k * step - x) / module.MASS
         if stuck and abs(pull) > static * G:
             stuck = False
         if not stuck:
@@ -55,25 +55,28 @@ def test_the_period_of_stick_and_slip_is_that_of_the_docstring() -> None:
     assert isinstance(truth, Trajectory)
     v = truth.v_WB[:, 1, 0]
     begins = time[1:][(v[:-1] <= 1e-9) & (v[1:] > 1e-9)]
-    w = math.sqrt(module.STIFFNESS / module.MASS)
-    stretch = (module.STATIC - module.KINETIC) * G / w**2
-    slip = 2 / w * (math.pi - math.atan(stretch * w / module.DRAWN))
-    assert np.diff(begins) == pytest.approx(2 * stretch / module.DRAWN + slip, abs=2e-4)
+    own = module.P()
+    w = math.sqrt(own.stiffness / module.MASS)
+    stretch = (own.static - own.kinetic) * G / w**2
+    slip = 2 / w * (math.pi - math.atan(stretch * w / own.drawn))
+    assert np.diff(begins) == pytest.approx(2 * stretch / own.drawn + slip, abs=2e-4)
 
 
 def test_four_feet_take_the_spin_that_their_moment_takes() -> None:
     module = friction_spinning
-    stops = module.SPIN / module.deceleration()
+    own = module.P()
+    stops = own.spin / module.deceleration(own.friction)
     assert stops < module.DURATION - 0.1
     truth = module.CASE.truth_at(np.array([stops / 2, stops, module.DURATION]), module.CASE.parameters)
     assert isinstance(truth, Trajectory)
-    np.testing.assert_allclose(truth.w_WB[:, 1, 2], [module.SPIN / 2, 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(truth.w_WB[:, 1, 2], [own.spin / 2, 0.0, 0.0], atol=1e-12)
     # The work of the feet over their way is the energy of the spin.
     angle = 2 * math.atan2(truth.q_WB[1, 1, 3], truth.q_WB[1, 1, 0]) % (2 * math.pi)
-    turned = module.SPIN * stops / 2
+    turned = own.spin * stops / 2
     assert angle == pytest.approx(turned % (2 * math.pi), abs=1e-9)
-    assert module.FRICTION * module.MASS * G * module.OUT * turned == pytest.approx(module.INERTIA[2][2] * module.SPIN**2 / 2)
-    scene = module.CASE.scene()
+    work = own.friction * module.MASS * G * module.OUT * turned
+    assert work == pytest.approx(module.INERTIA[2][2] * own.spin**2 / 2)
+    scene = module.CASE.scene(module.CASE.parameters)
     feet = [placed.p_BS for placed in scene.body("stool").collision]
     assert sorted(math.hypot(x, y) for x, y, _ in feet) == pytest.approx([module.OUT] * 4)
 

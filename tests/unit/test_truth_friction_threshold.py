@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.cases.friction_threshold import CASE, HALF, STEEPNESS, expected, scene
+from plumbline.cases.friction_threshold import CASE, HALF, STEEPNESS, P, expected, scene
 from plumbline.harness.scene import Box, rotation_matrix
 from plumbline.harness.trajectory import Trajectory
 
@@ -16,9 +16,9 @@ G = np.array([0.0, 0.0, -9.81])
 
 @pytest.mark.parametrize("mu", [0.2, 0.5, 0.9])
 def test_each_box_moves_as_newtons_law_in_the_world_frame_says(mu: float) -> None:
-    stage = scene(friction=mu)
+    stage = scene(P(friction=mu))
     times = np.linspace(0.0, 1.0, 11)
-    truth = expected(times, friction=mu)
+    truth = expected(times, P(friction=mu))
     for place, body in enumerate(stage.bodies):
         if not body.movable:
             continue
@@ -44,8 +44,8 @@ def test_each_box_moves_as_newtons_law_in_the_world_frame_says(mu: float) -> Non
 
 
 def test_boxes_start_touching_their_inclines_and_stay_on_them() -> None:
-    stage = scene()
-    truth = expected(np.array([0.0, CASE.duration]))
+    stage = scene(P())
+    truth = expected(np.array([0.0, CASE.duration]), P())
     for place, box in enumerate(stage.bodies):
         if box.movable:
             incline = stage.bodies[place - 1]
@@ -64,7 +64,7 @@ def test_no_box_tips_before_it_slides() -> None:
 
 def engine(dt: float, mu: float = 0.5, creep: float = 0.0) -> Trajectory:
     """Semi-implicit Euler along each incline with friction mu; boxes that hold move at `creep` [m/s]."""
-    stage, steps = scene(), round(CASE.duration / dt)
+    stage, steps = scene(P()), round(CASE.duration / dt)
     run = replace(Trajectory.of(np.arange(steps + 1) * dt, len(stage.bodies)), dt=dt)
     for place, body in enumerate(stage.bodies):
         run.p_WB[:, place], run.q_WB[:, place] = body.p_WB, body.q_WB
@@ -79,9 +79,11 @@ def engine(dt: float, mu: float = 0.5, creep: float = 0.0) -> Trajectory:
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    truth = expected(run.time)
+    truth = expected(run.time, P())
     return {
-        c.metric.name: c.passes(c.metric(scene(), run.between(c.start, 99.0), truth.between(c.start, 99.0)), run.dt)
+        c.metric.name: c.passes(
+            c.metric(scene(P()), run.between(c.start, 99.0), truth.between(c.start, 99.0)), run.dt, CASE.parameters
+        )
         for c in CASE.checks
         # Made by hand, a run has no contact forces: the laws of these have tests of their own.
         if not c.metric.name.endswith("_residual")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.cases.impact_bounce import CASE, expected, scene
+from plumbline.cases.impact_bounce import CASE, P, expected, scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
 G = 9.81
@@ -38,7 +38,7 @@ def integrate(restitution: float, drop: float, times: Floats) -> tuple[Floats, F
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.5, 0.8, 0.95, 1.0])
 def test_heights_and_speeds_agree_with_event_driven_integration(restitution: float, drop: float) -> None:
     times = np.linspace(0.0, 3.0, 997)
-    truth = expected(times, restitutions=(restitution,), drop=drop, radius=0.1)
+    truth = expected(times, P(restitutions=(restitution,), drop=drop, radius=0.1))
     gap, speed = integrate(restitution, drop, times)
     # The integrator starts each hop 1 nm high and stops at 1 mm/s, whose hops rise 0.05 um. Speeds jump at impacts, so they are
     # compared away from them.
@@ -50,7 +50,7 @@ def test_heights_and_speeds_agree_with_event_driven_integration(restitution: flo
 @pytest.mark.parametrize(("restitution", "total"), [(0.5, 1.35457), (0.8, 4.06371), (0.9, 8.57895)])
 def test_all_bouncing_ends_at_the_sum_of_the_geometric_series(restitution: float, total: float) -> None:
     assert math.sqrt(2 / G) * (1 + restitution) / (1 - restitution) == pytest.approx(total, abs=6e-6)
-    truth = expected(np.array([total - 1e-3, total + 1e-5]), restitutions=(restitution,))
+    truth = expected(np.array([total - 1e-3, total + 1e-5]), P(restitutions=(restitution,)))
     assert truth.p_WB[0, 1, 2] > 0.1
     assert truth.p_WB[1, 1, 2] == 0.1
     assert truth.v_WB[1, 1, 2] == 0.0
@@ -59,7 +59,7 @@ def test_all_bouncing_ends_at_the_sum_of_the_geometric_series(restitution: float
 @pytest.mark.parametrize("restitution", [0.3, 0.8, 1.0])
 def test_energy_is_kept_in_flight_and_falls_by_the_square_of_the_restitution(restitution: float) -> None:
     times = np.linspace(0.0, 2.0, 4001)
-    truth = expected(times, restitutions=(restitution,))
+    truth = expected(times, P(restitutions=(restitution,)))
     energy = G * (truth.p_WB[:, 1, 2] - 0.1) + truth.v_WB[:, 1, 2] ** 2 / 2
     levels = {restitution ** (2 * n) for n in range(60)} | {0.0}
     assert all(min(abs(e / G - level) for level in levels) < 1e-9 for e in energy)
@@ -67,13 +67,13 @@ def test_energy_is_kept_in_flight_and_falls_by_the_square_of_the_restitution(res
 
 
 def test_the_truth_starts_where_the_scene_does() -> None:
-    bodies, truth = scene().bodies, expected(np.array([0.0]))
+    bodies, truth = scene(P()).bodies, expected(np.array([0.0]), P())
     np.testing.assert_array_equal(truth.p_WB[0], [b.p_WB for b in bodies])
 
 
 def semi_implicit(dt: float, gain: float = 0.0) -> Trajectory:
     """The scene by semi-implicit Euler with Newton's law at the ground; `gain` is added to each e."""
-    stage = scene()
+    stage = scene(P())
     steps = round(CASE.duration / dt)
     run = replace(Trajectory.of(np.arange(steps + 1) * dt, len(stage.bodies)), dt=dt)
     run.p_WB[0] = [b.p_WB for b in stage.bodies]
@@ -91,15 +91,15 @@ def semi_implicit(dt: float, gain: float = 0.0) -> Trajectory:
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    truth = expected(run.time)
+    truth = expected(run.time, P())
     # Made by hand, a run has no contact forces: the laws of these have tests of their own.
     judged = [c for c in CASE.checks if not c.metric.name.endswith("_residual")]
-    return {c.metric.name: c.passes(c.metric(scene(), run, truth), run.dt) for c in judged}
+    return {c.metric.name: c.passes(c.metric(scene(P()), run, truth), run.dt, CASE.parameters) for c in judged}
 
 
 def test_the_truth_passes_every_check() -> None:
     times = np.arange(1081) / 240
-    assert all(verdicts(replace(expected(times), dt=1 / 240)).values())
+    assert all(verdicts(replace(expected(times, P()), dt=1 / 240)).values())
 
 
 @pytest.mark.parametrize("dt", [1 / 240, 1 / 960])

@@ -28,15 +28,15 @@ def verdicts(case: Case, run: Trajectory) -> dict[str, bool]:
     """Which checks a run passes at the case's own parameters."""
     truth = case.truth_at(run.time, case.parameters)
     assert truth is None or isinstance(truth, Trajectory)
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     # Made by hand, a run has no contacts: what is read off these has tests of its own.
     judged = [c for c in case.checks if not c.metric.name.endswith(("_residual", "pairs_met"))]
-    return {c.metric.name: c.passes(c.metric(scene, run, truth), run.dt) for c in judged}
+    return {c.metric.name: c.passes(c.metric(scene, run, truth), run.dt, case.parameters) for c in judged}
 
 
 def flight(case: Case, dt: float, velocities: Callable[[Trajectory, int], None] | None = None) -> Trajectory:
     """Room for a run of a case with every step sampled, in its initial state throughout."""
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     run = replace(Trajectory.of(clock(round(case.duration / dt), dt), len(scene.bodies)), dt=dt)
     run.p_WB[:] = [b.p_WB for b in scene.bodies]
     run.q_WB[:] = [b.q_WB for b in scene.bodies]
@@ -102,8 +102,8 @@ def test_the_balls_of_the_case_grip_and_slip_as_their_table_says() -> None:
 
 def test_the_oblique_truth_starts_where_the_scene_does_and_moves_as_its_velocity_says() -> None:
     time = np.linspace(0.0, 0.5, 5001)
-    truth = impact_oblique.expected(time)
-    np.testing.assert_allclose(truth.p_WB[0], [b.p_WB for b in impact_oblique.scene().bodies])
+    truth = impact_oblique.expected(time, impact_oblique.P())
+    np.testing.assert_allclose(truth.p_WB[0], [b.p_WB for b in impact_oblique.scene(impact_oblique.P()).bodies])
     moved = np.diff(truth.p_WB, axis=0) / np.diff(time)[:, None, None]
     same = np.all(truth.v_WB[1:] == truth.v_WB[:-1], axis=(2,))
     np.testing.assert_allclose(moved[same], truth.v_WB[1:][same], atol=1e-9)
@@ -181,7 +181,7 @@ def test_parting_velocities_solve_the_two_laws(left: float, right: float, restit
 def pairs(dt: float, error: float = 0.0, recoil: float = 1.0) -> Trajectory:
     """The case by a plain engine; restitution is off by `error`, and the right one gets `recoil` times the impulse."""
     run = flight(impact_pairs.CASE, dt)
-    stage = impact_pairs.scene()
+    stage = impact_pairs.scene(impact_pairs.P())
     for a in range(0, len(stage.bodies), 2):
         e = stage.surface(stage.bodies[a], stage.bodies[a + 1]).restitution + error
         m = np.array([stage.bodies[a].mass, stage.bodies[a + 1].mass])
@@ -207,7 +207,7 @@ def test_pairs_with_a_wrong_restitution_or_an_unequal_recoil_fail() -> None:
 
 def test_other_ratios_and_restitutions_are_taken_as_well() -> None:
     time = np.linspace(0.0, 0.5, 50)
-    truth = impact_pairs.expected(time, ratio=7.0, restitutions=(0.25,))
+    truth = impact_pairs.expected(time, impact_pairs.P(ratio=7.0, restitutions=(0.25,)))
     assert truth.p_WB.shape == (50, 6, 3)
     np.testing.assert_allclose(truth.v_WB[-1, 2:4, 0], impact_pairs.parted(1.0, 1.0, 0.25))
 
@@ -271,7 +271,7 @@ def test_a_row_struck_as_one_or_without_full_restitution_fails() -> None:
 
 
 def test_the_gas_starts_apart_at_rest_as_a_whole_and_with_the_asked_speed() -> None:
-    stage = impact_gas.scene(edge=4, speed=3.0, seed=2)
+    stage = impact_gas.scene(impact_gas.P(edge=4, speed=3.0, seed=2))
     p = np.array([b.p_WB for b in stage.bodies[1:]])
     v = np.array([b.v_WB for b in stage.bodies[1:]])
     apart = np.linalg.norm(p[:, None] - p[None], axis=-1) + np.eye(len(p))
@@ -279,7 +279,7 @@ def test_the_gas_starts_apart_at_rest_as_a_whole_and_with_the_asked_speed() -> N
     assert np.abs(p).max() + impact_gas.RADIUS < 4 * impact_gas.CELL / 2
     np.testing.assert_allclose(v.sum(axis=0), 0.0, atol=1e-12)
     assert np.sqrt(np.mean(np.sum(v**2, axis=1))) == pytest.approx(3.0)
-    assert impact_gas.scene(seed=1) != impact_gas.scene(seed=2)
+    assert impact_gas.scene(impact_gas.P(seed=1)) != impact_gas.scene(impact_gas.P(seed=2))
 
 
 def test_the_growth_of_a_late_answer_is_that_of_random_aim() -> None:
@@ -295,7 +295,7 @@ def test_the_growth_of_a_late_answer_is_that_of_random_aim() -> None:
     rate = np.pi * d**2 / impact_gas.CELL**3 / 2
     energy = impact_gas.MASS * impact_gas.SPEED**2 / 2
     # Standard error of the mean of 4e5 draws of a quantity that scatters by about twice its mean: 0.3 %.
-    assert rate * float(np.mean(speed * won)) / dt / energy == pytest.approx(impact_gas.growth(1.0), rel=0.02)
+    assert rate * float(np.mean(speed * won)) / dt / energy == pytest.approx(impact_gas.growth(1.0, impact_gas.P()), rel=0.02)
 
 
 def gas(decay: float = 0.0, walls: bool = True) -> Trajectory:
@@ -339,11 +339,15 @@ def test_a_shift_of_a_micrometre_across_the_motion_breaks_angular_momentum() -> 
 
 def test_no_two_cubes_touch_at_the_start_and_every_seed_is_another_scene() -> None:
     for seed in range(20):
-        stage = impact_momentum.scene(seed=seed)
+        stage = impact_momentum.scene(impact_momentum.P(seed=seed))
         p = np.array([b.p_WB for b in stage.bodies])
         apart = np.linalg.norm(p[:, None] - p[None], axis=-1) + 10 * np.eye(8)
         assert apart.min() > 2 * np.sqrt(3) * impact_momentum.HALF
-    assert impact_momentum.scene(seed=1) == impact_momentum.scene(seed=1) != impact_momentum.scene(seed=2)
+    assert (
+        impact_momentum.scene(impact_momentum.P(seed=1))
+        == impact_momentum.scene(impact_momentum.P(seed=1))
+        != impact_momentum.scene(impact_momentum.P(seed=2))
+    )
 
 
 @pytest.mark.parametrize(
@@ -357,5 +361,5 @@ def test_no_two_cubes_touch_at_the_start_and_every_seed_is_another_scene() -> No
     ],
 )
 def test_only_the_effects_in_question_are_called_for(case: Any, effects: set[str]) -> None:
-    scene: Scene = case.scene()
+    scene: Scene = case.scene(case.P())
     assert set(scene.effects.names) == effects

@@ -82,11 +82,11 @@ def test_the_rod_reaches_its_stop_when_quadrature_says() -> None:
             )
 
         expected, _ = quad(slowness, 0.0, float(np.sqrt(top - end)), epsabs=1e-12, epsrel=1e-12, limit=200)
-        assert joint_limits.striking_time(amplitude, stop) == pytest.approx(expected, rel=1e-9)
+        assert joint_limits.striking_time(joint_limits.P(amplitude, stop)) == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_stopped_rod_rests_on_its_stop() -> None:
-    end = joint_limits.striking_time()
+    end = joint_limits.striking_time(joint_limits.P())
     truth = _truth(joint_limits.CASE, np.array([0.0, end - 1e-9, end + 1e-9, 3.0]))
     np.testing.assert_allclose(truth.p_WB[1, 0], truth.p_WB[2, 0], atol=1e-7)
     assert np.linalg.norm(truth.v_WB[1, 0]) > 1

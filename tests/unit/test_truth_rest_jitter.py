@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.cases.rest_jitter import CASE, HALF, expected, scene
+from plumbline.cases.rest_jitter import CASE, HALF, P, expected, scene
 from plumbline.harness.trajectory import Contacts, Trajectory
 
 G = 9.81
@@ -20,7 +20,7 @@ def corners(height: float) -> np.ndarray:
 @pytest.mark.parametrize("n", [1, 3, 5, 8])
 def test_forces_at_the_corners_hold_every_box_in_equilibrium(n: int) -> None:
     """Statics by linear algebra: unknown normal forces at the corners of each base, three equations a box, least squares."""
-    column = [b for b in scene(n=n).bodies if b.movable and b.p_WB[0] == 0.0]
+    column = [b for b in scene(P(n=n)).bodies if b.movable and b.p_WB[0] == 0.0]
     assert len(column) == n
     rows, weights = np.zeros((3 * n, 4 * n)), np.zeros(3 * n)
     for k, box in enumerate(column):
@@ -39,14 +39,14 @@ def test_forces_at_the_corners_hold_every_box_in_equilibrium(n: int) -> None:
 
 
 def test_boxes_of_the_column_and_the_single_one_do_not_touch() -> None:
-    single, column = scene().bodies[1], scene().bodies[2]
+    single, column = scene(P()).bodies[1], scene(P()).bodies[2]
     assert abs(single.p_WB[0] - column.p_WB[0]) > 4 * HALF
 
 
 def rest(dt: float = DT) -> Trajectory:
     """The truth with the contacts of statics, from 5 s on, every step."""
     time = 5.0 + np.arange(round(1 / dt) + 1) * dt
-    stage = scene()
+    stage = scene(P())
     body_A, body_B, points, forces = [], [], [], []
     for place, box in enumerate(stage.bodies):
         if box.movable:
@@ -57,12 +57,15 @@ def rest(dt: float = DT) -> Trajectory:
             points += (corners(-HALF) + box.p_WB).tolist()
             forces += [[0.0, 0.0, above * G / 4]] * 4
     contacts = Contacts.of(body_A, body_B, points, [[0.0, 0.0, 1.0]] * len(points), [0.0] * len(points), forces)
-    return replace(expected(time), dt=dt, contacts=(contacts,) * len(time))
+    return replace(expected(time, P()), dt=dt, contacts=(contacts,) * len(time))
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
     return {
-        c.metric.name: c.passes(c.metric(scene(), run.between(c.start, 99.0), expected(run.time)), run.dt) for c in CASE.checks
+        c.metric.name: c.passes(
+            c.metric(scene(P()), run.between(c.start, 99.0), expected(run.time, P())), run.dt, CASE.parameters
+        )
+        for c in CASE.checks
     }
 
 

@@ -29,7 +29,7 @@ G = 9.81
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_a_truth_starts_in_the_state_of_the_scene_and_goes_on_at_its_own_speed(case: Case) -> None:
-    start, time = State.initial(case.scene()), np.linspace(0.0, case.duration, 4001)
+    start, time = State.initial(case.scene(case.parameters)), np.linspace(0.0, case.duration, 4001)
     truth = case.truth_at(time, case.parameters)
     assert isinstance(truth, Trajectory)
     for name in ("p_WB", "q_WB", "v_WB", "w_WB"):

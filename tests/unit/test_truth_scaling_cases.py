@@ -20,8 +20,11 @@ def verdicts(case: Case, run: Trajectory, **parameters: Any) -> dict[str, bool]:
     chosen = dict(case.parameters) | parameters
     truth = case.truth_at(run.time, chosen)
     expected = truth.trajectory if isinstance(truth, Converged) else truth
-    scene = case.scene(**chosen)
-    return {c.metric.name: c.passes(c.metric(scene, run.between(c.start, 99.0), expected), run.dt) for c in case.checks}
+    scene = case.scene(case.at(**chosen))
+    return {
+        c.metric.name: c.passes(c.metric(scene, run.between(c.start, 99.0), expected), run.dt, case.parameters)
+        for c in case.checks
+    }
 
 
 # --- stack_pile -----------------------------------------------------------------------------------
@@ -52,7 +55,7 @@ def test_a_heap_is_about_as_high_as_it_is_wide() -> None:
 
 
 def pile(n: int = 20) -> Trajectory:
-    run = replace(stack_pile.expected(np.arange(21) / 20, n=n), dt=1 / 240)
+    run = replace(stack_pile.expected(np.arange(21) / 20, stack_pile.P(n=n)), dt=1 / 240)
     return replace(run, streams={"worlds/time": np.ones(1), "worlds/spread": np.zeros(1)})
 
 
@@ -72,14 +75,14 @@ def test_a_pile_at_rest_passes_and_each_fault_fails_its_own_check() -> None:
 
 
 def resting(shape: str) -> Trajectory:
-    run = replace(rest_penetration.expected(np.arange(121) / 60, shape), dt=1 / 240)
+    run = replace(rest_penetration.expected(np.arange(121) / 60, rest_penetration.P(shape)), dt=1 / 240)
     contacts = Contacts.of([0], [1], [[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]], [0.0], [[0.0, 0.0, G]])
     return replace(run, contacts=(contacts,) * len(run))
 
 
 @pytest.mark.parametrize("shape", ["box", "sphere", "cylinder", "capsule"])
 def test_each_shape_touches_the_ground_at_its_lowest_point(shape: str) -> None:
-    body = rest_penetration.scene(shape).bodies[1]
+    body = rest_penetration.scene(rest_penetration.P(shape)).bodies[1]
     placed = body.collision[0].shape
     down = np.array(rotation_matrix(body.q_WB)).T @ (0.0, 0.0, -1.0)
     half = getattr(placed, "half_length", 0.0)
@@ -117,7 +120,7 @@ def test_a_body_that_sinks_hovers_trembles_or_is_not_borne_fails() -> None:
 
 def test_the_free_box_has_the_derivatives_that_its_equations_say() -> None:
     time = np.linspace(0.0, 1.0, 1001)
-    truth = flight_box.expected(time)
+    truth = flight_box.expected(time, flight_box.P())
     h = time[1]
     slope = (truth.p_WB[2:, 0] - truth.p_WB[:-2, 0]) / (2 * h)
     np.testing.assert_allclose(slope, truth.v_WB[1:-1, 0], atol=1e-11)  # exact for a parabola, but for 1e-16/h of rounding
@@ -128,12 +131,12 @@ def test_the_free_box_has_the_derivatives_that_its_equations_say() -> None:
 
 def test_a_box_that_is_braked_or_turned_fails() -> None:
     time = np.arange(61) / 60
-    fine = replace(flight_box.expected(time), dt=1 / 240)
+    fine = replace(flight_box.expected(time, flight_box.P()), dt=1 / 240)
     assert all(verdicts(flight_box.CASE, fine).values())
-    braked = flight_box.expected(time)
+    braked = flight_box.expected(time, flight_box.P())
     braked.v_WB[:, 0] *= np.exp(-0.04 * time)[:, None]
     assert not verdicts(flight_box.CASE, replace(braked, dt=1 / 240))["velocity_error_max"]
-    slow = flight_box.expected(time, spin=1.99)
+    slow = flight_box.expected(time, flight_box.P(spin=1.99))
     found = verdicts(flight_box.CASE, replace(slow, dt=1 / 240))
     assert not found["attitude_error_max"]
     assert not found["angular_velocity_error_max"]
@@ -156,13 +159,13 @@ def test_two_links_obey_the_equations_of_the_double_pendulum(monkeypatch: pytest
 
 def test_the_reference_of_a_long_chain_keeps_its_energy_and_its_links() -> None:
     time = np.arange(121) / 60
-    truth = joint_chain.expected(time).trajectory
+    truth = joint_chain.expected(time, joint_chain.P()).trajectory
     kinetic, potential = joint_chain.energy(truth)
     drift = np.abs(kinetic + potential - potential[0]).max() / kinetic.max()
     assert drift < 1e-9  # a tolerance of 1e-12 over some hundred steps, summed over ten links
     along = np.diff(truth.p_WB, axis=1)
     assert np.linalg.norm(along, axis=2).max() <= joint_chain.LENGTH * (1 + 1e-12)
-    assert joint_chain.expected(time).position_error < 1e-7
+    assert joint_chain.expected(time, joint_chain.P()).position_error < 1e-7
 
 
 def test_a_single_link_has_the_acceleration_of_a_physical_pendulum() -> None:
@@ -174,7 +177,7 @@ def test_a_single_link_has_the_acceleration_of_a_physical_pendulum() -> None:
 
 def test_a_chain_that_is_braked_or_comes_apart_fails() -> None:
     time = np.arange(121) / 60
-    fine = replace(joint_chain.expected(time).trajectory, dt=1 / 240)
+    fine = replace(joint_chain.expected(time, joint_chain.P()).trajectory, dt=1 / 240)
     assert all(verdicts(joint_chain.CASE, fine).values())
     torn = replace(fine, p_WB=fine.p_WB.copy())
     torn.p_WB[60:, 5:, 0] += 0.01
@@ -187,7 +190,7 @@ def test_a_chain_that_is_braked_or_comes_apart_fails() -> None:
 
 
 def test_the_yard_has_51_primitives_of_which_none_holds_the_eye() -> None:
-    stage = system_rays.scene()
+    stage = system_rays.scene(system_rays.P())
     shapes = [placed for body in stage.bodies for placed in body.collision]
     assert len(shapes) == 51
     for body in stage.bodies[1:-1]:
@@ -196,13 +199,13 @@ def test_the_yard_has_51_primitives_of_which_none_holds_the_eye() -> None:
 
 @pytest.mark.parametrize(("pattern", "count"), [("lidar", 32 * 1024), ("depth", 640 * 480)])
 def test_rays_are_unit_vectors_and_as_many_as_the_sensor_has(pattern: str, count: int) -> None:
-    rays = system_rays.rays(pattern)
+    rays = system_rays.rays(system_rays.P(pattern))
     assert rays.directions.shape == rays.origins.shape == (count, 3)
     np.testing.assert_allclose(np.linalg.norm(rays.directions, axis=1), 1.0, atol=4e-16)
 
 
 def test_most_rays_meet_something_and_a_range_moved_by_a_millimetre_fails() -> None:
-    truth = system_rays.expected(np.array([0.0, 0.1]), thin=16)
+    truth = system_rays.expected(np.array([0.0, 0.1]), system_rays.P(thin=16))
     found = truth.streams["rays/range_ideal"]
     assert 0.5 < np.isfinite(found).mean() < 1.0
     run = replace(truth, dt=1 / 240)
@@ -215,4 +218,4 @@ def test_most_rays_meet_something_and_a_range_moved_by_a_millimetre_fails() -> N
 
 def test_an_unknown_pattern_is_named() -> None:
     with pytest.raises(ValueError, match="'sonar', expected 'lidar' or 'depth'"):
-        system_rays.rays("sonar")
+        system_rays.rays(system_rays.P("sonar"))

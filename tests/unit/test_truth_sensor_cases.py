@@ -18,7 +18,7 @@ from plumbline.harness.trajectory import State, Trajectory
 def test_the_mean_specific_force_on_a_circle_equals_its_integral_in_mpmath(spin: float, lever: float) -> None:
     truth = IMU.truth_at(np.array([0.0, 0.5]), {"spin": spin, "lever": lever})
     assert isinstance(truth, Trajectory)
-    imu = IMU.scene(spin=spin, lever=lever).sensors[0]
+    imu = IMU.scene(IMU.at(spin=spin, lever=lever)).sensors[0]
     assert isinstance(imu, Imu)
     # The acceleration -w^2 r (cos, sin) over one interval, averaged, seen from the attitude in its middle (angle 0).
     with mpmath.workdps(30):
@@ -33,7 +33,7 @@ def test_the_mean_specific_force_on_a_circle_equals_its_integral_in_mpmath(spin:
 
 
 def _scan(tilt: float) -> tuple[Lidar, np.ndarray, np.ndarray]:
-    scene = LIDAR.scene(tilt=tilt)
+    scene = LIDAR.scene(LIDAR.at(tilt=tilt))
     lidar = scene.sensors[0]
     assert isinstance(lidar, Lidar)
     carrier = scene.body("carrier")
@@ -48,7 +48,7 @@ def test_the_truth_of_the_room_has_one_scan_for_each_reading_and_no_open_beam() 
 
 
 def test_all_shapes_of_the_room_are_seen() -> None:
-    scene = LIDAR.scene()
+    scene = LIDAR.scene(LIDAR.parameters)
     _, origins, directions = _scan(0.1)
     seen = set(first_hits(scene, State.initial(scene), origins, directions, 20.0).body.tolist())
     assert {scene.bodies[i].name for i in seen} >= {
@@ -65,7 +65,7 @@ def test_all_shapes_of_the_room_are_seen() -> None:
 
 
 def test_no_beam_grazes_more_than_the_bound_says_and_none_hangs_on_an_edge() -> None:
-    scene = LIDAR.scene()
+    scene = LIDAR.scene(LIDAR.parameters)
     start = State.initial(scene)
     _, origins, directions = _scan(0.1)
     hits = first_hits(scene, start, origins, directions, 20.0)
@@ -79,7 +79,7 @@ def test_no_beam_grazes_more_than_the_bound_says_and_none_hangs_on_an_edge() -> 
 
 
 def test_intensity_is_lamberts_cosine_of_the_closed_form_normal() -> None:
-    scene = LIDAR.scene()
+    scene = LIDAR.scene(LIDAR.parameters)
     lidar, origins, directions = _scan(0.1)
     hits = first_hits(scene, State.initial(scene), origins, directions, 20.0)
     floor = hits.body == scene.index("floor")
@@ -94,6 +94,6 @@ def test_every_step_of_the_ladder_is_a_divisor_of_the_sensors_interval(case: obj
     from plumbline.harness.sensors.recorder import steps_between_readings
 
     assert isinstance(case, Case)
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     for dt in (case.dt, *case.ladder):
         assert all(steps_between_readings(sensor, dt) >= 1 for sensor in scene.sensors)

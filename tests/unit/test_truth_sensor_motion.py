@@ -20,8 +20,12 @@ from plumbline.cases import (
 )
 from plumbline.cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
 from plumbline.harness.case import Case
-from plumbline.harness.metrics.imu_signal import accelerometer_ideal_error, gyroscope_ideal_error
-from plumbline.harness.metrics.inertial_lag import accelerometer_lag_error, gyroscope_lag_error
+from plumbline.harness.metrics.inertial_readings import (
+    accelerometer_ideal_error,
+    accelerometer_lag_error,
+    gyroscope_ideal_error,
+    gyroscope_lag_error,
+)
 from plumbline.harness.scene import Lidar, Scene, rotation_matrix
 from plumbline.harness.sensors import lidar as scanning
 from plumbline.harness.sensors.rays import first_hits
@@ -65,7 +69,7 @@ class Told:
 
 def _read(case: Case, dt: float, duration: float) -> tuple[Scene, Trajectory, Trajectory]:
     """The scene, what its sensors say of the true motion, and the truth."""
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     told: Any = Told(case, dt)
     recorder = SensorRecorder(scene, told, 1, dt)
     state = State.empty(len(scene.bodies))
@@ -120,7 +124,7 @@ def test_the_shaken_bodys_states_are_the_integrals_of_what_is_felt() -> None:
 def test_walls_seen_from_inside_are_the_closed_form_hits_of_the_rooms_bodies() -> None:
     """Another route: the six bodies as boxes that are met from outside."""
     case = sensor_lidar_room.CASE
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     truth = _truth(case, np.array([0.0, 1.0]))
     for name, scan, instant in (("flash", 4, 0.4), ("spinning", 3, 0.4)):
         lidar = next(one for one in scene.sensors if one.name == name)
@@ -144,7 +148,7 @@ def test_no_beam_of_the_room_grazes_more_than_its_bound_says() -> None:
 @pytest.mark.parametrize("module", [sensor_lidar_shapes, sensor_lidar_polyhedra], ids=["shapes", "polyhedra"])
 def test_no_beam_grazes_more_than_the_bound_says_and_none_hangs_on_an_edge(module: Any) -> None:
     case = module.CASE
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     lidar, start = scene.sensors[0], State.initial(scene)
     origins, directions = scanning.in_world(lidar, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     hits = first_hits(scene, start, origins, directions, lidar.max_range)
@@ -160,7 +164,7 @@ def test_no_beam_grazes_more_than_the_bound_says_and_none_hangs_on_an_edge(modul
 
 def test_the_wall_of_the_shapes_lies_partly_beyond_their_sensors_reach() -> None:
     case = sensor_lidar_shapes.CASE
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     origins, directions = scanning.in_world(scene.sensors[0], np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     far = first_hits(scene, State.initial(scene), origins, directions, 100.0)
     wall = far.body == scene.index("wall")
@@ -170,7 +174,7 @@ def test_the_wall_of_the_shapes_lies_partly_beyond_their_sensors_reach() -> None
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_step_of_the_ladder_divides_the_sensors_intervals_and_latencies(case: Case) -> None:
     for dt in (case.dt, *case.ladder):
-        for sensor in case.scene(**case.parameters).sensors:
+        for sensor in case.scene(case.parameters).sensors:
             assert steps_between_readings(sensor, dt) >= 1
             assert steps_of_latency(sensor, dt) >= 0
 

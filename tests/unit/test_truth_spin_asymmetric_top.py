@@ -85,10 +85,10 @@ def _explicit(dt: float, gyroscopic: bool) -> Trajectory:
 
 @pytest.mark.parametrize("dt", [1 / 60, pytest.param(1 / 480, marks=pytest.mark.slow)])
 def test_the_first_order_method_passes_and_a_dropped_gyroscopic_term_fails(dt: float) -> None:
-    scene = CASE.scene(**CASE.parameters)
+    scene = CASE.scene(CASE.parameters)
     for gyroscopic in (True, False):
         answer = _explicit(dt, gyroscopic)
         truth = CASE.truth_at(answer.time, CASE.parameters)
         assert isinstance(truth, Trajectory)
-        passed = [c.passes(c.metric(scene, answer, truth), dt) for c in CASE.checks]
+        passed = [c.passes(c.metric(scene, answer, truth), dt, CASE.parameters) for c in CASE.checks]
         assert all(passed) == gyroscopic

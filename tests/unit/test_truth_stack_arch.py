@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plumbline.adapters.reference import ADAPTER
-from plumbline.cases.stack_arch import CASE, DENSITY, DEPTH, FRICTION, THICKNESS, expected, scene, voussoir
+from plumbline.cases.stack_arch import CASE, DENSITY, DEPTH, FRICTION, THICKNESS, P, expected, scene, voussoir
 from plumbline.harness.scene import ConvexHull, Scene, rotate
 from plumbline.harness.trajectory import Contacts, Floats, State, Trajectory
 from tests.limit_analysis import GROUND, Point, stands
@@ -30,7 +30,7 @@ def corners(stage: Scene) -> Floats:
 
 
 def arch_stands(thickness: float, blocks: int, friction: float) -> bool:
-    stage = scene(thickness, blocks, friction)
+    stage = scene(P(thickness, blocks, friction))
     places, bodies = corners(stage), stage.bodies[1:]
     points = []
     for i in range(blocks + 1):
@@ -67,7 +67,7 @@ def test_few_blocks_need_less_and_the_case_is_twice_as_thick_as_its_own_need() -
 @pytest.mark.parametrize(("share", "standing"), [(0.95, False), (1.05, True)])
 def test_a_simulated_arch_falls_just_below_the_least_thickness_and_stands_just_above(share: float, standing: bool) -> None:
     # Compliance of the contacts eats into the ring: 4e-5 of its height at 240 Hz, far less than these 5 %.
-    stage, settings = scene(share * least_thickness(9)), ADAPTER.tracks["tuned"].with_dt(1 / 240)
+    stage, settings = scene(P(share * least_thickness(9))), ADAPTER.tracks["tuned"].with_dt(1 / 240)
     simulation = ADAPTER.build(stage, settings)
     simulation.step(480)
     end = State.initial(stage)
@@ -84,7 +84,7 @@ def test_friction_holds_the_joints_of_the_case_and_little_friction_would_not() -
 
 @pytest.mark.parametrize(("thickness", "blocks"), [(0.2, 9), (0.12, 15), (0.3, 4)])
 def test_blocks_touch_face_to_face_stand_on_the_ground_and_have_the_mass_of_the_ring(thickness: float, blocks: int) -> None:
-    stage = scene(thickness, blocks)
+    stage = scene(P(thickness, blocks))
     places = corners(stage)
     np.testing.assert_allclose(places[1:, :2], places[:-1, 2:], atol=1e-14)
     np.testing.assert_allclose([places[0, :2, 1], places[-1, 2:, 1]], 0.0, atol=1e-14)
@@ -96,7 +96,7 @@ def test_blocks_touch_face_to_face_stand_on_the_ground_and_have_the_mass_of_the_
 
 def test_the_inertia_of_a_block_is_that_of_a_cloud_of_points() -> None:
     outline, _ = voussoir(THICKNESS, 9)
-    body = scene().bodies[1]
+    body = scene(P()).bodies[1]
     rng = np.random.default_rng(1)
     span = np.abs(outline).max(axis=0)
     cloud = rng.uniform(-span, span, (2_000_000, 2))
@@ -113,16 +113,19 @@ def test_the_inertia_of_a_block_is_that_of_a_cloud_of_points() -> None:
 def rest(dt: float = 1 / 240) -> Trajectory:
     """The truth at 60 Hz with the weight on both springings."""
     time = np.arange(121) / 60
-    weight = 9.81 * sum(b.mass for b in scene().bodies[1:])
+    weight = 9.81 * sum(b.mass for b in scene(P()).bodies[1:])
     contacts = Contacts.of(
         [0, 0], [1, 9], [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]] * 2, [0.0] * 2, [[0.0, 0.0, weight / 2]] * 2
     )
-    return replace(expected(time), dt=dt, contacts=(contacts,) * len(time))
+    return replace(expected(time, P()), dt=dt, contacts=(contacts,) * len(time))
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
     return {
-        c.metric.name: c.passes(c.metric(scene(), run.between(c.start, 99.0), expected(run.time)), run.dt) for c in CASE.checks
+        c.metric.name: c.passes(
+            c.metric(scene(P()), run.between(c.start, 99.0), expected(run.time, P())), run.dt, CASE.parameters
+        )
+        for c in CASE.checks
     }
 
 

@@ -22,7 +22,7 @@ def at_rest(case: Case, dt: float = 1 / 240, **parameters: Any) -> Trajectory:
     """The truth at 60 Hz, with each weight on the ground, and on the heaviest body's supports in equal parts."""
     chosen = dict(case.parameters) | parameters
     time = np.arange(round(case.duration * 60) + 1) / 60
-    stage, truth = case.scene(**chosen), case.truth_at(time, chosen)
+    stage, truth = case.scene(case.at(**chosen)), case.truth_at(time, chosen)
     assert isinstance(truth, Trajectory)
     places = [place for place, body in enumerate(stage.bodies) if body.movable]
     heavy = max(places, key=lambda place: stage.bodies[place].mass)
@@ -45,9 +45,11 @@ def verdicts(case: Case, run: Trajectory) -> dict[str, bool]:
     chosen = dict(case.parameters)
     truth = case.truth_at(run.time, chosen)
     assert isinstance(truth, Trajectory)
-    stage = case.scene(**chosen)
+    stage = case.scene(case.at(**chosen))
     return {
-        c.metric.name: c.passes(c.metric(stage, run.between(c.start, 99.0), truth.between(c.start, 99.0)), run.dt)
+        c.metric.name: c.passes(
+            c.metric(stage, run.between(c.start, 99.0), truth.between(c.start, 99.0)), run.dt, case.parameters
+        )
         for c in case.checks
     }
 
@@ -108,7 +110,7 @@ def test_a_ground_that_bears_a_tenth_less_fails() -> None:
 
 @pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6])
 def test_the_heavy_cube_is_as_large_as_the_light_one(ratio: float) -> None:
-    _, light, heavy = stack_mass_ratio.scene(ratio).bodies
+    _, light, heavy = stack_mass_ratio.scene(stack_mass_ratio.P(ratio)).bodies
     assert light.collision == heavy.collision
     assert heavy.mass == ratio * light.mass
     np.testing.assert_allclose(np.array(heavy.inertia), ratio * np.array(light.inertia), rtol=1e-15)
@@ -119,9 +121,9 @@ def test_the_heavy_cube_is_as_large_as_the_light_one(ratio: float) -> None:
 
 
 def test_the_heavy_box_falls_freely_until_it_touches_both() -> None:
-    stage = stack_heavy_on_two.scene(drop=0.1)
+    stage = stack_heavy_on_two.scene(stack_heavy_on_two.P(drop=0.1))
     fall = math.sqrt(0.2 / G)
-    truth = stack_heavy_on_two.expected(np.array([0.0, fall / 2, fall * 1.0001, 1.0]), drop=0.1)
+    truth = stack_heavy_on_two.expected(np.array([0.0, fall / 2, fall * 1.0001, 1.0]), stack_heavy_on_two.P(drop=0.1))
     gaps = truth.p_WB[:, 3, 2] - stack_heavy_on_two.LARGE[2] - 2 * stack_heavy_on_two.SMALL
     np.testing.assert_allclose(gaps, [0.1, 0.1 - 0.025, 0.0, 0.0], atol=1e-12)
     assert truth.v_WB[1, 3, 2] == pytest.approx(-G * fall / 2)
@@ -137,7 +139,7 @@ def test_pressures_at_the_edges_of_the_supports_split_the_load_as_the_bound_says
     left = np.linalg.solve([[1.0, 1.0], [-d + s, d + s]], [1.0, 0.0])[0]
     (check,) = (c for c in stack_heavy_on_two.CASE.checks if c.metric.name == "load_split_error")
     assert left - 0.5 == pytest.approx(s / (2 * d))
-    assert left - 0.5 < check.bound(1e-9) < left - 0.5 + 1e-6
+    assert left - 0.5 < check.bound(1e-9, stack_heavy_on_two.CASE.parameters) < left - 0.5 + 1e-6
 
 
 def test_a_load_that_leans_on_one_support_fails() -> None:
@@ -173,7 +175,7 @@ def touches(stage: Scene, ball: Body) -> tuple[int, int]:
 
 @pytest.mark.parametrize("rows", [1, 3, 4])
 def test_balls_touch_those_below_and_the_walls_at_the_edge_of_their_layer(rows: int) -> None:
-    stage = stack_pyramid.scene(rows)
+    stage = stack_pyramid.scene(stack_pyramid.P(rows))
     for ball in (b for b in stage.bodies if b.material == "ball"):
         row, i, j = (int(x) for x in ball.name.split("_")[1:])
         edges = (i == 0) + (i == row) + (j == 0) + (j == row)
@@ -198,7 +200,7 @@ def equilibrium(stage: Scene, bodies: list[Body], links: list[tuple[int, int, Fl
 
 @pytest.mark.parametrize("rows", [1, 3, 5])
 def test_forces_along_the_normals_alone_hold_the_balls(rows: int) -> None:
-    stage = stack_pyramid.scene(rows)
+    stage = stack_pyramid.scene(stack_pyramid.P(rows))
     balls = [b for b in stage.bodies if b.material == "ball"]
     links = []
     for (i, a), (j, b) in combinations(enumerate(balls), 2):
@@ -214,7 +216,7 @@ def test_forces_along_the_normals_alone_hold_the_balls(rows: int) -> None:
 
 @pytest.mark.parametrize("rows", [2, 3, 6])
 def test_each_brick_lies_across_the_joint_of_the_two_below_and_touches_no_neighbour(rows: int) -> None:
-    bricks = [b for b in stack_pyramid.scene(rows).bodies if b.material == "brick"]
+    bricks = [b for b in stack_pyramid.scene(stack_pyramid.P(rows)).bodies if b.material == "brick"]
     assert len(bricks) == rows * (rows + 1) // 2
     a, _, c = stack_pyramid.HALF
     for brick in bricks:
@@ -236,10 +238,10 @@ def test_each_brick_lies_across_the_joint_of_the_two_below_and_touches_no_neighb
 
 @pytest.mark.parametrize("overlap", [0.0, 0.25, 0.45])
 def test_the_upper_cube_starts_a_share_of_an_edge_inside_the_lower(overlap: float) -> None:
-    _, lower, upper = stack_overlap_recovery.scene(overlap).bodies
+    _, lower, upper = stack_overlap_recovery.scene(stack_overlap_recovery.P(overlap)).bodies
     edge = 2 * stack_overlap_recovery.HALF
     assert lower.p_WB[2] + edge - upper.p_WB[2] == pytest.approx(overlap * edge)
-    rest = stack_overlap_recovery.expected(np.zeros(1), overlap=overlap).p_WB[0]
+    rest = stack_overlap_recovery.expected(np.zeros(1), stack_overlap_recovery.P(overlap=overlap)).p_WB[0]
     assert rest[2, 2] - rest[1, 2] == pytest.approx(edge)
 
 

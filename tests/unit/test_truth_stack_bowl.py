@@ -11,10 +11,10 @@ import pytest
 from plumbline import engine
 from plumbline.adapters.reference import ADAPTER
 from plumbline.cases import stack_bowl
-from plumbline.cases.stack_bowl import CASE, FLOOR, LEAN, POST, RINGS, SETTLED, THICK, TOP, scene
+from plumbline.cases.stack_bowl import CASE, FLOOR, LEAN, POST, RINGS, SETTLED, THICK, TOP, P, scene
 from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.contacts import penetration
 from plumbline.harness.metrics.energy import energy_rise_max
-from plumbline.harness.metrics.penetration import penetration
 from plumbline.harness.metrics.threading import unthreaded
 from plumbline.harness.scene import EARTH_GRAVITY, Box, TriangleMesh
 from plumbline.harness.trajectory import Contacts, Floats, Trajectory
@@ -29,7 +29,7 @@ SOLIDS = {"nut": stack_bowl._nut, "bolt": stack_bowl._bolt}
 
 def lying() -> Trajectory:
     """The nuts alone, flat on each other around the post, as the bowl bears them."""
-    stage = scene(n=0)
+    stage = scene(P(n=0))
     run = Trajectory.of(TIME, len(stage.bodies))
     run.p_WB[:, 1:, 2] = THICK * (2 * np.arange(RINGS) + 1)
     weight = G * sum(body.mass for body in stage.bodies if body.movable)
@@ -38,9 +38,9 @@ def lying() -> Trajectory:
 
 
 def verdicts(run: Trajectory, *metrics: str) -> dict[str, bool]:
-    stage, found = scene(n=0), dict[str, bool]()
+    stage, found = scene(P(n=0)), dict[str, bool]()
     for check in (one for one in CASE.checks if not metrics or one.metric.name in metrics):
-        held = check.passes(check.metric(stage, run.between(check.start, 99.0), None), run.dt)
+        held = check.passes(check.metric(stage, run.between(check.start, 99.0), None), run.dt, CASE.parameters)
         found[check.metric.name] = held and found.get(check.metric.name, True)
     return found
 
@@ -65,7 +65,7 @@ def test_a_solid_has_the_mass_and_inertia_of_its_skin(kind: str) -> None:
 def _within(points: Floats) -> Floats:
     """In how many boxes of the bowl each point (n, 3) lies."""
     found = np.zeros(len(points))
-    for placed in scene(n=0).bodies[0].collision:
+    for placed in scene(P(n=0)).bodies[0].collision:
         assert isinstance(placed.shape, Box)
         local = rotate_back(np.array(placed.q_BS), points - np.array(placed.p_BS))
         found += (np.abs(local) < np.array(placed.shape.half_extents)).all(axis=1)
@@ -89,7 +89,7 @@ def test_the_bowl_is_closed_and_nothing_sticks_out_into_it() -> None:
 
 @pytest.mark.parametrize("parameters", [{}, {"seed": 5}, {"n": 9, "seed": 1}])
 def test_bodies_start_apart_and_the_nuts_around_the_post(parameters: dict[str, Any]) -> None:
-    stage = scene(**parameters)
+    stage = scene(P(**parameters))
     start = Trajectory.of(np.zeros(1), len(stage.bodies))
     start.p_WB[:], start.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
     assert penetration(stage, start, None) == 0.0
@@ -97,11 +97,11 @@ def test_bodies_start_apart_and_the_nuts_around_the_post(parameters: dict[str, A
 
 
 def test_a_mesh_is_the_same_body_and_another_form_is_refused() -> None:
-    for pieces, mesh in zip(scene().bodies[1:], scene(form="mesh").bodies[1:], strict=True):
+    for pieces, mesh in zip(scene(P()).bodies[1:], scene(P(form="mesh")).bodies[1:], strict=True):
         assert [type(placed.shape) for placed in mesh.collision] == [TriangleMesh]
         assert replace(mesh, collision=pieces.collision) == pieces
     with pytest.raises(ValueError, match="form 'hull', expected pieces or mesh"):
-        scene(form="hull")
+        scene(P(form="hull"))
 
 
 def test_nuts_that_lie_on_each_other_around_the_post_pass() -> None:
@@ -116,18 +116,18 @@ def test_a_ring_that_comes_off_sideways_is_seen_and_one_that_lies_askew_is_not()
     run.p_WB[50:, 2, 0] = POST + 0.01
     found = verdicts(run, "unthreaded", "penetration")
     assert not found["unthreaded"]
-    assert unthreaded(scene(n=0), run, None) == pytest.approx(0.01)
+    assert unthreaded(scene(P(n=0)), run, None) == pytest.approx(0.01)
     assert not found["penetration"]
 
 
 def test_a_ring_over_the_top_is_off_as_well() -> None:
     run = lying()
     run.p_WB[50:, 2, 2] = TOP + 0.05
-    assert unthreaded(scene(n=0), run, None) == pytest.approx(0.05)
+    assert unthreaded(scene(P(n=0)), run, None) == pytest.approx(0.05)
 
 
 def test_where_nothing_is_threaded_there_is_nothing_to_measure() -> None:
-    stage = scene(n=4)
+    stage = scene(P(n=4))
     loose = replace(stage, bodies=(stage.bodies[0], *stage.bodies[1 + RINGS :]))
     with pytest.raises(NotMeasurable, match="no body is put over a box of another"):
         unthreaded(loose, Trajectory.of(TIME, len(loose.bodies)), None)
@@ -137,9 +137,9 @@ def test_energy_that_comes_back_is_seen_and_energy_that_goes_is_not() -> None:
     """Two nuts of one mass: one of them higher by h again has g h/2 a kilogram more than there was."""
     run = lying()
     run.p_WB[:20, 2, 2] += 0.1
-    assert energy_rise_max(scene(n=0), run, None) == 0.0
+    assert energy_rise_max(scene(P(n=0)), run, None) == 0.0
     run.p_WB[200:, 2, 2] += 0.05
-    assert energy_rise_max(scene(n=0), run, None) == pytest.approx(G * 0.05 / 2)
+    assert energy_rise_max(scene(P(n=0)), run, None) == pytest.approx(G * 0.05 / 2)
     assert not verdicts(run, "energy_rise_max")["energy_rise_max"]
 
 
@@ -147,7 +147,7 @@ def test_energy_that_comes_back_is_seen_and_energy_that_goes_is_not() -> None:
 def test_a_number_that_is_not_finite_is_not_swallowed(metric: Any) -> None:
     run = lying()
     run.p_WB[50, 1, 2] = math.nan
-    assert math.isnan(metric(scene(n=0), run, None))
+    assert math.isnan(metric(scene(P(n=0)), run, None))
 
 
 def test_each_fault_at_rest_fails_its_own_check() -> None:

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.cases.stack_card_house import CASE, GRIP, HALF, scene
-from plumbline.harness.metrics.frames import critical_friction
+from plumbline.cases.stack_card_house import CASE, GRIP, HALF, P, scene
+from plumbline.harness.metrics.statics import critical_friction
 from plumbline.harness.scene import Body, Scene, rotate
 from plumbline.harness.trajectory import Floats, Trajectory
 from tests.limit_analysis import GROUND, Point, stands
@@ -33,7 +33,7 @@ def house_stands(stage: Scene, left: Body, right: Body, friction: float) -> bool
 @pytest.mark.parametrize("angle", [10.0, 20.0, 35.0])
 @pytest.mark.parametrize("margin", [0.5, 0.1, 1e-4])
 def test_the_firm_house_has_forces_to_stand_on_and_the_loose_one_has_none(angle: float, margin: float) -> None:
-    stage = scene(margin, angle)
+    stage = scene(P(margin, angle))
     for k, name in enumerate(("firm", "loose")):
         plate, left, right = stage.bodies[3 * k : 3 * k + 3]
         assert left.material == right.material == name
@@ -42,7 +42,7 @@ def test_the_firm_house_has_forces_to_stand_on_and_the_loose_one_has_none(angle:
 
 
 def test_the_least_friction_by_bisection_is_the_closed_form_and_half_the_tangent_for_thin_cards() -> None:
-    stage, angle = scene(angle=20.0), math.radians(20.0)
+    stage, angle = scene(P(angle=20.0)), math.radians(20.0)
     low, high = 0.0, 1.0
     while high - low > 1e-7:
         middle = (low + high) / 2
@@ -53,7 +53,7 @@ def test_the_least_friction_by_bisection_is_the_closed_form_and_half_the_tangent
 
 @pytest.mark.parametrize("angle", [10.0, 20.0, 35.0])
 def test_cards_stand_on_their_plates_and_lean_on_each_other_alone(angle: float) -> None:
-    stage = scene(angle=angle)
+    stage = scene(P(angle=angle))
     for left, right in (stage.bodies[1:3], stage.bodies[4:6]):
         for card in (left, right):
             assert corners(card)[:, 1].min() == pytest.approx(0.0, abs=1e-14)
@@ -65,7 +65,7 @@ def test_cards_stand_on_their_plates_and_lean_on_each_other_alone(angle: float) 
 
 def end(firm: bool, loose: bool) -> Trajectory:
     """Houses that fall flat half-way, or do not."""
-    stage = scene()
+    stage = scene(P())
     run = replace(Trajectory.of(np.linspace(0.0, CASE.duration, 9), len(stage.bodies)), dt=1 / 240)
     run.p_WB[:] = [b.p_WB for b in stage.bodies]
     for falls, cards in ((firm, (1, 2)), (loose, (4, 5))):
@@ -75,7 +75,7 @@ def end(firm: bool, loose: bool) -> Trajectory:
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    return {c.metric.name: c.passes(c.metric(scene(), run), run.dt) for c in CASE.checks}
+    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks}
 
 
 def test_the_loose_house_has_to_fall_and_the_firm_one_to_stand() -> None:

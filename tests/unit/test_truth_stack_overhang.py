@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.cases.stack_overhang import CASE, FACTORS, scene
-from plumbline.harness.metrics.overhang import harmonic_overhang
+from plumbline.cases.stack_overhang import CASE, FACTORS, P, scene
+from plumbline.harness.metrics.statics import harmonic_overhang
 from plumbline.harness.scene import Body, Box, Scene
 from plumbline.harness.trajectory import Trajectory
 from tests.limit_analysis import GROUND, Point, stands
@@ -34,7 +34,7 @@ def stack_stands(stage: Scene, table: int, n: int) -> bool:
 
 @pytest.mark.parametrize("n", [1, 2, 4, 10])
 def test_stacks_within_the_harmonic_limit_stand_and_those_beyond_do_not(n: int) -> None:
-    stage = scene(n=n, factors=(*FACTORS, 0.9999, 1.0001))
+    stage = scene(P(n=n, factors=(*FACTORS, 0.9999, 1.0001)))
     for i, factor in enumerate((*FACTORS, 0.9999, 1.0001)):
         table = i * (n + 1)
         assert not stage.bodies[table].movable
@@ -45,7 +45,7 @@ def test_stacks_within_the_harmonic_limit_stand_and_those_beyond_do_not(n: int) 
 
 def end(falls: set[float], sink: float = 0.0, dt: float = 1 / 240) -> Trajectory:
     """Stacks of these factors fall by a metre; the others sink by `sink` [m]."""
-    stage = scene()
+    stage = scene(P())
     run = replace(Trajectory.of(np.array([0.0, CASE.duration]), len(stage.bodies)), dt=dt)
     run.p_WB[:] = [b.p_WB for b in stage.bodies]
     for i, factor in enumerate(FACTORS):
@@ -54,7 +54,7 @@ def end(falls: set[float], sink: float = 0.0, dt: float = 1 / 240) -> Trajectory
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    return {c.metric.name: c.passes(c.metric(scene(), run), run.dt) for c in CASE.checks}
+    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks}
 
 
 @pytest.mark.parametrize("dt", CASE.ladder)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.cases.stack_tip_or_slide import CASE, HALF, scene
+from plumbline.cases.stack_tip_or_slide import CASE, HALF, P, scene
 from plumbline.harness.scene import Box, rotate, rotation_matrix
 from plumbline.harness.trajectory import Trajectory
 from tests.limit_analysis import GROUND, Point, stands
@@ -16,7 +16,7 @@ G = 9.81
 
 @pytest.mark.parametrize(("rough", "slippery"), [(0.8, 0.3), (0.6, 0.45)])
 def test_boxes_stand_below_their_threshold_and_not_above(rough: float, slippery: float) -> None:
-    stage = scene(rough=rough, slippery=slippery)
+    stage = scene(P(rough=rough, slippery=slippery))
     for incline, box in zip(stage.bodies[::2], stage.bodies[1::2], strict=True):
         assert stage.collides(incline, box)
         mu = stage.surface(incline, box).static_friction
@@ -32,7 +32,7 @@ def test_boxes_stand_below_their_threshold_and_not_above(rough: float, slippery:
 
 
 def test_boxes_touch_their_own_incline_alone_and_have_room_to_slide() -> None:
-    stage = scene()
+    stage = scene(P())
     for place, box in enumerate(stage.bodies):
         if box.movable:
             incline = stage.bodies[place - 1]
@@ -49,7 +49,7 @@ def test_boxes_touch_their_own_incline_alone_and_have_room_to_slide() -> None:
 
 def engine(rough: float = 0.8, slippery: float = 0.3, tips_at: float = 0.5) -> Trajectory:
     """Each box at rest, sliding by Coulomb's law, or fallen over, under these frictions and this threshold of tipping."""
-    stage, time = scene(), np.linspace(0.0, CASE.duration, 7)
+    stage, time = scene(P()), np.linspace(0.0, CASE.duration, 7)
     run = replace(Trajectory.of(time, len(stage.bodies)), dt=1 / 240)
     for place, body in enumerate(stage.bodies):
         run.p_WB[:, place], run.q_WB[:, place] = body.p_WB, body.q_WB
@@ -66,7 +66,7 @@ def engine(rough: float = 0.8, slippery: float = 0.3, tips_at: float = 0.5) -> T
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    return {c.metric.name: c.passes(c.metric(scene(), run), run.dt) for c in CASE.checks}
+    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks}
 
 
 def test_an_engine_that_does_as_statics_says_passes() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.cases.stack_tower import CASE, HALF, expected, scene
+from plumbline.cases.stack_tower import CASE, HALF, P, expected, scene
 from plumbline.harness.scene import axis_angle
 from plumbline.harness.trajectory import Contacts, Trajectory
 
@@ -14,17 +14,17 @@ G = 9.81
 
 @pytest.mark.parametrize("n", [1, 2, 10, 30, 3.0])
 def test_the_tower_touches_throughout_and_is_n_edges_high(n: float) -> None:
-    boxes = [b for b in scene(n=n).bodies if b.movable]
+    boxes = [b for b in scene(P(n=n)).bodies if b.movable]
     assert len(boxes) == n
     heights = [b.p_WB[2] for b in boxes]
     np.testing.assert_allclose(np.diff([-HALF, *heights]), 2 * HALF, atol=1e-14)
     assert heights[-1] + HALF == pytest.approx(n * 2 * HALF)
-    np.testing.assert_array_equal(expected(np.array([0.0, 9.0]), n=n).p_WB[1, 1:, 2], heights)
+    np.testing.assert_array_equal(expected(np.array([0.0, 9.0]), P(n=n)).p_WB[1, 1:, 2], heights)
 
 
 def stand(dt: float = 1 / 240) -> Trajectory:
     """The truth at 60 Hz with one contact a box that bears all above it."""
-    stage, time = scene(), np.arange(301) / 60
+    stage, time = scene(P()), np.arange(301) / 60
     n = len(stage.bodies) - 1
     contacts = Contacts.of(
         list(range(n)),
@@ -34,12 +34,15 @@ def stand(dt: float = 1 / 240) -> Trajectory:
         [0.0] * n,
         [[0.0, 0.0, (n - i) * G] for i in range(n)],
     )
-    return replace(expected(time), dt=dt, contacts=(contacts,) * len(time))
+    return replace(expected(time, P()), dt=dt, contacts=(contacts,) * len(time))
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
     return {
-        c.metric.name: c.passes(c.metric(scene(), run.between(c.start, 99.0), expected(run.time)), run.dt) for c in CASE.checks
+        c.metric.name: c.passes(
+            c.metric(scene(P()), run.between(c.start, 99.0), expected(run.time, P())), run.dt, CASE.parameters
+        )
+        for c in CASE.checks
     }
 
 

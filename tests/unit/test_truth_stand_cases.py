@@ -21,7 +21,7 @@ G = 9.81
 def stand(name: str, dt: float = 1 / 240) -> Trajectory:
     """The truth at every fourth of a hundredth second, with one contact below each foot that bears its share."""
     case, machine = STANDING[name]
-    scene, time = case.scene(), np.arange(round(case.duration * 240) + 1) / 240
+    scene, time = case.scene(case.parameters), np.arange(round(case.duration * 240) + 1) / 240
     forces = loads(machine, EARTH_GRAVITY)
     prefix = "0 " if name == "stand_quadruped" else ""
     contacts = Contacts.of(
@@ -39,13 +39,13 @@ def stand(name: str, dt: float = 1 / 240) -> Trajectory:
 
 def verdicts(case: Case, run: Trajectory, *names: str) -> dict[str, bool]:
     """Of the checks of these names, or of all."""
-    scene, truth = case.scene(), case.truth_at(run.time, case.parameters)
+    scene, truth = case.scene(case.parameters), case.truth_at(run.time, case.parameters)
     assert truth is None or isinstance(truth, Trajectory)
     found = {}
     for check in (check for check in case.checks if not names or check.metric.name in names):
         part = run.between(check.start, 99.0)
         value = check.metric(scene, part, None if truth is None else truth.between(check.start, 99.0))
-        found[check.metric.name] = check.passes(value, run.dt)
+        found[check.metric.name] = check.passes(value, run.dt, case.parameters)
     return found
 
 
@@ -62,7 +62,7 @@ def test_the_truth_passes_every_check_at_every_step(name: str, finest: bool) -> 
 def test_each_fault_fails_its_own_check(name: str) -> None:
     case, machine = STANDING[name]
     assert machine.mass > 1
-    scene = case.scene()
+    scene = case.scene(case.parameters)
     tilted = stand(name)
     tilted.q_WB[10:, 3] = _turned(tilted.q_WB[10:, 3], 0.02)
     assert not verdicts(case, tilted, "pose_error_max")["pose_error_max"]
@@ -122,7 +122,7 @@ def test_the_ankles_keep_the_humanoid_from_falling_over() -> None:
 
 def test_soles_are_in_touch_from_the_first_step_by_a_micrometre() -> None:
     for case, machine in STANDING.values():
-        ground = case.scene().bodies[0]
+        ground = case.scene(case.parameters).bodies[0]
         slab = ground.collision[0].shape
         assert isinstance(slab, Box)
         assert ground.p_WB[2] + slab.half_extents[2] == pytest.approx(1e-6, abs=1e-15)
@@ -133,7 +133,7 @@ def test_soles_are_in_touch_from_the_first_step_by_a_micrometre() -> None:
 
 def flight(blow: float = 0.0, spin_lost: float = 0.0) -> Trajectory:
     """The ball flies to the trunk, gives all bodies their common velocity, `blow` of the momentum lost on the way."""
-    case, scene = stand_hit.CASE, stand_hit.scene()
+    case, scene = stand_hit.CASE, stand_hit.scene(stand_hit.P())
     time = np.arange(round(case.duration * 240) + 1) / 240
     run = replace(Trajectory.of(time, len(scene.bodies)), dt=1 / 240)
     mass = np.array([body.mass for body in scene.bodies])
@@ -171,7 +171,7 @@ def test_momentum_that_a_hit_loses_is_seen() -> None:
 
 
 def test_a_ball_that_passes_through_is_seen() -> None:
-    case, scene = stand_hit.CASE, stand_hit.scene()
+    case, scene = stand_hit.CASE, stand_hit.scene(stand_hit.P())
     time = np.arange(round(case.duration * 240) + 1) / 240
     run = replace(Trajectory.of(time, len(scene.bodies)), dt=1 / 240)
     for k, body in enumerate(scene.bodies):

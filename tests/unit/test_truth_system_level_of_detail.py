@@ -14,7 +14,7 @@ from plumbline.cases.system_level_of_detail import (
     ECCENTRICITY,
     HALF,
     RADIUS,
-    RATE,
+    P,
     expected,
     inner,
     polyhedron,
@@ -25,7 +25,7 @@ from plumbline.harness.scene import EARTH_GRAVITY, ConvexHull
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate
 
-G = -EARTH_GRAVITY[2]
+G, RATE = -EARTH_GRAVITY[2], P().rate
 TIME = np.arange(round(CASE.duration * 240) + 1) / 240
 PARTS = (1, 2, 4, 8, 16)
 
@@ -33,8 +33,8 @@ PARTS = (1, 2, 4, 8, 16)
 def ride(facets: float = 320, told: float | None = None) -> Trajectory:
     """An engine that keeps each follower on the highest corner of its cam. Args: told: facets of the cams, where others."""
     parameters: dict[str, Any] = {"facets": facets if told is None else told}
-    run = expected(TIME)
-    for place, cam in enumerate(scene(**parameters).bodies[::2]):
+    run = expected(TIME, P())
+    for place, cam in enumerate(scene(P(**parameters)).bodies[::2]):
         placed = cam.collision[0]
         assert isinstance(placed.shape, ConvexHull)
         corners = np.array(placed.p_BS) + rotate(np.array(placed.q_BS), np.array(placed.shape.vertices))
@@ -48,14 +48,14 @@ def ride(facets: float = 320, told: float | None = None) -> Trajectory:
 
 def errors(run: Trajectory) -> Floats:
     """Of the heights of followers, (t, n) m."""
-    off: Floats = (run.p_WB - expected(run.time).p_WB)[:, 1::2, 2]
+    off: Floats = (run.p_WB - expected(run.time, P()).p_WB)[:, 1::2, 2]
     return off
 
 
 def verdicts(run: Trajectory, **parameters: Any) -> dict[str, bool]:
     chosen = dict(CASE.parameters) | parameters
-    stage, truth = scene(**chosen), expected(run.time, **chosen)
-    return {c.metric.name: c.passes(c.metric(stage, run, truth), run.dt, chosen) for c in CASE.checks}
+    stage, truth = scene(P(**chosen)), expected(run.time, P(**chosen))
+    return {c.metric.name: c.passes(c.metric(stage, run, truth), run.dt, CASE.at(**chosen)) for c in CASE.checks}
 
 
 @pytest.mark.parametrize("parts", [*PARTS, 3])
@@ -102,7 +102,7 @@ def test_a_follower_pressed_by_a_spring_goes_as_the_closed_form_says() -> None:
         push = max(stiffness * deep + damping * closing, 0.0) if deep > 0 else 0.0
         return [-RATE * up, RATE * along, speed, push - G]
 
-    truth = expected(TIME)
+    truth = expected(TIME, P())
     start = [ECCENTRICITY, 0.0, truth.p_WB[0, 1, 2] - HALF[2], truth.v_WB[0, 1, 2]]
     found = solve_ivp(rates, (0.0, TIME[-1]), start, method="LSODA", t_eval=TIME, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(found.y[2], truth.p_WB[:, 1, 2] - HALF[2], atol=2e-6)
@@ -111,7 +111,7 @@ def test_a_follower_pressed_by_a_spring_goes_as_the_closed_form_says() -> None:
 @pytest.mark.parametrize("parts", [32, pytest.param(64, marks=pytest.mark.slow)])
 def test_the_highest_of_a_finely_cut_ball_is_where_the_closed_form_says(parts: int) -> None:
     """Every turn of every cam: the top of 20 parts^2 facets, no further below the face than told: 7e-6 m at 64."""
-    truth = expected(TIME[::60])
+    truth = expected(TIME[::60], P())
     corners = np.array([ECCENTRICITY, 0.0, 0.0]) + RADIUS * polyhedron(parts)[0]
     for place in range(0, len(truth.p_WB[0]), 2):
         tops = [rotate(q, corners)[:, 2].max() + HALF[2] for q in truth.q_WB[:, place]]
@@ -122,7 +122,7 @@ def test_the_highest_of_a_finely_cut_ball_is_where_the_closed_form_says(parts: i
 
 @pytest.mark.parametrize("parameters", [{}, {"facets": 20}, {"geometry": "ball"}, {"geometry": "mesh", "n": 3, "rate": -1.0}])
 def test_followers_start_in_touch(parameters: dict[str, Any]) -> None:
-    stage = scene(**parameters)
+    stage = scene(P(**parameters))
     start = Trajectory.of(np.zeros(1), len(stage.bodies))
     start.p_WB[:], start.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
     assert cam_follower_gap(stage, start, None) < 1e-12
@@ -166,4 +166,4 @@ def test_a_number_that_is_not_finite_is_not_swallowed() -> None:
 
 def test_an_unknown_geometry_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="geometry 'egg', expected ball, hull or mesh"):
-        scene(geometry="egg")
+        scene(P(geometry="egg"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.cases.system_predictability import BUMP, CASE, EXPONENT, JUDGED, RADIUS, REACH, expected, scene, tilts
+from plumbline.cases.system_predictability import BUMP, CASE, EXPONENT, JUDGED, RADIUS, REACH, P, expected, scene, tilts
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.balance import (
     exit_time_error_rms,
@@ -43,16 +43,16 @@ def test_the_tilt_obeys_the_law_of_a_ball_that_rolls_on_a_ball() -> None:
 
 
 def test_the_smallest_start_is_out_when_its_exponent_says_and_before_a_tenfold_delay_ends() -> None:
-    truth = expected(TIME)
-    assert exit_time_error_rms(scene(), truth, truth) == 0.0
+    truth = expected(TIME, P())
+    assert exit_time_error_rms(scene(P()), truth, truth) == 0.0
     out = TIME[np.argmax(tilts(TIME, np.array([1e-9]))[:, 0] >= 0.1)]
     assert out == pytest.approx(np.log(2 * 0.1 / 1e-9) / EXPONENT, abs=1 / 60)
     assert out + np.log(10.0) / EXPONENT < CASE.duration
 
 
 def _verdicts(run: Trajectory) -> dict[str, bool]:
-    truth = expected(run.time)
-    return {c.metric.name: c.passes(c.metric(scene(), run, truth), run.dt) for c in CASE.checks}
+    truth = expected(run.time, P())
+    return {c.metric.name: c.passes(c.metric(scene(P()), run, truth), run.dt, CASE.parameters) for c in CASE.checks}
 
 
 def _at(theta: Floats, truth: Trajectory) -> Trajectory:
@@ -66,7 +66,7 @@ def _at(theta: Floats, truth: Trajectory) -> Trajectory:
 
 
 def test_the_truth_passes_and_each_fault_fails_its_check() -> None:
-    truth = expected(TIME)
+    truth = expected(TIME, P())
     start = np.geomspace(1e-9, 1e-3, 100)
     assert all(_verdicts(_at(tilts(TIME, start), truth)).values())
     assert not _verdicts(_at(tilts(0.95 * TIME, start), truth))["growth_exponent_error"]
@@ -74,32 +74,32 @@ def test_the_truth_passes_and_each_fault_fails_its_check() -> None:
     noisy = _at(tilts(TIME, np.maximum(start, 1e-7)), truth)
     assert not _verdicts(noisy)["lost_start_share"]
     # Starts from 1e-8 on are within a tenfold of the noise; a hundredth of six decades each.
-    smallest = smallest_followed_start(scene(), noisy, truth)
+    smallest = smallest_followed_start(scene(P()), noisy, truth)
     assert smallest == pytest.approx(1e-8, rel=0.2)
-    assert lost_start_share(scene(), noisy, truth) == pytest.approx(1 / 6, abs=0.02)
+    assert lost_start_share(scene(P()), noisy, truth) == pytest.approx(1 / 6, abs=0.02)
     astray = _at(tilts(TIME, start), truth)
     astray.p_WB[:, 1, :2] = 2 * astray.p_WB[:, 0, :2] - astray.p_WB[:, 1, :2]
-    assert lost_start_share(scene(), astray, truth) == pytest.approx(0.01)
+    assert lost_start_share(scene(P()), astray, truth) == pytest.approx(0.01)
 
 
 def test_balls_that_stay_up_or_are_not_numbers_are_never_good() -> None:
-    truth = expected(TIME)
+    truth = expected(TIME, P())
     still = _at(np.broadcast_to(np.geomspace(1e-9, 1e-3, 100), (len(TIME), 100)), truth)
-    assert lost_start_share(scene(), still, truth) == 1.0
-    assert growth_exponent_error(scene(), still, truth) == 1.0
-    assert smallest_followed_start(scene(), still, truth) == np.inf
-    assert exit_time_error_rms(scene(), still, truth) == np.inf
+    assert lost_start_share(scene(P()), still, truth) == 1.0
+    assert growth_exponent_error(scene(P()), still, truth) == 1.0
+    assert smallest_followed_start(scene(P()), still, truth) == np.inf
+    assert exit_time_error_rms(scene(P()), still, truth) == np.inf
     broken = replace(truth, p_WB=truth.p_WB.copy())
     broken.p_WB[9, 5] = np.nan
     with np.errstate(invalid="ignore"):
         for metric in METRICS:
-            assert not np.isfinite(metric(scene(), broken, truth)), metric.name
+            assert not np.isfinite(metric(scene(P()), broken, truth)), metric.name
     with pytest.raises(NotMeasurable, match="balls"):
-        lost_start_share(Scene(bodies=scene().bodies[:1]), truth, truth)
+        lost_start_share(Scene(bodies=scene(P()).bodies[:1]), truth, truth)
 
 
 def test_bumps_stand_apart_and_every_ball_touches_its_own_from_the_first_step() -> None:
-    stage = scene()
+    stage = scene(P())
     bumps, balls = (np.array([b.p_WB for b in stage.bodies[k::2]]) for k in (0, 1))
     np.testing.assert_allclose(np.linalg.norm(balls - bumps, axis=1), REACH - 1e-6, atol=1e-12)
     apart = np.linalg.norm(bumps[:, None] - bumps[None], axis=2) + 9 * np.eye(100)

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.cases.system_scaling import CASE, INTERVAL, KINDS, MASS, PUSH, TWIST, control, expected, noise, scene
-from plumbline.harness.metrics.joint_gap import joint_gap_max
+from plumbline.cases.system_scaling import CASE, INTERVAL, KINDS, MASS, PUSH, TWIST, P, control, expected, noise, scene
+from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
 
 def test_the_flight_obeys_newtons_law_under_the_forces_that_are_told() -> None:
     time = np.linspace(0.0, 0.5, 41)
-    truth = expected(time, "flight", n=3)
+    truth = expected(time, P("flight", n=3))
     assert truth is not None
-    law, stage = control("flight", n=3), scene("flight", n=3)
+    law, stage = control(P("flight", n=3)), scene(P("flight", n=3))
     p, v, found = State.initial(stage).p_WB, np.zeros((3, 3)), [State.initial(stage).p_WB]
     for begin, end in pairwise(time):
         # Within an interval the force is constant; an integration from sample to sample must be cut where it changes.
@@ -53,9 +53,9 @@ def test_the_noise_repeats_for_each_seed_spreads_as_it_says_and_does_not_depend_
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("n", [1, 8, 30])
 def test_each_scene_has_n_bodies_that_are_pushed(kind: str, n: int) -> None:
-    stage = scene(kind, n)
+    stage = scene(P(kind, n))
     assert sum(body.movable for body in stage.bodies) == n
-    force, torque = control(kind, n).wrench(0.0, State.initial(stage))
+    force, torque = control(P(kind, n)).wrench(0.0, State.initial(stage))
     assert force.shape == torque.shape == (len(stage.bodies), 3)
     assert all(bool(push.any()) == body.movable for push, body in zip(force, stage.bodies, strict=True))
     if kind == "chain":
@@ -70,7 +70,7 @@ def test_each_scene_has_n_bodies_that_are_pushed(kind: str, n: int) -> None:
 
 def test_an_unknown_kind_is_named() -> None:
     with pytest.raises(ValueError, match="'crowd', expected one of flight, contact, chain"):
-        scene("crowd")
+        scene(P("crowd"))
 
 
 def test_what_leaves_its_way_overlaps_or_comes_apart_fails() -> None:
@@ -79,9 +79,9 @@ def test_what_leaves_its_way_overlaps_or_comes_apart_fails() -> None:
 
     def passes(name: str, kind: str, run: Trajectory) -> bool:
         check = checks[name]
-        return check.passes(check.metric(scene(kind), run, expected(time, kind)), 1 / 240)
+        return check.passes(check.metric(scene(P(kind)), run, expected(time, P(kind))), 1 / 240, CASE.parameters)
 
-    truth = expected(time, "flight")
+    truth = expected(time, P("flight"))
     assert truth is not None
     flight = replace(truth, dt=1 / 240)
     assert passes("position_error_max", "flight", flight)
@@ -90,12 +90,12 @@ def test_what_leaves_its_way_overlaps_or_comes_apart_fails() -> None:
     assert passes("position_error_max", "flight", ahead)
     assert not passes("position_error_max", "flight", replace(flight, p_WB=flight.p_WB + 0.1))
     crowd = replace(Trajectory.of(time, 11), dt=1 / 240)
-    crowd.p_WB[:] = State.initial(scene("contact")).p_WB
+    crowd.p_WB[:] = State.initial(scene(P("contact"))).p_WB
     assert passes("inscribed_overlap", "contact", crowd)
     crowd.p_WB[30, 1] = crowd.p_WB[30, 2]
     assert not passes("inscribed_overlap", "contact", crowd)
     chain = replace(Trajectory.of(time, 10), dt=1 / 240)
-    chain.p_WB[:] = State.initial(scene("chain")).p_WB
+    chain.p_WB[:] = State.initial(scene(P("chain"))).p_WB
     assert passes("joint_gap_max", "chain", chain)
     chain.p_WB[30, 4, 0] += 0.05
     assert not passes("joint_gap_max", "chain", chain)

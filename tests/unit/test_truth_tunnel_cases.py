@@ -27,8 +27,8 @@ def verdicts(case: Case, run: Trajectory, **parameters: object) -> dict[str, boo
     chosen = {**case.parameters, **parameters}
     truth = case.truth_at(run.time, chosen)
     assert isinstance(truth, Trajectory)
-    scene = case.scene(**chosen)
-    return {c.metric.name: c.passes(c.metric(scene, run, truth), run.dt) for c in case.checks}
+    scene = case.scene(case.at(**chosen))
+    return {c.metric.name: c.passes(c.metric(scene, run, truth), run.dt, case.parameters) for c in case.checks}
 
 
 def meeting(gap: object, until: float) -> float:
@@ -47,13 +47,15 @@ def meeting(gap: object, until: float) -> float:
 
 @pytest.mark.parametrize("speed", [1.0, 50.0, 500.0])
 def test_pairs_meet_when_an_event_search_says_and_then_rest(speed: float) -> None:
-    stage = tunnel_dynamic_pair.scene(speed=speed, phases=5, seed=3)
+    stage = tunnel_dynamic_pair.scene(tunnel_dynamic_pair.P(speed=speed, phases=5, seed=3))
     for a in range(0, 10, 2):
         x = [stage.bodies[a + k].p_WB[0] for k in (0, 1)]
         v = [stage.bodies[a + k].v_WB[0] for k in (0, 1)]
         hit = meeting(lambda t, x=x, v=v: x[1] + v[1] * t - x[0] - v[0] * t - 2 * tunnel_dynamic_pair.RADIUS, 0.2)
         assert hit < tunnel_dynamic_pair.DURATION / 2
-        truth = tunnel_dynamic_pair.expected(np.array([0.0, hit * 0.999, hit * 1.001, 0.25]), speed=speed, phases=5, seed=3)
+        truth = tunnel_dynamic_pair.expected(
+            np.array([0.0, hit * 0.999, hit * 1.001, 0.25]), tunnel_dynamic_pair.P(speed=speed, phases=5, seed=3)
+        )
         np.testing.assert_allclose(truth.p_WB[1, a : a + 2, 0], np.array(x) + 0.999 * hit * np.array(v), atol=1e-9)
         np.testing.assert_allclose(np.diff(truth.p_WB[2:, a : a + 2, 0], axis=1), 2 * tunnel_dynamic_pair.RADIUS, atol=1e-9)
         np.testing.assert_array_equal(truth.v_WB[2:, a : a + 2], 0.0)
@@ -67,7 +69,7 @@ def test_pairs_meet_at_phases_that_are_uniform_over_a_step(dt: float) -> None:
 
 def discrete_pairs(dt: float) -> Trajectory:
     """What a test of places at the ends of steps gives: a pair that overlaps there stands still, in touch; another flies on."""
-    stage = tunnel_dynamic_pair.scene()
+    stage = tunnel_dynamic_pair.scene(tunnel_dynamic_pair.P())
     run = replace(Trajectory.of(clock(round(0.25 / dt), dt), len(stage.bodies)), dt=dt)
     p = np.array([b.p_WB for b in stage.bodies])
     v = np.array([b.v_WB for b in stage.bodies])
@@ -86,7 +88,10 @@ def discrete_pairs(dt: float) -> Trajectory:
 def test_a_discrete_test_of_pairs_misses_with_the_probability_of_its_blind_way(dt: float) -> None:
     """It sees the overlap of 2 r before the centres cross; a step closes 2 v dt, so it misses 1 - r/(v dt)."""
     run = discrete_pairs(dt)
-    scene, truth = tunnel_dynamic_pair.scene(), tunnel_dynamic_pair.expected(run.time)
+    scene, truth = (
+        tunnel_dynamic_pair.scene(tunnel_dynamic_pair.P()),
+        tunnel_dynamic_pair.expected(run.time, tunnel_dynamic_pair.P()),
+    )
     low, high = (m(scene, run, truth) for m in tunnel_dynamic_pair.CASE.observe[:2])
     assert low <= 1 - tunnel_dynamic_pair.RADIUS / (50.0 * dt) <= high
     assert not verdicts(tunnel_dynamic_pair.CASE, run)["passage_probability"]
@@ -109,13 +114,13 @@ def rod_gap(angle: float) -> float:
 
 @pytest.mark.parametrize("spin", [5.0, 60.0, 500.0])
 def test_rods_meet_their_posts_when_an_event_search_says(spin: float) -> None:
-    stage = tunnel_rod.scene(spin=spin, phases=5, seed=4)
+    stage = tunnel_rod.scene(tunnel_rod.P(spin=spin, phases=5, seed=4))
     for place, body in enumerate(stage.bodies[2:], start=2):
         axis = Rotation.from_quat(body.q_WB, scalar_first=True).apply([0.0, 0.0, 1.0])
         assert axis[2] == pytest.approx(0.0, abs=1e-12)
         start = float(np.arctan2(axis[1], axis[0]))
         hit = meeting(lambda t, start=start: rod_gap(start + spin * t), 2.5 / spin)
-        truth = tunnel_rod.expected(np.array([hit * 0.999, hit * 1.001, 0.25]), spin=spin, phases=5, seed=4)
+        truth = tunnel_rod.expected(np.array([hit * 0.999, hit * 1.001, 0.25]), tunnel_rod.P(spin=spin, phases=5, seed=4))
         np.testing.assert_array_equal(truth.w_WB[:, place, 2], [spin, 0.0, 0.0])
         ends = Rotation.from_quat(truth.q_WB[:, place], scalar_first=True).apply([0.0, 0.0, 1.0])
         assert rod_gap(float(np.arctan2(ends[0, 1], ends[0, 0]))) > 0
@@ -129,7 +134,7 @@ def test_rods_arrive_at_phases_that_are_uniform_over_a_step(dt: float) -> None:
 
 def test_both_blows_stop_a_rod_dead() -> None:
     """Two impulses J at the levers +R and -R, against each other: no net force, and 2 J R = I w stops it."""
-    w, lever, moment = 60.0, tunnel_rod.LEVER, tunnel_rod.scene().bodies[2].inertia[0][0]
+    w, lever, moment = 60.0, tunnel_rod.LEVER, tunnel_rod.scene(tunnel_rod.P()).bodies[2].inertia[0][0]
     mass = tunnel_rod.MASS
     # Unknown impulses at both ends that leave no speed of approach at either.
     system = np.array([[1 / mass + lever**2 / moment, -1 / mass + lever**2 / moment]] * 2)
@@ -141,8 +146,8 @@ def test_both_blows_stop_a_rod_dead() -> None:
 
 def rods(dt: float, seen: bool) -> Trajectory:
     """Rods tested for overlap at the ends of steps, or that see nothing at all."""
-    stage = tunnel_rod.scene()
-    truth = tunnel_rod.expected(np.array([0.0]))
+    stage = tunnel_rod.scene(tunnel_rod.P())
+    truth = tunnel_rod.expected(np.array([0.0]), tunnel_rod.P())
     run = replace(Trajectory.of(clock(round(0.25 / dt), dt), len(stage.bodies)), dt=dt)
     run.p_WB[:] = truth.p_WB[0]
     run.q_WB[:] = truth.q_WB[0]
@@ -162,7 +167,7 @@ def rods(dt: float, seen: bool) -> Trajectory:
 @pytest.mark.parametrize("dt", [1 / 240, pytest.param(1 / 480, marks=pytest.mark.slow), 1 / 960])
 def test_a_discrete_test_of_rods_misses_with_the_probability_of_its_blind_angle(dt: float) -> None:
     run = rods(dt, seen=True)
-    scene, truth = tunnel_rod.scene(), tunnel_rod.expected(run.time)
+    scene, truth = tunnel_rod.scene(tunnel_rod.P()), tunnel_rod.expected(run.time, tunnel_rod.P())
     low, high = (m(scene, run, truth) for m in tunnel_rod.CASE.observe[:2])
     meets = float(np.arcsin((tunnel_rod.RADIUS + tunnel_rod.POST_RADIUS) / tunnel_rod.LEVER))
     # A rod that misses one post may be caught by the next, half a turn on: it has passed all the same.
@@ -172,20 +177,23 @@ def test_a_discrete_test_of_rods_misses_with_the_probability_of_its_blind_angle(
 
 def test_rods_that_see_nothing_all_pass() -> None:
     run = rods(1 / 240, seen=False)
-    assert tunnel_rod.CASE.checks[1].metric(tunnel_rod.scene(), run, tunnel_rod.expected(run.time)) == 1.0
+    assert (
+        tunnel_rod.CASE.checks[1].metric(tunnel_rod.scene(tunnel_rod.P()), run, tunnel_rod.expected(run.time, tunnel_rod.P()))
+        == 1.0
+    )
 
 
 @pytest.mark.parametrize("spin", [0.5, 700.0])
 def test_a_spin_too_slow_or_too_fast_is_refused(spin: float) -> None:
     with pytest.raises(ValueError, match=r"spin .* rad/s, expected"):
-        tunnel_rod.scene(spin=spin)
+        tunnel_rod.scene(tunnel_rod.P(spin=spin))
 
 
 # --- tunnel_thin_mesh -----------------------------------------------------------------------------
 
 
 def test_the_slab_is_closed_convex_and_level_with_its_edges_where_balls_slide() -> None:
-    slab = tunnel_thin_mesh.scene().bodies[1].collision[0].shape
+    slab = tunnel_thin_mesh.scene(tunnel_thin_mesh.P()).bodies[1].collision[0].shape
     assert isinstance(slab, TriangleMesh)
     points, faces = np.array(slab.vertices), np.array(slab.faces)
     edges = [(f[i], f[(i + 1) % 3]) for f in slab.faces for i in range(3)]
@@ -201,7 +209,7 @@ def test_the_slab_is_closed_convex_and_level_with_its_edges_where_balls_slide() 
 
 @pytest.mark.parametrize("speed", [1.0, 20.0, 200.0])
 def test_balls_land_when_an_event_search_of_the_fall_says(speed: float) -> None:
-    stage = tunnel_thin_mesh.scene(speed=speed, phases=3, seed=2)
+    stage = tunnel_thin_mesh.scene(tunnel_thin_mesh.P(speed=speed, phases=3, seed=2))
     for place, body in enumerate(stage.bodies[2:], start=2):
 
         def ground(_t: float, y: Floats) -> float:
@@ -211,14 +219,16 @@ def test_balls_land_when_an_event_search_of_the_fall_says(speed: float) -> None:
         start = [body.p_WB[2], body.v_WB[2]]
         run = solve_ivp(lambda _, y: [y[1], -G], (0, 1), start, "DOP853", events=ground, rtol=1e-12, atol=1e-12)
         hit = float(run.t_events[0][0])
-        truth = tunnel_thin_mesh.expected(np.array([0.999 * hit, 1.001 * hit, 0.5]), speed=speed, phases=3, seed=2)
+        truth = tunnel_thin_mesh.expected(
+            np.array([0.999 * hit, 1.001 * hit, 0.5]), tunnel_thin_mesh.P(speed=speed, phases=3, seed=2)
+        )
         assert truth.v_WB[0, place, 2] == pytest.approx(-speed - G * 0.999 * hit)
         np.testing.assert_allclose(truth.p_WB[1:, place, 2], tunnel_thin_mesh.RADIUS, atol=1e-9)
         np.testing.assert_array_equal(truth.v_WB[1:, place], [[tunnel_thin_mesh.SLIDE, 0.0, 0.0]] * 2)
 
 
 def test_every_other_ball_over_the_mesh_runs_along_an_edge_and_none_leaves_the_ground() -> None:
-    stage = tunnel_thin_mesh.scene()
+    stage = tunnel_thin_mesh.scene(tunnel_thin_mesh.P())
     for body in stage.bodies[2:]:
         on_mesh = body.p_WB[1] > stage.bodies[1].p_WB[1] - 1
         cells = (body.p_WB[1] - on_mesh * stage.bodies[1].p_WB[1]) / tunnel_thin_mesh.CELL
@@ -230,7 +240,7 @@ def test_every_other_ball_over_the_mesh_runs_along_an_edge_and_none_leaves_the_g
 
 
 def landed(dt: float) -> Trajectory:
-    return replace(tunnel_thin_mesh.expected(clock(round(0.5 / dt), dt)), dt=dt)
+    return replace(tunnel_thin_mesh.expected(clock(round(0.5 / dt), dt), tunnel_thin_mesh.P()), dt=dt)
 
 
 def test_balls_that_land_and_slide_pass_and_one_that_falls_through_or_is_kicked_fails() -> None:
@@ -260,7 +270,7 @@ def test_balls_that_land_and_slide_pass_and_one_that_falls_through_or_is_kicked_
     ],
 )
 def test_continuous_detection_is_called_for_unless_it_is_declined(case: object, effects: set[str]) -> None:
-    scene = case.scene  # type: ignore[attr-defined]
-    assert set(scene().effects.names) == effects
-    assert Effect.CONTINUOUS_COLLISION not in scene(continuous=False).effects
-    assert scene(seed=1) == scene(seed=1) != scene(seed=2)
+    scene, P = case.scene, case.P  # type: ignore[attr-defined]
+    assert set(scene(P()).effects.names) == effects
+    assert Effect.CONTINUOUS_COLLISION not in scene(P(continuous=False)).effects
+    assert scene(P(seed=1)) == scene(P(seed=1)) != scene(P(seed=2))

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from plumbline.harness.metrics.frames import frame_friction_error
-from plumbline.harness.metrics.overhang import _stacks, overhang_limit_error
+from plumbline.harness.metrics.statics import _stacks, frame_friction_error, overhang_limit_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle, box_inertia
 from plumbline.harness.study import plugins
+from plumbline.harness.study.foreseen_cost import scene_at
 from plumbline.harness.trajectory import Contacts, Trajectory
 from tests.all_metrics import all_metrics
 
@@ -167,7 +167,7 @@ def spun() -> Plant:
 
 def houses() -> Plant:
     """A case's own houses: that which should stand sinks to 0.51 or 0.49 of its height, while the other has fallen."""
-    scene = plugins.case("stack_card_house").scene()
+    scene = scene_at(plugins.case("stack_card_house"), {})
     run = still(scene)
     loose = [place for place, body in enumerate(scene.bodies) if body.name.endswith("_loose") and body.movable]
     firm = next(place for place, body in enumerate(scene.bodies) if body.name == "left_firm")
@@ -180,7 +180,7 @@ def houses() -> Plant:
 def inclined(name: str, near: Callable[[Scene, Trajectory, int], None], hit: Callable[[Scene, Trajectory, int], None]) -> Plant:
     """A case's own boxes on inclines that do what statics says, but for one that should hold."""
     case = plugins.case(name)
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     made = case.truth_at(TIME, case.parameters)
     truth = made if isinstance(made, Trajectory) else None
     clean = replace(truth, dt=0.1) if truth is not None else still(scene)
@@ -220,7 +220,7 @@ def turned(about: tuple[float, float, float], angle: float) -> Callable[[Scene, 
 
 def bricks() -> Plant:
     """A case's own bricks: one that should stand sinks by less or more than its half thickness; sideways counts for nothing."""
-    scene = plugins.case("stack_overhang").scene()
+    scene = scene_at(plugins.case("stack_overhang"), {})
     run = still(scene)
     stacks = _stacks(scene)
     for overhang, places in stacks:
@@ -252,7 +252,7 @@ def huge() -> Plant:
 def balanced() -> Plant:
     """A case's own balls: one that leaves a little late is followed; one that leaves to the other side is lost."""
     case = plugins.case("system_predictability")
-    scene = case.scene(**case.parameters)
+    scene = case.scene(case.parameters)
     time = np.arange(0.0, case.duration, 1 / 240)
     truth = case.truth_at(time, case.parameters)
     if not isinstance(truth, Trajectory):
@@ -310,7 +310,7 @@ def test_a_name_that_says_that_something_happened_belongs_to_a_verdict() -> None
 
 
 def test_short_bricks_that_fall_and_long_ones_that_stand_do_not_make_up_for_each_other() -> None:
-    scene = plugins.case("stack_overhang").scene()
+    scene = scene_at(plugins.case("stack_overhang"), {})
     right = wrong = still(scene)
     for overhang, places in _stacks(scene):
         right = ended(right, places[-1], (0.0, 0.0, -1.0)) if overhang > 1 else right

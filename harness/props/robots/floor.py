@@ -18,4 +18,4 @@ def floor() -> Body:
 
 def grip(friction: float) -> Surface:
     """The friction of the ground under the parts of a robot."""
-    return Surface(between=("ground", MATERIAL), static_friction=friction, kinetic_friction=friction)
+    return Surface.rough(friction, ("ground", MATERIAL))

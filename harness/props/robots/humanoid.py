@@ -22,7 +22,6 @@ from plumbline.harness.scene import (
     Sphere,
     Vector3,
     axis_angle,
-    sphere_inertia,
 )
 
 MASS, STATURE = 70.0, 1.7
@@ -100,14 +99,7 @@ def _below(top: Vector3, way: float, turn: float = 0.0) -> Vector3:
 
 
 def _housing(name: str, mass: float, place: Vector3) -> Body:
-    return Body(
-        name=name,
-        mass=mass,
-        inertia=sphere_inertia(mass, HOUSING),
-        visual=(PlacedShape(shape=Sphere(radius=HOUSING)),),
-        material=MATERIAL,
-        p_WB=place,
-    )
+    return Body.ball(name, HOUSING, mass=mass, touches=False, material=MATERIAL, p_WB=place)
 
 
 def _part(

@@ -18,7 +18,6 @@ from plumbline.harness.scene import (
     axis_angle,
     box_inertia,
     capsule_inertia,
-    sphere_inertia,
 )
 
 TRUNK_MASS, HIP_MASS, THIGH_MASS, SHANK_MASS = 7.4, 0.7, 1.0, 0.2
@@ -76,11 +75,11 @@ def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> Robot:
             top: Vector3 = (x, way * (SPREAD + OFFSET), height)
             knee: Vector3 = (x - LEG * math.sin(CROUCH), top[1], height - LEG * math.cos(CROUCH))
             bodies += [
-                Body(
-                    name=f"{leg} hip",
+                Body.ball(
+                    f"{leg} hip",
+                    HIP_RADIUS,
                     mass=HIP_MASS,
-                    inertia=sphere_inertia(HIP_MASS, HIP_RADIUS),
-                    visual=(PlacedShape(shape=Sphere(radius=HIP_RADIUS)),),
+                    touches=False,
                     material=MATERIAL,
                     p_WB=(x, way * (SPREAD + OFFSET / 2), height),
                 ),

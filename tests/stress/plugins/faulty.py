@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unavailable, Unsupported
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics import position
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Camera, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
-POSITION = position.position_error_max
+POSITION = errors.position_error_max
 
 
 SLEEP = "86399.25"
@@ -241,11 +241,11 @@ HANG_AGAIN = Faulty(name="hang_again", fault_again="hang")
 RAISE_AGAIN = Faulty(name="raise_again", fault_again="raise")
 
 
-def _scene() -> Scene:
+def _scene(_: Parameters) -> Scene:
     return Scene(bodies=(Body(name="ball", v_WB=(1.0, 0.0, 0.0)),))
 
 
-def _truth(time: Floats) -> Trajectory:
+def _truth(time: Floats, _: Parameters) -> Trajectory:
     truth = Trajectory.of(time, 1)
     truth.p_WB[:, 0, 0] = time
     truth.p_WB[:, 0, 2] = -9.81 * time**2 / 2
@@ -265,7 +265,7 @@ CASE = Case(
     checks=(
         Check(
             metric=POSITION,
-            at_most=lambda dt: 9.81 * dt * 0.5 / 2 * 1.001,
+            at_most=lambda dt, _: 9.81 * dt * 0.5 / 2 * 1.001,
             because="semi-implicit Euler errs by g dt t/2 at t = 0.5 s; a thousandth on top for rounding",
         ),
     ),

@@ -8,12 +8,12 @@ from planted_deeds import MIDDLE, Fault
 from planted_faults import BY_NAME
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.case import Case, Check
-from plumbline.harness.metrics import position
+from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Camera, Imu, Lidar, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State, Trajectory
 
-POSITION = position.position_error_max
+POSITION = errors.position_error_max
 
 
 class Falling:
@@ -90,7 +90,7 @@ class Planted(Adapter):
 PLANTED = Planted(name="planted")
 
 
-def _scene() -> Scene:
+def _scene(_: Parameters) -> Scene:
     return Scene(
         bodies=(Body(name="ball", v_WB=(1.0, 0.0, 0.0)), Body(name="other", p_WB=(0.0, 5.0, 0.0))),
         sensors=(
@@ -101,7 +101,7 @@ def _scene() -> Scene:
     )
 
 
-def _truth(instants: Floats) -> Trajectory:
+def _truth(instants: Floats, _: Parameters) -> Trajectory:
     truth = Trajectory.of(instants, 2)
     truth.p_WB[:, 0, 0] = instants
     truth.p_WB[:, 1, 1] = 5.0
@@ -122,7 +122,7 @@ CASE = Case(
     checks=(
         Check(
             metric=POSITION,
-            at_most=lambda dt: 9.81 * dt * 0.5 / 2 * 1.001,
+            at_most=lambda dt, _: 9.81 * dt * 0.5 / 2 * 1.001,
             because="semi-implicit Euler errs by g dt t/2 at t = 0.5 s; a thousandth on top for rounding",
         ),
     ),

@@ -4,16 +4,14 @@ The measure of a tremble is 0.01 g, the noise of a consumer accelerometer (300 m
 """
 
 from plumbline.harness.case import Check
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics.energy import held_energy_gain_max
-from plumbline.harness.metrics.foot_slip import foot_slip
-from plumbline.harness.metrics.pose import pose_error_max
+from plumbline.harness.metrics.joints import pose_error_max
+from plumbline.harness.metrics.slide import foot_slip
 from plumbline.harness.metrics.stack import standing_height
 from plumbline.harness.metrics.vibration import vibration_rms
 from plumbline.harness.props.robots.floor import PRESSED
-from plumbline.harness.scene import EARTH_GRAVITY
 
-G = -EARTH_GRAVITY[2]
 SHARE = 0.01
 """Of gravity, which a machine does not feel."""
 GIVE = 1e-3
@@ -23,12 +21,12 @@ GIVE = 1e-3
 def stands_up() -> tuple[Check, ...]:
     """It stays, and stays up, and its drives give no energy."""
     return (
-        Check(metric=divergence, at_most=0.0, because="a machine that stands stays where it is"),
-        Check(metric=standing_height, at_most=0.5, because="the definition of a collapse: the top below half its height"),
+        stays_finite("a machine that stands stays where it is"),
+        Check(standing_height, 0.5, "the definition of a collapse: the top below half its height"),
         Check(
-            metric=held_energy_gain_max,
-            at_most=lambda dt: (G * dt) ** 2 / 2 + G * PRESSED,
-            because="drives that hold a target take energy and give none; (g dt)^2/2 is what one step of gravity gives before "
+            held_energy_gain_max,
+            lambda dt, _: (G * dt) ** 2 / 2 + G * PRESSED,
+            "drives that hold a target take energy and give none; (g dt)^2/2 is what one step of gravity gives before "
             "the ground takes it away, and g times a micrometre what the ground gives back of the depth that feet begin at",
         ),
     )
@@ -37,9 +35,9 @@ def stands_up() -> tuple[Check, ...]:
 def holds_its_pose(leg: float) -> Check:
     """Joints stay at their targets; `leg` [m] is the length of a leg's part."""
     return Check(
-        metric=pose_error_max,
-        at_most=lambda dt: G * dt**2 / leg + GIVE,
-        because="before a contact can push, a machine falls for one step, g dt^2: so far a foot may give way, over the length "
+        pose_error_max,
+        lambda dt, _: G * dt**2 / leg + GIVE,
+        "before a contact can push, a machine falls for one step, g dt^2: so far a foot may give way, over the length "
         "of a leg's part; and a thousandth of a radian, a millimetre at a metre, which a contact may give way under weight",
     )
 
@@ -47,9 +45,9 @@ def holds_its_pose(leg: float) -> Check:
 def still(leg: float) -> Check:
     """Joints do not tremble; `leg` [m] is the length of a leg's part."""
     return Check(
-        metric=vibration_rms,
-        at_most=lambda dt: SHARE * G * dt / leg,
-        because="0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step, at the end "
+        vibration_rms,
+        lambda dt, _: SHARE * G * dt / leg,
+        "0.01 g, the noise of a consumer accelerometer (300 micro-g/sqrt(Hz) over 1 kHz), over one step, at the end "
         "of a leg's part: a machine that trembles less does not feel it",
     )
 
@@ -57,8 +55,8 @@ def still(leg: float) -> Check:
 def feet_stay(start: float, duration: float) -> Check:
     """From `start` [s] to the end of the run no foot creeps away."""
     return Check(
-        metric=foot_slip,
-        at_most=lambda dt: SHARE * G * dt * (duration - start),
-        because="the speed of 0.01 g over one step, kept up for the whole window",
+        foot_slip,
+        lambda dt, _: SHARE * G * dt * (duration - start),
+        "the speed of 0.01 g over one step, kept up for the whole window",
         start=start,
     )

@@ -1,1 +1,0 @@
-"""Bounds that more than one case is judged by, each derived once."""

@@ -1,0 +1,83 @@
+"""What joints give way by: gaps, stops, poses that drives hold.
+
+Joint gap: how far a joint's two anchors lie apart where the joint says that they must not.
+
+Overshoot of joint limits: how far a coordinate goes beyond the range that its joint allows.
+
+Pose error: how far the hinges of a machine are from where the truth has them.
+"""
+
+import numpy as np
+
+from plumbline.harness.metric import NotMeasurable, Run
+from plumbline.harness.metric.series import three
+from plumbline.harness.scene import Distance, Prismatic, Revolute
+from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.kinematics import across_axis, anchors, joint_coordinate
+
+
+def _gap(run: Run) -> Floats:
+    """Gap of every joint, (t, joints) m."""
+    gaps: list[Floats] = []
+    for joint in run.scene.joints:
+        on_parent, on_child = anchors(run.scene, joint, run.actual)
+        offset: Floats = np.linalg.norm(on_child - on_parent, axis=-1)
+        if isinstance(joint, Distance):
+            if joint.limits is not None:
+                lower = -np.inf if joint.limits.lower is None else joint.limits.lower
+                upper = np.inf if joint.limits.upper is None else joint.limits.upper
+                gaps.append(np.maximum(np.maximum(lower - offset, offset - upper), offset * 0.0))
+            elif joint.spring is None:
+                gaps.append(np.abs(offset - np.linalg.norm(np.subtract(joint.child_anchor_W, joint.anchor_W))))
+        elif isinstance(joint, Prismatic):
+            gaps.append(across_axis(run.scene, joint, run.actual))
+        else:
+            gaps.append(offset)
+    if not gaps:
+        raise NotMeasurable("the scene has no joint that holds anchors together")
+    return np.stack(gaps, axis=1)
+
+
+joint_gap_max, joint_gap_rms, joint_gap_final = three(
+    "joint_gap", "m", "definition: distance between the anchors on parent and child", _gap
+)
+
+
+def _overshoot(run: Run) -> Floats:
+    """Excess of every joint with limits, (t, joints), rad or m."""
+    overshoots: list[Floats] = []
+    for joint in run.scene.joints:
+        if isinstance(joint, Revolute | Prismatic | Distance) and joint.limits is not None:
+            x = joint_coordinate(run.scene, joint, run.actual)
+            lower = -np.inf if joint.limits.lower is None else joint.limits.lower
+            upper = np.inf if joint.limits.upper is None else joint.limits.upper
+            # Adding 0 x keeps what is not a number from hiding behind a maximum with 0.
+            overshoots.append(np.maximum(np.maximum(lower - x, x - upper), 0.0) + 0.0 * x)
+    if not overshoots:
+        raise NotMeasurable("no joint of the scene has limits")
+    return np.stack(overshoots, axis=1)
+
+
+limit_overshoot_max, limit_overshoot_rms, limit_overshoot_final = three(
+    "limit_overshoot", "rad or m", "definition: joint coordinate beyond its limit", _overshoot
+)
+
+
+def _errors(run: Run) -> Floats:
+    """Of every hinge, (t, hinges) rad."""
+    truth = run.truth
+    hinges = [joint for joint in run.scene.joints if isinstance(joint, Revolute)]
+    if not hinges:
+        raise NotMeasurable("the scene has no hinge")
+    return np.stack(
+        [
+            np.abs(joint_coordinate(run.scene, joint, run.actual) - joint_coordinate(run.scene, joint, truth))
+            for joint in hinges
+        ],
+        axis=1,
+    )
+
+
+pose_error_max, pose_error_rms, pose_error_final = three(
+    "pose_error", "rad", "definition: distance of a hinge's angle from the truth's, over all hinges", _errors
+)

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 @lru_cache(maxsize=4096)
 def substeps_of(resolved: str) -> int:
     """How many sub-steps an engine took for a step, by what it says that it used (JSON); 1 of one that says nothing of them."""
-    said = json.loads(resolved or "{}")
-    return int(said.get("substeps") or 1) if isinstance(said, dict) else 1
+    settings = json.loads(resolved or "{}")
+    return int(settings.get("substeps") or 1) if isinstance(settings, dict) else 1
 
 
 @lru_cache(maxsize=2)

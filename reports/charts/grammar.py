@@ -1,4 +1,4 @@
-"""The words of Vega-Lite that charts are said in: layers of marks over rows, each of which encodes fields by channels.
+"""The words of Vega-Lite that charts are written in: layers of marks over rows, each of which encodes fields by channels.
 
 A chart is plain data from its first word on, since a report draws hundreds; tests hold every kind against the schema.
 """
@@ -20,19 +20,19 @@ Channel = Mapping[str, Any]
 """What a channel says: a field with its kind, scale, axis, legend or title, or a value for all marks."""
 
 
-def channel(said: str, /, **more: Any) -> Channel:
-    """A channel for a field and its kind, 'error:Q', with what else is said of it. Raises: ValueError, without a kind."""
-    name, _, kind = said.rpartition(":")
+def channel(column: str, /, **more: Any) -> Channel:
+    """A channel for a field and its kind, 'error:Q', with what else is given for it. Raises: ValueError, without a kind."""
+    name, _, kind = column.rpartition(":")
     if not name or kind not in KINDS:
-        raise ValueError(f"channel {said!r}: expected a field and its kind, one of {', '.join(KINDS)}, as in 'error:Q'")
+        raise ValueError(f"channel {column!r}: expected a field and its kind, one of {', '.join(KINDS)}, as in 'error:Q'")
     return {"field": name, "type": KINDS[kind], **more}
 
 
 def hovering(*fields: str | tuple[str, ...]) -> list[Channel]:
     """What hovering over a mark shows: fields with their kinds, each alone or with its title and, behind that, its format."""
-    listed = [(said,) if isinstance(said, str) else said for said in fields]
-    more = [{key: words for key, words in zip(("title", "format"), said[1:], strict=False) if words} for said in listed]
-    return [channel(said[0], **about) for said, about in zip(listed, more, strict=True)]
+    listed = [(column,) if isinstance(column, str) else column for column in fields]
+    more = [{key: words for key, words in zip(("title", "format"), column[1:], strict=False) if words} for column in listed]
+    return [channel(column[0], **about) for column, about in zip(listed, more, strict=True)]
 
 
 def fixed(same: float | str) -> Channel:
@@ -54,14 +54,14 @@ class Chart:
 
     def encode(self, **channels: str | Channel | Sequence[Channel]) -> "Chart":
         """The same marks where and in which colours rows say; a channel may be its field and kind alone."""
-        said: dict[str, Any] = {name: channel(what) if isinstance(what, str) else what for name, what in channels.items()}
-        for name in SECOND & said.keys():
-            said[name] = {key: part for key, part in said[name].items() if key != "type"}
-        return Chart(self.rows, self.mark, said)
+        encoding: dict[str, Any] = {name: channel(what) if isinstance(what, str) else what for name, what in channels.items()}
+        for name in SECOND & encoding.keys():
+            encoding[name] = {key: part for key, part in encoding[name].items() if key != "type"}
+        return Chart(self.rows, self.mark, encoding)
 
 
 def chart(rows: Sequence[Mapping[str, Any]]) -> Chart:
-    """A chart of rows, whose marks are still to be said."""
+    """A chart of rows, whose marks are not chosen yet."""
     return Chart(rows)
 
 

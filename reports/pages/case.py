@@ -103,7 +103,7 @@ def _by_step(store: Store, name: str, rows: pd.DataFrame, asked: Collection[str]
 
 def orders(ladders: list[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
     """The ladders that have a fit or need none, engine by engine and track by track."""
-    listed = [row for row in ladders if row.order is not None or row.verdict == "exact"]
+    listed = [row for row in ladders if row.fit is not None or row.verdict == "exact"]
     return sorted(listed, key=lambda row: sides.index((row.engine, row.track)))
 
 

@@ -66,9 +66,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
     )
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {
-        "price.csv": sheet(prices_table.COLUMNS, map(asdict, prices)),
-        "profile.csv": sheet(profile_table.COLUMNS, map(profile_table.flat, shares)),
-        "steps.csv": sheet(steps_table.COLUMNS, map(asdict, steps)),
+        "price.csv": sheet(prices_table.TABLE.columns, map(asdict, prices)),
+        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.flat, shares)),
+        "steps.csv": sheet(steps_table.TABLE.columns, map(asdict, steps)),
     }
     return {"price.html": page} | sheets | {figure.path: figure for figure in figures}
 

@@ -148,9 +148,9 @@ def test_every_table_is_made(made: tuple[Callable[[Path], Path], Path]) -> None:
     for name in tables.names():
         table = tables.table(name)
         rows = table.rows(store)
-        assert all(row.keys() >= set(table.COLUMNS) for row in rows), name
-        assert all(len(table.brief(row)) == len(table.BRIEF) for row in rows), name
-        tables.sentences(table, rows)
+        assert all(row.keys() >= set(table.columns) for row in rows), name
+        assert all(len(table.brief(row)) == len(table.shown) for row in rows), name
+        table.sentences(rows)
 
 
 def test_a_page_that_fails_is_named_at_the_end_and_the_command_ends_with_1(

@@ -2,13 +2,14 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
+from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
@@ -62,10 +63,6 @@ class Verdict:
     verdict: str
     reason: str
     trial: str
-
-
-COLUMNS = tuple(field.name for field in fields(Verdict) if field.name != "effects")
-"""Of what is printed: the cell 'effect' holds the names of `effects`."""
 
 
 @lru_cache(maxsize=1)
@@ -229,31 +226,7 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Rows with COLUMNS, and the tuple `effects`."""
-    return [asdict(verdict) for verdict in verdicts(store)]
-
-
-BRIEF = ("case", "engine", "effect", "cost", "moves", "own error", "verdict")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
-    return [
-        named_scene(row),
-        f"{row['engine']}/{row['track']}",
-        row["effect"],
-        cost,
-        "" if row["moved"] is None else f"{row['moved']:.2g}",
-        "" if row["own"] is None else f"{row['own']:.2g}",
-        row["verdict"] + (f": {row['reason'][:70]}" if row["reason"] and row["verdict"] not in ("insisted on",) else ""),
-    ]
-
-
-def sentences(
-    rows: Sequence[Mapping[str, Any]], *, accusing: bool = True, titles: Mapping[str, str] | None = None
-) -> list[str]:
+def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str, str] | None = None) -> list[str]:
     """What leaving effects out saves, engine by engine, and what the audit says.
 
     Args: accusing: of each scene that fails it too. titles: what engines and cases are called, by name.
@@ -276,3 +249,19 @@ def sentences(
         lines.append(f"Audit: {call}, judged on {judge}{beside}.")
     lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences(titles) if accusing else ()), *audited.doubts(titles))]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]
+
+
+TABLE = Table(
+    columns=tuple(name for name in names(Verdict) if name != "effects"),  # the cell `effect` holds their names
+    objects=verdicts,
+    shown=(
+        Column("case", named_scene),
+        Column("engine", side),
+        Column("effect", "effect"),
+        Column("cost", lambda row: "" if row["cost"] is None else "x {cost:.3g} ({low:.3g}..{high:.3g})".format(**row)),
+        Column("moves", "moved", ".2g"),
+        Column("own error", "own", ".2g"),
+        Column("verdict", lambda row: row["verdict"] if row["verdict"] == "insisted on" else outcome(row, 70)),
+    ),
+    sentences=sentences,
+)

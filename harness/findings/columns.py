@@ -142,3 +142,8 @@ def milli(value: float | None) -> float | None:
 def span(low: float | None, high: float | None) -> Span | None:
     """An interval; None where an end of it is not known."""
     return None if low is None or high is None else Span(low, high)
+
+
+def known(each: object | None, *names: str) -> dict[str, Any]:
+    """These fields of an object by name; None each where there is no object."""
+    return {name: None if each is None else getattr(each, name) for name in names}

@@ -82,8 +82,8 @@ def test_contacts_leave_the_first_order_and_what_is_not_declared_is_not_promised
 def test_runs_without_an_answer_and_ladders_of_two_steps_have_no_row(tmp_path: Path) -> None:
     smooth = {"converges": "smoothly"}
     failed = folder(tmp_path / "a", {"one": list(LADDER)}, smooth, {"rk4": 4}, status="diverged", reason="NaN")
-    assert convergences(failed) == []
-    assert convergences(folder(tmp_path / "b", {"one": [1.0, 0.5]}, smooth, {"rk4": 4})) == []
+    assert convergences(failed) == ()
+    assert convergences(folder(tmp_path / "b", {"one": [1.0, 0.5]}, smooth, {"rk4": 4})) == ()
 
 
 def test_a_ladder_whose_coarse_rungs_are_cut_into_sub_steps_is_judged_by_the_steps_that_were_taken(tmp_path: Path) -> None:

@@ -14,8 +14,7 @@ from typing import Any, TypeVar
 
 from plumbline.harness.findings.agreement import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import searches_if_described
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT

@@ -98,10 +98,9 @@ def _row(
         "ours": side.ours,
         "verdict": side.word,
         "why": side.why,
-        "order": None if limit.said is None else limit.said.order,
+        **known(limit.said, "order", "horizon"),
         "bar": limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None,
         "known_until": limit.until,
-        "horizon": None if limit.said is None else limit.said.horizon,
         "camp": " ".join(side.camps),
         "votes": side.votes,
         "distance": side.distance,
@@ -126,7 +125,7 @@ def _row(
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
     """What has a value for each run is JSON, as in the table of trials."""
-    return {name: json.dumps(value) if isinstance(value, list) else value for name, value in row.items()}
+    return {name: json.dumps(row[name]) if isinstance(row[name], list) else row[name] for name in COLUMNS}
 
 
 def _sentences(rows: Sequence[Row]) -> list[str]:

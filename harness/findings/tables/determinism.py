@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -61,13 +62,9 @@ class Agreement:
     trial_first: str
 
 
-@lru_cache(maxsize=1)
-def agreements(store: Store) -> tuple[Agreement, ...]:
-    """All repetitions of a run; worked out once for a store, since it reads every trajectory."""
-    return tuple(_agreements(store))
-
-
-def _agreements(store: Store) -> Iterator[Agreement]:
+@once
+def agreements(store: Store) -> Iterator[Agreement]:
+    """All repetitions of a run."""
     alterations = [json.loads(text) for text in store.trials["alteration"]]
     trials = store.trials.assign(
         way=[alteration.get("name", "") for alteration in alterations],

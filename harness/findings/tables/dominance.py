@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Row, Table, names, scene
+from plumbline.harness.findings.columns import Column, Row, Table, known, names, scene
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
@@ -200,8 +200,7 @@ def _judged(
         checks=own.compared.checks,
         error_ratio=own.compared.ratio,
         cost=own.rough if own.cost is None else own.cost.value,
-        low=None if own.cost is None else own.cost.low,
-        high=None if own.cost is None else own.cost.high,
+        **known(own.cost, "low", "high"),
         drawn=len(answered),
         won=sum(bool(beside[other["trial"]].by) for other in answered),
         draws="; ".join(_told(other, beside[other["trial"]], given) for other in drawn),

@@ -3,13 +3,12 @@
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
+from plumbline.harness.findings.columns import Column, Row, Table, known, names, outcome, side
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
@@ -20,6 +19,7 @@ from plumbline.harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.variant_of import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
@@ -65,19 +65,15 @@ class Verdict:
     trial: str
 
 
-@lru_cache(maxsize=1)
-def verdicts(store: Store) -> tuple[Verdict, ...]:
-    """All rows of a run; worked out once for a store, since it reads every trajectory."""
-    return tuple(_verdicts(store))
-
-
 def verdicts_if_described(store: Store) -> tuple[Verdict, ...]:
     """The same for pages that are not about effects alone: none where the folder has lost the catalogue, which says what
     scenes call for."""
     return verdicts(store) if store.catalogue else ()
 
 
-def _verdicts(store: Store) -> Iterator[Verdict]:
+@once
+def verdicts(store: Store) -> Iterator[Verdict]:
+    """All rows of a run."""
     trials = store.trials
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
     altered = set(trials.loc[trials["departure"] == EVERYTHING, "experiment"])
@@ -166,16 +162,13 @@ def _of_side(
             effects=effects,
             declared=declared.issuperset(effects) and bool(effects),
             insists=str(insists.get(effects[0], "")) if len(effects) == 1 else "",
-            moved=None if consequence is None else consequence.moved,
-            own=None if consequence is None else consequence.own,
-            matters=None if consequence is None else consequence.matters,
             cost=None if price is None else price.value,
-            low=None if price is None else price.low,
-            high=None if price is None else price.high,
             cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
             verdict=verdict,
             reason=reason,
             trial=str(run.trial),
+            **known(consequence, "moved", "own", "matters"),
+            **known(price, "low", "high"),
         )
 
     if plain.status not in ("passed", "failed"):

@@ -16,6 +16,7 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Table
 from plumbline.harness.findings.integrators import called
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.store import Store
@@ -64,18 +65,9 @@ _OF_FIT = ("order", "low", "high", "used", "floor", "coarse", "fine")
 COLUMNS = ("case", "where", "engine", "track", "metric", "integrator", *_OF_FIT, "promised", "verdict", "finding")
 
 
+@once
 def convergences(store: Store) -> list[Convergence]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
-    return list(_convergences(store))
-
-
-@lru_cache(maxsize=1)
-def _convergences(store: Store) -> tuple[Convergence, ...]:
-    """Once for all that ask: a fit takes long where there are a thousand ladders."""
-    return tuple(_fitted(store))
-
-
-def _fitted(store: Store) -> list[Convergence]:
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
     if store.asked.empty:
         return []

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene, span
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import Price
+from plumbline.harness.findings.prices import Price, priced
 from plumbline.harness.findings.steps_taken import step_in_words
 
 

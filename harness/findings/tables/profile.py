@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 
 from plumbline.harness.findings.columns import Column, Row, Table, names
 from plumbline.harness.findings.leads import REFERENCE
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""

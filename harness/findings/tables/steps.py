@@ -9,8 +9,7 @@ from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import Point
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, unit_of
+from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store

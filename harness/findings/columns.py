@@ -114,6 +114,11 @@ def headings(columns: Iterable[Column | Titled]) -> list[str]:
     return [column.heading for column in columns]
 
 
+def plain(*columns: str) -> list[Column]:
+    """Columns under the names of their fields."""
+    return [Column(name, name) for name in columns]
+
+
 def names(of: type) -> tuple[str, ...]:
     """The names of a dataclass's fields."""
     return tuple(field.name for field in fields(of))

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from plumbline.harness.findings.columns import Column, Row
+from plumbline.harness.findings.columns import Column, Row, plain
 from plumbline.harness.findings.selection.choose import Answer
 from plumbline.harness.findings.steps_taken import step_in_words
 
@@ -26,9 +26,7 @@ def _step(row: Row) -> str:
 
 
 SHOWN = (
-    Column("criterion", "criterion"),
-    Column("case", "case"),
-    Column("engine", "engine"),
+    *plain("criterion", "case", "engine"),
     Column("of 1", "value", ".2f"),
     Column("because", "says"),
     Column("settings", "track"),

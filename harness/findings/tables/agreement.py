@@ -22,7 +22,7 @@ from plumbline.harness.findings.agreement import (
     scenes_to_judge,
 )
 from plumbline.harness.findings.agreement.words import beyond_words, scene_words, side_sentence
-from plumbline.harness.findings.columns import Column, Row, Table
+from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.store.store import Store
 
 COLUMNS = (
@@ -88,7 +88,7 @@ def _row(
         omission [m], omission_turn [rad]: how far that moves any body up to omission_until [s]; None where it is not known.
     """
     limit, errors = side.limit, errors_of(store)
-    known = [errors.get(rung.trial) for rung in limit.rungs]
+    measured = [errors.get(rung.trial) for rung in limit.rungs]
     clocked = [costs.get(rung.trial) for rung in limit.rungs]
     return {
         "case": agreement.case,
@@ -112,8 +112,8 @@ def _row(
         "finding": finding,
         "summary": summary,
         "steps": [rung.dt for rung in limit.rungs],
-        "errors": [None if each is None else each.error for each in known],
-        "offs": [None if each is None else each.off for each in known],
+        "errors": [None if each is None else each.error for each in measured],
+        "offs": [None if each is None else each.off for each in measured],
         "costs": [None if each is None or pd.isna(each) else float(each) for each in clocked],
         "trials": [rung.trial for rung in limit.rungs],
         "left_out": "" if lost is None else " ".join(lost.kinds),
@@ -146,8 +146,7 @@ TABLE = Table(
     flat=_flat,
     shown=(
         Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
-        Column("engine", "engine"),
-        Column("track", "track"),
+        *plain("engine", "track"),
         Column("verdict", lambda row: f"cannot ({row['why'][:60]})" if row["verdict"] == "cannot" else row["verdict"]),
         Column("order", "order", ".2f"),
         Column("known to", "bar", ".2g"),

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from plumbline.harness.findings.columns import Column, Row, Table, milli, names, scene
+from plumbline.harness.findings.columns import Column, Row, Table, milli, names, plain, scene
 from plumbline.harness.findings.leads import Reach, reaches
 from plumbline.harness.findings.limits_found import amount, searches
 
@@ -25,8 +25,7 @@ TABLE = Table(
     objects=lambda store: reaches(searches(store)),
     shown=(
         Column("case", scene),
-        Column("engine", "engine"),
-        Column("at", "at"),
+        *plain("engine", "at"),
         Column("condition", lambda row: f"{1e3 * row['condition']:.3g} ms" + ("" if row["parts"] else " a step")),
         Column("axis", "axis"),
         Column("held", lambda row: amount(row["held"], "none")),

@@ -7,6 +7,15 @@ from plumbline.harness.scene.importers import fidelity
 from plumbline.harness.store.imported_scenes import fidelity_of
 
 
+def of_element(row: Row) -> list[object]:
+    """What becomes of an element, under `fidelity.BRIEF`."""
+    return fidelity.brief(dict(row))
+
+
+def _column(position: int, heading: str) -> Column:
+    return Column(heading, lambda row: of_element(row)[position])
+
+
 def _sentences(rows: Sequence[Row]) -> list[str]:
     """How many of each outcome."""
     if not rows:
@@ -21,10 +30,7 @@ TABLE = Table(
     flat=dict,
     shown=(
         Column("robot", "robot"),
-        *(
-            Column(heading, lambda row, place=place: fidelity.brief(dict(row))[place])
-            for place, heading in enumerate(fidelity.BRIEF)
-        ),
+        *(_column(position, heading) for position, heading in enumerate(fidelity.BRIEF)),
     ),
     sentences=_sentences,
 )

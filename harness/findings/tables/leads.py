@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from plumbline.harness.findings.columns import Column, Row, Table, names
+from plumbline.harness.findings.columns import Column, Row, Table, names, plain
 from plumbline.harness.findings.leads import Lead, axis_leads, pair_leads, reaches
 from plumbline.harness.findings.limits_found import searches
 from plumbline.harness.findings.prices import priced
@@ -34,11 +34,9 @@ TABLE = Table(
     objects=_leads,
     shown=(
         Column("of", "what"),
-        Column("at", "at"),
-        Column("condition", "condition"),
+        *plain("at", "condition"),
         Column("with ours", lambda row: "yes" if row["ours"] else "no"),
-        Column("engine", "engine"),
-        Column("alone", "alone"),
+        *plain("engine", "alone"),
         Column("with others", "shared"),
         Column("asked", "of"),
     ),

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from plumbline.harness.findings.columns import Column, Row, Table
+from plumbline.harness.findings.columns import Column, Row, Table, plain
 
 COLUMNS = ("experiment", "case", "trials", "why", "last_seen", "foreseen")
 
@@ -19,10 +19,7 @@ TABLE = Table(
     objects=lambda store: store.night.get("left_out", ()),  # none of a run that is no night of a history
     flat=lambda row: {name: row.get(name) for name in COLUMNS},
     shown=(
-        Column("experiment", "experiment"),
-        Column("case", "case"),
-        Column("trials", "trials"),
-        Column("why", "why"),
+        *plain("experiment", "case", "trials", "why"),
         Column("last seen", lambda row: row["last_seen"] or "never"),
         Column("foreseen", lambda row: "unknown" if row["foreseen"] is None else f"{row['foreseen']:.0f} s"),
     ),

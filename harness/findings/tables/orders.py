@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Table
+from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.findings.integrators import called
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.variant_of import in_words, other_values
@@ -202,10 +202,7 @@ TABLE = Table(
     objects=convergences,
     flat=Convergence.flat,
     shown=(
-        Column("case", "case"),
-        Column("engine", "engine"),
-        Column("track", "track"),
-        Column("integrator", "integrator"),
+        *plain("case", "engine", "track", "integrator"),
         Column("promised", "promised", "d"),
         Column("order", "order", ".2f"),
         Column("interval", lambda row: "" if row["low"] is None else f"{row['low']:.2f} .. {row['high']:.2f}"),

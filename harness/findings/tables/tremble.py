@@ -30,7 +30,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from plumbline.harness.findings.columns import Column, Row, Table
+from plumbline.harness.findings.columns import Column, Row, Table, plain
 from plumbline.harness.findings.prices import number
 from plumbline.harness.findings.steps_taken import step_in_words, with_substeps
 from plumbline.harness.store.store import Store
@@ -251,9 +251,14 @@ def _rows(store: Store) -> list[dict[str, Any]]:
     return with_substeps(store, flat)
 
 
-def _shown(row: Row, change: str) -> str:
-    share = row[change]
-    return "" if share is None else "stands" if share >= CURED else f"{share:.3g}x"
+def _share_of(change: str) -> Column:
+    """How many times smaller a change made the vibration."""
+
+    def cell(row: Row) -> str:
+        share = row[change]
+        return "" if share is None else "stands" if share >= CURED else f"{share:.3g}x"
+
+    return Column(change, cell)
 
 
 TABLE = Table(
@@ -267,8 +272,7 @@ TABLE = Table(
         Column("dt", lambda row: step_in_words(row["dt"], row["substeps"])),
         Column("vibration", lambda row: "falls" if row["vibration_rad_s"] is None else f"{row['vibration_rad_s']:.2g} rad/s"),
         Column("at", "frequency_hz", ".3g", " Hz"),
-        *(Column(change, lambda row, change=change: _shown(row, change)) for change in CHANGES),
-        Column("cause", "cause"),
-        Column("why", "why"),
+        *map(_share_of, CHANGES),
+        *plain("cause", "why"),
     ),
 )

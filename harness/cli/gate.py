@@ -12,7 +12,7 @@ def failures(store: "Store") -> list[str]:
     from plumbline.harness.findings.effects_audit import JUDGE, audit
     from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
     from plumbline.harness.findings.tables import determinism, dominance
-    from plumbline.harness.findings.tables.effects import rows
+    from plumbline.harness.findings.tables.effects import TABLE
 
     ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
     # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
@@ -27,6 +27,6 @@ def failures(store: "Store") -> list[str]:
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
     # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
-    judged = audit([row for row in rows(store) if row["engine"] == JUDGE])
+    judged = audit([row for row in TABLE.rows(store) if row["engine"] == JUDGE])
     sentences += [f"audit: {sentence}" for sentence in judged.sentences()]
     return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]

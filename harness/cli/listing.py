@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from plumbline.harness.cli.paper_tables import Span
+from plumbline.harness.findings.columns import Span
 from plumbline.harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
 
 

@@ -30,5 +30,5 @@ def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
     from plumbline.harness.findings.agreement.costs import cost_words
 
-    verdicts, effects = (tables.sentences(table, table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
+    verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
     return [*verdicts, *cost_words(store), *effects]

@@ -10,13 +10,15 @@ from plumbline.harness.cli.guard import GATE, MACHINE, gate, say, stop
 from plumbline.harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
-from plumbline.harness.cli.paper_tables import paper_table
+from plumbline.harness.cli.paper_trials import paper_trials, titles_of
 from plumbline.harness.findings import tables
+from plumbline.harness.findings.columns import Column, headings
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
+    from plumbline.harness.findings.columns import Row
     from plumbline.harness.store.store import Store
 
 _TABLES = ("trials", "measurements", "samples")
@@ -43,17 +45,18 @@ def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
     store = opened(folder)
     worked_out = None if table in _TABLES else tables.table(table)
-    rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.COLUMNS)
+    rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.columns)
     if form == "json":
         print_json(rows)
     elif form == "csv":
         print_csv(columns, rows)
     elif form in ("markdown", "latex"):
-        printed = paper_table(store, table, rows)
-        if printed is None and worked_out is not None:
-            printed = worked_out.BRIEF, [list(worked_out.brief(row)) for row in rows]
-        if printed is None:
-            printed = columns, [[row[c] for c in columns] for row in rows]
+        if worked_out is not None:
+            printed = worked_out.printed(store, rows, lambda: titles_of(store))
+        elif table == "trials":
+            printed = paper_trials(store, rows)
+        else:
+            printed = list(columns), [[row[name] for name in columns] for row in rows]
         if form == "markdown":
             print_markdown(*printed)
         else:
@@ -61,28 +64,28 @@ def show(folder: Path, table: str, form: str) -> None:
 
             print_latex(*printed, citation(store))
     elif worked_out is not None:
-        print_table(table, worked_out.BRIEF, [worked_out.brief(row) for row in rows])
-        for sentence in tables.sentences(worked_out, rows):
+        print_table(table, headings(worked_out.shown), [worked_out.brief(row) for row in rows])
+        for sentence in worked_out.sentences(rows):
             say(sentence)
     else:
-        brief = (
-            ["trial", "case", "engine", "track", "dt", "status", "cpu_per_sim_s", "clocked", "reason"]
-            if table == "trials"
-            else columns
-        )
-        if table == "trials" and any(row["recalled"] for row in rows):
-            brief = [*brief[:-1], "recalled", "reason"]
-        if table == "trials":
-            rows = [
-                row
-                | {
-                    "status": shown_status(str(row["case"]), str(row["status"])),
-                    "dt": step_in_words(row["dt"], substeps_of(str(row["resolved"]))),
-                }
-                for row in rows
-            ]
-        shown = [[f"{row[c]:.4g}" if isinstance(row[c], float) else row[c] for c in brief] for row in rows]
-        print_table(table, brief, shown)
+        shown = _shown_trials(rows) if table == "trials" else [Column(name, _short(name)) for name in columns]
+        print_table(table, headings(shown), [[column.cell(row) for column in shown] for row in rows])
+
+
+def _short(name: str) -> "Callable[[Row], object]":
+    """What makes a cell of a stored value: numbers in four digits."""
+    return lambda row: f"{row[name]:.4g}" if isinstance(row[name], float) else row[name]
+
+
+def _shown_trials(rows: "Sequence[Row]") -> "list[Column]":
+    """What a terminal has room for of the trials."""
+    recalled = ["recalled"] if any(row["recalled"] for row in rows) else []
+    return [
+        *(Column(name, name) for name in ("trial", "case", "engine", "track")),
+        Column("dt", lambda row: step_in_words(row["dt"], substeps_of(str(row["resolved"])))),
+        Column("status", lambda row: shown_status(str(row["case"]), str(row["status"]))),
+        *(Column(name, _short(name)) for name in ("cpu_per_sim_s", "clocked", *recalled, "reason")),
+    ]
 
 
 @click.command()

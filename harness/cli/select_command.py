@@ -8,6 +8,7 @@ import click
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import opened, run_folder
+from plumbline.harness.findings.columns import headings
 
 if TYPE_CHECKING:
     from plumbline.harness.findings.selection import Answer
@@ -96,7 +97,7 @@ def _print_evidence(answer: "Answer", as_json: bool) -> None:
     if as_json:
         print_json(rows)
     else:
-        print_table("evidence", listing.BRIEF, [listing.brief(row) for row in rows])
+        print_table("evidence", headings(listing.SHOWN), [[column.cell(row) for column in listing.SHOWN] for row in rows])
 
 
 def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:

@@ -3,12 +3,12 @@
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.case import Axis
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.variant_of import STEP, differing, in_words
 from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from plumbline.harness.store.notices import StoredNotice
@@ -134,12 +134,6 @@ def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
     return Ruler.of(axis, about["parameters"], experiment.limit)
 
 
-@lru_cache(maxsize=1)
-def searches(store: Store) -> tuple[Search, ...]:
-    """All searches of a run, those for remedies with them; worked out once for a store."""
-    return tuple(_searches(store))
-
-
 def searches_if_described(store: Store) -> tuple[Search, ...]:
     """The same for pages that are not about limits alone: none where the folder has lost the catalogue, which says the axes."""
     return searches(store) if store.catalogue else ()
@@ -168,7 +162,9 @@ def _measured(store: Store) -> _Measured:
     return _Measured(shares, starts, own, signs, store.notices)
 
 
-def _searches(store: Store) -> Iterator[Search]:
+@once
+def searches(store: Store) -> Iterator[Search]:
+    """All searches of a run, those for remedies with them."""
     experiments = _experiments(store)
     if not experiments:
         return

@@ -14,18 +14,17 @@ import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from functools import cache, cached_property
+from dataclasses import asdict, dataclass, replace
+from functools import cache, cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.agreement import errors_of
-from plumbline.harness.findings.cost_point import Point
-from plumbline.harness.findings.foreseen import foreseen
+from plumbline.harness.findings.cost_point import Point, foreseen
 from plumbline.harness.findings.samples import Block, samples_by_block
-from plumbline.harness.findings.search_effort import Ended, efforts
+from plumbline.harness.findings.search_effort import Effort, Ended, efforts
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
@@ -72,26 +71,26 @@ class Price:
     engine: str
     verdict: Verdict
     unit: str
-    cost: float | None
-    low: float | None
-    high: float | None
-    ratio: float | None
-    ratio_low: float | None
-    ratio_high: float | None
+    cost: float | None = None
+    low: float | None = None
+    high: float | None = None
+    ratio: float | None = None
+    ratio_low: float | None = None
+    ratio_high: float | None = None
     cheapest: bool
-    best_error: float | None
+    best_error: float | None = None
     finest_dt: float | None
     finest_substeps: int | None
-    foreseen_dt: float | None
-    foreseen_order: float | None
-    foreseen_track: str
-    track: str
-    dt: float | None
-    substeps: int | None
-    trial: str
-    unstable: bool
-    emulated: float | None
-    reason: str
+    foreseen_dt: float | None = None
+    foreseen_order: float | None = None
+    foreseen_track: str = ""
+    track: str = ""
+    dt: float | None = None
+    substeps: int | None = None
+    trial: str = ""
+    unstable: bool = False
+    emulated: float | None = None
+    reason: str = ""
     tried: int
     ended: Ended
 
@@ -214,45 +213,66 @@ class Prices:
         of_engine = {engine: [p for p in here if p.engine == engine] for engine in dict.fromkeys(trials["engine"])}
         lists = {engine: List(mine, draw, targets) for engine, mine in of_engine.items()}
         lacking = {e: without(trials[trials["engine"] == e], here, e) for e, costs in lists.items() if costs.best is None}
-        spent = efforts(self._store, trials)
+        searched = {engine: _searched(of_engine[engine], spent) for engine, spent in efforts(self._store, trials).items()}
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
             deployable = [engine for engine in reached if engine not in self._ours]
             cheapest = min(deployable, key=lambda engine: reached[engine], default="")
             for engine, costs in lists.items():
-                blank: dict[str, Any] = {f.name: None for f in fields(Price)}
-                row = blank | {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
-                row |= {"track": "", "trial": "", "reason": "", "unstable": False, "cheapest": engine == cheapest}
-                row |= {"tried": spent[engine].tried, "ended": spent[engine].ended}
-                finest = min(of_engine[engine], key=lambda p: p.dt, default=None)
-                row |= {"finest_dt": finest and finest.dt, "finest_substeps": finest and finest.substeps, "foreseen_track": ""}
+                asked: dict[str, Any] = {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
+                asked |= {"cheapest": engine == cheapest, **searched[engine]}
                 if costs.best is None:
-                    yield Price(**(row | lacking[engine]))
+                    yield Price(**asked, **lacking[engine])
                     continue
-                row |= {"best_error": costs.best.error}
+                asked["best_error"] = costs.best.error
                 if engine not in reached:
-                    close = [p for p in of_engine[engine] if p.error <= target]
-                    least = min(close, key=lambda p: p.cost, default=costs.best)
-                    outcome: dict[str, Any] = (
-                        {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"}
-                        if close
-                        else {"verdict": "not within the ladder"}
-                    )
-                    trend = None if close else foreseen(of_engine[engine], target)
-                    if trend is not None:
-                        outcome |= {f"foreseen_{key}": value for key, value in asdict(trend).items()}
-                    yield Price(**(row | outcome | _leaning_on(least)))
+                    yield Price(**asked, **_unreached(of_engine[engine], costs.best, target))
                     continue
                 under, over = costs.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
                 low, high = interval(costs.drawn[:, k])
-                row |= {"verdict": "within the truth's error" if target < under.off else verdict}
-                row |= {"cost": reached[engine], "low": low, "high": high}
+                price = Price(
+                    **asked,
+                    verdict="within the truth's error" if target < under.off else verdict,
+                    cost=reached[engine],
+                    low=low,
+                    high=high,
+                    emulated=under.emulated,
+                    unstable=under.unstable or (over is not None and over.unstable),
+                    **_leaning_on(under),
+                )
                 if cheapest:
-                    ratio_low, ratio_high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
-                    row |= {"ratio": reached[engine] / reached[cheapest], "ratio_low": ratio_low, "ratio_high": ratio_high}
-                row |= _leaning_on(under) | {"emulated": under.emulated}
-                yield Price(**(row | {"unstable": under.unstable or (over is not None and over.unstable)}))
+                    low, high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
+                    price = replace(price, ratio=reached[engine] / reached[cheapest], ratio_low=low, ratio_high=high)
+                yield price
+
+
+def _searched(points: Sequence[Point], spent: Effort) -> dict[str, Any]:
+    """The fields of a price that say what was tried."""
+    finest = min(points, key=lambda point: point.dt, default=None)
+    return {
+        "finest_dt": finest and finest.dt,
+        "finest_substeps": finest and finest.substeps,
+        "tried": spent.tried,
+        "ended": spent.ended,
+    }
+
+
+def _unreached(points: Sequence[Point], best: Point, target: float) -> dict[str, Any]:
+    """The fields of the price of a target that no clocked point comes down to."""
+    close = [point for point in points if point.error <= target]
+    if close:
+        least = min(close, key=lambda point: point.cost)
+        return {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"} | _leaning_on(least)
+    trend = foreseen(points, target)
+    ahead = {} if trend is None else {f"foreseen_{name}": value for name, value in asdict(trend).items()}
+    return {"verdict": "not within the ladder"} | ahead | _leaning_on(best)
+
+
+@lru_cache(maxsize=2)
+def priced(store: Store) -> Prices:
+    """Points and prices of a store, worked out once for all that ask: they take longer than what is made of them."""
+    return Prices(store)
 
 
 def _leaning_on(point: Point) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import pandas as pd
 from plumbline.harness.findings.agreement import AGREED_TRUTH
 from plumbline.harness.findings.compact_listing import rows, told_apart
 from plumbline.harness.findings.emulations import whose
-from plumbline.harness.findings.tables import agreement
+from plumbline.harness.findings.tables.agreement import TABLE
 from plumbline.harness.intake.safe_text import markdown_cell, visible
 from plumbline.harness.store.disk import write_atomically
 from plumbline.harness.store.store import Store
@@ -65,7 +65,7 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any], verdicts: Sequ
 
 def summaries(store: Store) -> dict[str, bytes]:
     """The content of junit.xml and summary.md."""
-    verdicts = agreement.sentences(agreement.rows(store))
+    verdicts = TABLE.sentences(TABLE.rows(store))
     return {
         "junit.xml": _junit(store.trials, store.catalogue),
         "summary.md": _markdown(store.trials, store.catalogue, verdicts),

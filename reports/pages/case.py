@@ -4,7 +4,7 @@ Scenes of one's own, whose truth engines have to agree on, have a page of their 
 """
 
 import shlex
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from functools import partial
 
 import pandas as pd
@@ -101,9 +101,9 @@ def _by_step(store: Store, name: str, rows: pd.DataFrame, asked: Collection[str]
     return error_by_step(store, rows[rows["trial"].isin(asked)], f"case-{slug(name)}", cases(store)[name]["headline"], unit)
 
 
-def orders(ladders: list[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
+def orders(ladders: Sequence[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
     """The ladders that have a fit or need none, engine by engine and track by track."""
-    listed = [row for row in ladders if row.order is not None or row.verdict == "exact"]
+    listed = [row for row in ladders if row.fit is not None or row.verdict == "exact"]
     return sorted(listed, key=lambda row: sides.index((row.engine, row.track)))
 
 

@@ -39,7 +39,7 @@ def render(store: Store) -> Mapping[str, str]:
         growth=growth,
         found=rows,
     )
-    return {"determinism.html": page, "determinism.csv": sheet(determinism_table.COLUMNS, map(asdict, rows))}
+    return {"determinism.html": page, "determinism.csv": sheet(determinism_table.TABLE.columns, map(asdict, rows))}
 
 
 PAGE = Page(name="determinism", title="Determinism", order=16, render=render, concerns=concerns)

@@ -42,7 +42,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         excused=EXCUSED,
         idle=IDLE,
     )
-    return {"dominance.html": page, "dominance.csv": sheet(dominance_table.COLUMNS, map(asdict, found))}
+    return {"dominance.html": page, "dominance.csv": sheet(dominance_table.TABLE.columns, map(asdict, found))}
 
 
 PAGE = Page(name="dominance", title="Dominance", order=15, render=render, concerns=concerns)

@@ -37,7 +37,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         matrix=matrix(store, judged),
         found=[verdict for verdict in judged if verdict.verdict != EVERYTHING],
     )
-    sheets = {"effects.csv": sheet(effects_table.COLUMNS, rows)}
+    sheets = {"effects.csv": sheet(effects_table.TABLE.columns, rows)}
     return {"effects.html": page} | sheets | ({figure.path: figure} if figure is not None else {})
 
 

@@ -44,9 +44,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
         cases=cases(store),
     )
     sheets = {
-        "limits.csv": sheet(limits_table.COLUMNS, limits_table.rows(store)),
-        "farthest.csv": sheet(farthest_table.COLUMNS, farthest_table.rows(store)),
-        "remedies.csv": sheet(remedies_table.COLUMNS, remedies_table.rows(store)),
+        "limits.csv": sheet(limits_table.TABLE.columns, limits_table.TABLE.rows(store)),
+        "farthest.csv": sheet(farthest_table.TABLE.columns, farthest_table.TABLE.rows(store)),
+        "remedies.csv": sheet(remedies_table.TABLE.columns, remedies_table.TABLE.rows(store)),
     }
     return {"limits.html": page} | sheets | {figure.path: figure for figure in drawn}
 

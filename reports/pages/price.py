@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 
 from plumbline.harness.findings.leads import pair_leads
-from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import priced
 from plumbline.harness.findings.search_effort import ALIKE
 from plumbline.harness.findings.tables import price as prices_table
 from plumbline.harness.findings.tables import profile as profile_table
@@ -66,9 +66,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
     )
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {
-        "price.csv": sheet(prices_table.COLUMNS, map(asdict, prices)),
-        "profile.csv": sheet(profile_table.COLUMNS, map(profile_table.flat, shares)),
-        "steps.csv": sheet(steps_table.COLUMNS, map(asdict, steps)),
+        "price.csv": sheet(prices_table.TABLE.columns, map(asdict, prices)),
+        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.flat, shares)),
+        "steps.csv": sheet(steps_table.TABLE.columns, map(asdict, steps)),
     }
     return {"price.html": page} | sheets | {figure.path: figure for figure in figures}
 

@@ -9,7 +9,7 @@ from plumbline.harness.findings.agreement import Agreement, balances, horizon_of
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS
 from plumbline.harness.findings.agreement.words import metres
 from plumbline.harness.findings.tables import agreement as agreement_table
-from plumbline.harness.findings.tables import fidelity as fidelity_table
+from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
@@ -54,11 +54,8 @@ def render(store: Store) -> Mapping[str, Rendered]:
     rows, known = answers(store, store.trials), cases(store)
     prices = price_list(store) if scenes(store) else []
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
-    verdicts = agreement_table.rows(store)
-    robots = {
-        folder: (table, [list(fidelity_table.brief({"robot": "", **row}))[1:] for row in table["rows"]])
-        for folder, table in kept_by(store.folder)
-    }
+    verdicts = agreement_table.TABLE.rows(store)
+    robots = {folder: (table, [of_element(row) for row in table["rows"]]) for folder, table in kept_by(store.folder)}
     for name, agreements in by_case(store).items():
         case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
         measured = measured_of(store, name)

@@ -21,7 +21,7 @@ def concerns(store: Store) -> bool:
 
 def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its charts and its table as CSV."""
-    measured, rows = findings(store), sensors_table.rows(store)
+    measured, rows = findings(store), sensors_table.TABLE.rows(store)
     errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)
     page = fill(
         "sensors.html",

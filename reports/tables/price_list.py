@@ -5,8 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plumbline.harness.findings.emulations import share_in_words, whose
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
 from plumbline.reports.words.disputes import disputed

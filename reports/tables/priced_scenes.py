@@ -7,8 +7,7 @@ from functools import lru_cache
 import pandas as pd
 
 from plumbline.harness.findings.cost_point import Point
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import unit_of
+from plumbline.harness.findings.prices import priced, unit_of
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.text import slug
 

@@ -59,7 +59,7 @@ def studied(store: Store) -> list[str]:
         written.append(sentence)
     if rows := [asdict(verdict) for verdict in effects.verdicts_if_described(store)]:
         written += effects.sentences(rows, accusing=False, titles=titles(store))
-    if rows := determinism.rows(store):
+    if rows := determinism.TABLE.rows(store):
         written += determinism.sentences(rows, titles(store))
     return written
 

@@ -73,7 +73,7 @@ def test_a_change_that_the_adapter_names_is_excused_with_its_reason(
 def test_a_reason_that_nothing_calls_for_is_told(store: Store) -> None:
     stale = [row for row in changes(store) if row.verdict == "reason not needed"]
     assert {(row.change, row.reason) for row in stale if row.engine == "beaten"} == {("shade", "never needed")}
-    assert any("beaten gives a reason for shade" in sentence for sentence in table.sentences(table.rows(store)))
+    assert any("beaten gives a reason for shade" in sentence for sentence in table.TABLE.sentences(table.TABLE.rows(store)))
 
 
 def test_a_change_that_is_not_cheap_enough_is_no_better(found: Mapping[tuple[str, str], Change]) -> None:
@@ -110,10 +110,10 @@ def test_only_what_may_win_is_clocked(store: Store) -> None:
 
 
 def test_table_and_page_tell_all_of_it(store: Store) -> None:
-    flat = table.rows(store)
+    flat = table.TABLE.rows(store)
     assert {row["verdict"] for row in flat} >= {"dominated", "excused", "no better", "refused", "changes nothing"}
-    assert all(len(table.brief(row)) == len(table.BRIEF) for row in flat)
-    sentences = table.sentences(flat)
+    assert all(len(table.TABLE.brief(row)) == len(table.TABLE.shown) for row in flat)
+    sentences = table.TABLE.sentences(flat)
     assert sentences[0].startswith("beaten: ")
     assert any("failing/tuned with offset 0.0 keeps" in sentence for sentence in sentences)
     page = dict(PAGE.render(store))["dominance.html"]

@@ -17,7 +17,7 @@ from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
 from plumbline.harness.case.own_titles import called
 from plumbline.harness.cli.minimal_scene import write_minimal
 from plumbline.harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
-from plumbline.harness.findings.tables.effects import Verdict, rows, sentences, verdicts
+from plumbline.harness.findings.tables.effects import TABLE, Verdict, sentences, verdicts
 from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.verify import problems
@@ -179,7 +179,7 @@ def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Stud
     (tmp_path / "my_ball.plumb.toml").write_text("duration = 0.25\nseed = 3\n")
     case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
     store = studied(case, plugins.adapter("reference"))
-    told = [sentence for sentence in sentences(rows(store)) if "gyroscopic" in sentence]
+    told = [sentence for sentence in sentences(TABLE.rows(store)) if "gyroscopic" in sentence]
     assert told[0].startswith("Audit: My ball: declares gyroscopic")
     assert str(path) not in " ".join(told)
     written = write_minimal(store, case)
@@ -264,7 +264,7 @@ def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
     """Neither the whole scene, where it diverges as it is, nor an effect without which it gives no answer."""
     sound = plugins.adapter("reference")
     lost = plant(sound, simulation=Lost)
-    told = rows(studied(case_of("slide_made", sliding()), lost))
+    told = TABLE.rows(studied(case_of("slide_made", sliding()), lost))
     assert audit(told).judged == ()
     assert sentences(told) == [
         "Audit: slide_made: nothing is said of any effect: reference: diverged: by step 1 of 60 (t = 0 s): lost."
@@ -334,7 +334,7 @@ def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
     sound = plugins.adapter("reference")
     wrong = replace(plant(sound, simulation=partial(Wrong, aside=aside)), name=name)
     store = studied(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)), wrong)
-    told = {row["effect"]: row for row in rows(store)}
+    told = {row["effect"]: row for row in TABLE.rows(store)}
     assert told["friction"]["verdict"] == NOT_JUDGED
     assert told["friction"]["reason"].startswith(f"{name}: has not converged: halving the step moves a body by ")
     found = audit(list(told.values()))

@@ -37,7 +37,7 @@ def test_the_fitted_order_is_the_planted_one(known_prices: KnownPrices) -> None:
     assert found.keys() == known_prices.laws.keys()
     for key, law in known_prices.laws.items():
         assert found[key].case == CASE
-        assert found[key].order == pytest.approx(law.order, abs=0.05)
+        assert found[key].fit.order == pytest.approx(law.order, abs=0.05)
         assert (found[key].promised, found[key].verdict) == (law.order, "kept")
         fit = fit_order(LADDER, [law.error(dt) for dt in LADDER])
         assert fit is not None

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from plumbline.harness.cli.listing import print_csv, print_json, print_markdown, print_table
-from plumbline.harness.cli.paper_tables import Span
+from plumbline.harness.findings.columns import Span
 
 HOSTILE = (
     "<script>alert(1)</script>",

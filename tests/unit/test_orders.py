@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.cli.main import main
-from plumbline.harness.findings.tables.orders import COLUMNS, brief, convergences, verdict
+from plumbline.harness.findings.tables.orders import COLUMNS, TABLE, convergences, verdict
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import Store
@@ -63,8 +63,8 @@ def test_promises_are_read_off_the_engine_and_the_case_and_broken_ones_are_sente
     assert rows["slow"].verdict == "broken"
     for word in ("X", "SLOW", "tuned", "Runge-Kutta of order 4", "order 1.00 (1.00 to 1.00)", "promised is 4"):
         assert word in rows["slow"].finding
-    assert tuple(asdict(rows["slow"])) == COLUMNS
-    assert brief(asdict(rows["slow"]))[:4] == ["flight_x", "slow", "tuned", "rk4"]
+    assert tuple(rows["slow"].flat()) == COLUMNS
+    assert TABLE.brief(rows["slow"].flat())[:4] == ["flight_x", "slow", "tuned", "rk4"]
 
 
 @pytest.mark.parametrize(
@@ -82,8 +82,8 @@ def test_contacts_leave_the_first_order_and_what_is_not_declared_is_not_promised
 def test_runs_without_an_answer_and_ladders_of_two_steps_have_no_row(tmp_path: Path) -> None:
     smooth = {"converges": "smoothly"}
     failed = folder(tmp_path / "a", {"one": list(LADDER)}, smooth, {"rk4": 4}, status="diverged", reason="NaN")
-    assert convergences(failed) == []
-    assert convergences(folder(tmp_path / "b", {"one": [1.0, 0.5]}, smooth, {"rk4": 4})) == []
+    assert convergences(failed) == ()
+    assert convergences(folder(tmp_path / "b", {"one": [1.0, 0.5]}, smooth, {"rk4": 4})) == ()
 
 
 def test_a_ladder_whose_coarse_rungs_are_cut_into_sub_steps_is_judged_by_the_steps_that_were_taken(tmp_path: Path) -> None:
@@ -97,10 +97,10 @@ def test_a_ladder_whose_coarse_rungs_are_cut_into_sub_steps_is_judged_by_the_ste
     taken = [dt / cut(dt) for dt in LADDER]
     # First order in the step taken: 1/240 s on three rungs, one point of four; told by the rungs it would lie below one.
     sound = row("cut", taken, cut)
-    assert (sound.verdict, sound.used, sound.coarse) == ("kept", 4, pytest.approx(1 / 240))
-    assert sound.order == pytest.approx(1.0, abs=1e-9)
+    assert (sound.verdict, sound.fit.used, sound.fit.coarse) == ("kept", 4, pytest.approx(1 / 240))
+    assert sound.fit.order == pytest.approx(1.0, abs=1e-9)
     # The same number of sub-steps on all rungs moves nothing: steps are told as those of the finest rung.
-    assert row("even", list(LADDER), lambda _: 4).coarse == pytest.approx(1 / 60)
+    assert row("even", list(LADDER), lambda _: 4).fit.coarse == pytest.approx(1 / 60)
     # Errors that do not shrink with the step that is taken are no less broken.
     assert row("stuck", [1.0] * 6, cut).verdict == "broken"
 

@@ -106,14 +106,14 @@ def test_the_table_has_a_row_for_each_engine_and_track_with_what_a_step_costs(th
     table = tables.table("agreement")
     rows = table.rows(thrown.store)
     assert len(rows) == 4
-    assert all(tuple(row) == tuple(table.COLUMNS) for row in rows)
+    assert all(tuple(row) == tuple(table.columns) for row in rows)
     for row in rows:
         assert row["verdict"] == "agrees"
         steps, errors, costs, trials = (json.loads(row[name]) for name in ("steps", "errors", "costs", "trials"))
         assert steps == sorted(steps, reverse=True)
         assert len(steps) == len(errors) == len(costs) == len(trials) == 4
         assert all(cost is not None and cost > 0 for cost in costs)
-        assert len(table.brief(row)) == len(table.BRIEF)
+        assert len(table.brief(row)) == len(table.shown)
         assert not any(isinstance(value, list | dict) for value in row.values())
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from click.testing import CliRunner
-from plumbline.harness.study.refinement import Refinement
 
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.cli.main import main
@@ -19,6 +18,7 @@ from plumbline.harness.scene import Body, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Refinement
 from plumbline.harness.study.own_scene import study_of
 from plumbline.harness.study.study import load_study
 from plumbline.reports.html import report as html
@@ -148,9 +148,9 @@ def test_every_table_is_made(made: tuple[Callable[[Path], Path], Path]) -> None:
     for name in tables.names():
         table = tables.table(name)
         rows = table.rows(store)
-        assert all(row.keys() >= set(table.COLUMNS) for row in rows), name
-        assert all(len(table.brief(row)) == len(table.BRIEF) for row in rows), name
-        tables.sentences(table, rows)
+        assert all(row.keys() >= set(table.columns) for row in rows), name
+        assert all(len(table.brief(row)) == len(table.shown) for row in rows), name
+        table.sentences(rows)
 
 
 def test_a_page_that_fails_is_named_at_the_end_and_the_command_ends_with_1(

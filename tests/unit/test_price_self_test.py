@@ -10,7 +10,7 @@ CLOSE = 0.03
 
 def test_the_price_list_finds_the_planted_prices_and_their_ratio(known_prices: KnownPrices) -> None:
     """The case's scale is 1 m, so that its targets are metres."""
-    rows = {(row["engine"], row["target"]): row for row in price.rows(known_prices.store)}
+    rows = {(row["engine"], row["target"]): row for row in price.TABLE.rows(known_prices.store)}
     targets = sorted({target for _, target in rows})
     priced = 0
     for engine in {engine for engine, _ in LAWS}:

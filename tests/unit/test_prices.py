@@ -11,10 +11,8 @@ import pandas as pd
 import pytest
 
 from plumbline.harness.findings.prices import Prices, interval, medians
-from plumbline.harness.findings.tables.price import brief
-from plumbline.harness.findings.tables.price import sentences as price_sentences
-from plumbline.harness.findings.tables.profile import FACTOR, Scene, hinges, profile, sentences, without
-from plumbline.harness.findings.tables.profile import rows as profile_rows
+from plumbline.harness.findings.tables import price as price_table
+from plumbline.harness.findings.tables.profile import FACTOR, TABLE, Scene, hinges, profile, sentences, without
 from plumbline.harness.findings.tables.steps import largest_steps
 from plumbline.harness.search.front import spread
 from plumbline.harness.statistics.pareto import price
@@ -184,7 +182,7 @@ def test_the_case_on_which_a_share_hangs_is_named() -> None:
     assert without(found["dart"]) == (Scene("b", ""), 1.0)
     assert without(found["bullet"]) == (Scene("b", ""), 0.0)
     assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in sentences(
-        profile_rows(store)
+        TABLE.rows(store)
     )
 
 
@@ -198,9 +196,9 @@ def test_the_reference_engine_is_a_line_beside_the_cheapest_that_can_be_deployed
     assert {price.engine for price in prices if price.cheapest} == {"dart"}
     shares = {(s.engine, s.within): (s.share, s.pairs) for s in profile(prices) if s.limit == FACTOR}
     assert (shares["dart", 1.0], shares["ours", 1.0], shares["bullet", 2.0]) == ((1.0, 6), (1.0, 6), (0.0, 6))
-    told_of_prices = [brief(asdict(price)) for price in prices]
+    told_of_prices = [price_table.TABLE.brief(asdict(price)) for price in prices]
     assert not any("None" in str(cell) or "nan" in str(cell) for row in told_of_prices for cell in row)
-    assert price_sentences([asdict(price) for price in prices]) == [
+    assert price_table.TABLE.sentences([asdict(price) for price in prices]) == [
         "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: dart 6."
     ]
 

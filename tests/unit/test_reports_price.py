@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from markupsafe import escape
 
-from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import priced
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, profile
 from plumbline.harness.findings.tables.steps import Step
 from plumbline.harness.store.store import Store

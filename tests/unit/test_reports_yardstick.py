@@ -90,7 +90,7 @@ def test_the_table_of_limits_ranks_the_others_and_puts_the_yardstick_beside_them
 
     rows = [row("reference", 50.0, 1.0), row("mujoco", 10.0, 0.5), row("dart", 10.0, 0.5)]
     rows += [row("reference", 2.0, 0.2, "mass"), row("mujoco", None, 0.0, "mass")]
-    assert limits.sentences(rows) == [
+    assert limits.TABLE.sentences(rows) == [
         "wall, sub-step dt/4: speed up to 10: mujoco (tuned, dt/4), dart (tuned, dt/4); reference, the yardstick, 50.",
         "wall, sub-step dt/4: mass up to no value: nobody; reference, the yardstick, 2.",
     ]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.findings.costs import TELLING, Cost, no_worse
-from plumbline.harness.findings.tables.scaling import COLUMNS, Scaling, brief
+from plumbline.harness.findings.tables.scaling import COLUMNS, TABLE, Scaling
 from plumbline.harness.statistics.ratio import ratio
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record, Sample, Timing
@@ -200,7 +200,7 @@ def test_efficiency_is_the_rate_of_all_over_as_many_times_the_rate_of_one(beside
         assert row.rate == pytest.approx(efficiency * workers * 1e5)
         assert row.units == 1
         assert row.cpu == pytest.approx(1e-5)
-    short = [" ".join(map(str, brief(row))) for row in beside.rows()]
+    short = [" ".join(map(str, TABLE.brief(row))) for row in beside.rows()]
     assert any("200,000 a second, efficiency 0.50" in line for line in short)
     assert any("1.2 x the step alone" in line for line in short)
 
@@ -262,14 +262,14 @@ def test_an_exponent_that_does_not_tell_linear_from_quadratic_growth_is_not_stat
     assert rows["ours"]["exponent"] == pytest.approx(EXPONENT)
     assert rows["theirs"]["exponent"] is None
     assert rows["theirs"]["exponent_low"] < EXPONENT < rows["theirs"]["exponent_high"]
-    assert brief(rows["theirs"])[4].startswith("exponent not known (")
+    assert TABLE.brief(rows["theirs"])[4].startswith("exponent not known (")
 
 
 def test_flat_rows_have_all_columns_and_short_words(scaling: Scaling) -> None:
     rows = scaling.rows()
     assert all(tuple(row) == COLUMNS for row in rows)
     assert [row["row"] for row in rows].count("exponent") == 4
-    short = [brief(row) for row in rows]
+    short = [TABLE.brief(row) for row in rows]
     assert any(cell == "timeout: it took too long" for line in short for cell in line)
     assert any("exponent 1.25" in line[4] for line in short)
 

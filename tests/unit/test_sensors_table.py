@@ -44,14 +44,14 @@ def channel_of(run: Trajectory, sensor: str, channel: str, truth: Mapping[str, A
 
 
 def test_every_channel_of_every_sensor_is_a_row_with_the_named_columns(store: Store) -> None:
-    rows = table.rows(store)
+    rows = table.TABLE.rows(store)
     mine = [(row["sensor"], row["channel"]) for row in rows if row["engine"] == "reference"]
     assert mine == [
         ("imu", "accelerometer"), ("imu", "gyroscope"), ("lidar", "range"), ("lidar", "intensity"),
         ("depth", "depth"), ("camera", "colour"), ("camera", "depth"), ("camera", "body"),
     ]  # fmt: skip
     assert all(tuple(row) == table.COLUMNS for row in rows)
-    assert [len(table.brief(row)) for row in rows] == [len(table.BRIEF)] * len(rows)
+    assert [len(table.TABLE.brief(row)) for row in rows] == [len(table.TABLE.shown)] * len(rows)
 
 
 def test_a_trial_without_readings_is_a_row_with_its_outcome_and_its_reason(store: Store) -> None:
@@ -243,13 +243,13 @@ def test_rays_are_counted_by_beams_and_pixels() -> None:
 
 
 def test_the_sentences_say_who_keeps_its_bounds_and_what_a_read_ray_costs(store: Store) -> None:
-    said = table.sentences(table.rows(store))
+    said = table.sentences(table.TABLE.rows(store))
     assert "reference: 2 of 2 ideal signals stay within their bounds." in said
     assert "mujoco: 0 of 2 ideal signals stay within their bounds." in said
     assert "bullet: no readings in 1 run." in said
     # Cameras share the price of this scene, so it says nothing of a beam.
     assert not any("bare" in text for text in said)
-    (row,) = [row for row in table.rows(store) if (row["engine"], row["channel"]) == ("reference", "range")]
+    (row,) = [row for row in table.TABLE.rows(store) if (row["engine"], row["channel"]) == ("reference", "range")]
     assert row["times_bare"] is None
     said = table.sentences([row | {"times_bare": 1.9}])
     assert f"{CASE}: on reference, tuned, a ray that is read costs 1.9 bare ones." in said
@@ -264,4 +264,4 @@ def test_the_sentences_say_who_keeps_its_bounds_and_what_a_read_ray_costs(store:
 def test_a_store_without_sensors_has_no_findings(tmp_path: Path) -> None:
     from tests.run_folder import write_run_folder
 
-    assert table.rows(Store(write_run_folder(tmp_path / "run"))) == []
+    assert table.TABLE.rows(Store(write_run_folder(tmp_path / "run"))) == []

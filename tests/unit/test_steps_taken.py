@@ -49,12 +49,14 @@ def test_the_store_knows_which_trials_were_cut(store: Store) -> None:
 
 def test_tables_tell_the_sub_steps_beside_the_step(store: Store) -> None:
     cut = substeps_taken(store)
-    for row in price.rows(store):
+    for row in price.TABLE.rows(store):
         assert row["substeps"] in (None, cut.get(row["trial"], 1))
         if row["cost"] is not None and row["trial"] in cut:
-            assert f"({cut[row['trial']]} sub-steps)" in str(price.brief(row))
+            assert f"({cut[row['trial']]} sub-steps)" in str(price.TABLE.brief(row))
     (row,) = (
-        row for row in steps.rows(store) if (row["case"], row["engine"], row["track"]) == ("stack_tower", "bullet", "tuned")
+        row
+        for row in steps.TABLE.rows(store)
+        if (row["case"], row["engine"], row["track"]) == ("stack_tower", "bullet", "tuned")
     )
     assert row["stable_substeps"] == 4
-    assert "1/60 s (4 sub-steps)" in str(steps.brief(row))
+    assert "1/60 s (4 sub-steps)" in str(steps.TABLE.brief(row))

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from plumbline.cases import stand_humanoid
 from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings
-from plumbline.harness.findings.tables.tremble import BRIEF, CAUSES, COLUMNS, Run, attribute, brief, findings, rows
+from plumbline.harness.findings.tables.tremble import CAUSES, TABLE, Run, attribute, findings
 from plumbline.harness.scene import Revolute, Scene
 from plumbline.harness.store.disk import write_atomically
 from plumbline.harness.store.journal import Journal
@@ -263,14 +263,14 @@ def test_a_planted_reason_is_named(store: Store, reason: str) -> None:
 
 
 def test_rows_say_all_in_numbers_and_in_short(store: Store) -> None:
-    flat = rows(store)
-    assert all(tuple(row) == COLUMNS for row in flat)
+    flat = TABLE.rows(store)
+    assert all(tuple(row) == TABLE.columns for row in flat)
     assert {row["engine"] for row in flat} == set(EXPECTED)
     explicit = next(row for row in flat if row["engine"] == "explicit" and row["stiffness"] == 1.0)
     assert explicit["vibration_rad_s"] is None
     assert explicit["product"] == 1.0
-    assert "falls" in brief(explicit)
-    assert all(len(brief(row)) == len(BRIEF) for row in flat)
+    assert "falls" in TABLE.brief(explicit)
+    assert all(len(TABLE.brief(row)) == len(TABLE.shown) for row in flat)
 
 
 def test_the_page_shows_each_engine_with_its_cause_and_stays_away_where_nothing_was_compared(

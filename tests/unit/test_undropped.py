@@ -109,7 +109,7 @@ def test_such_runs_are_told_apart_and_do_not_vote(fallen: Done) -> None:
 
 
 def test_table_end_of_the_run_and_page_say_it(fallen: Done) -> None:
-    rows = {line["engine"]: line for line in table.rows(fallen.store)}
+    rows = {line["engine"]: line for line in table.TABLE.rows(fallen.store)}
     assert rows["mujoco"]["left_out"] == "armature friction_loss"
     assert rows["mujoco"]["omission_turn"] == fallen.found["mujoco"].angle
     assert rows["dart"]["omission"] is None

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.steps_taken import beside
 from plumbline.harness.findings.variant_of import STEP, in_words
 from plumbline.harness.store.store import Store

@@ -3,13 +3,12 @@
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from plumbline.harness.findings.changes.matching import Pair, where_of
-from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.findings.changes.matching import Pair, located
+from plumbline.harness.findings.changes.values import Change, Kind, Sense
 from plumbline.harness.findings.prices import LEAST
-from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
 
@@ -144,12 +143,13 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
         moved = [reading for reading in judged if reading.before != reading.after and reading.excess > 0]
         if pair.same_bits and moved:
             # The engine said the same: the metric, the bound or the truth is another.
-            yield _change(pair, "neither", moved[0], store_b.catalogue, "the same bits, measured otherwise")
+            yield _change("error", "neither", pair, moved[0], store_b.catalogue, "the same bits, measured otherwise")
         elif not pair.same_bits and (isinstance(pair.b.trajectory_hash, str) or moved):
             worst = min(judged, key=lambda reading: (_ORDER.index(reading.sense), -reading.excess), default=None)
-            yield _change(pair, "within tolerance" if worst is None else worst.sense, worst, store_b.catalogue, "")
+            yield _change("error", "within tolerance" if worst is None else worst.sense, pair, worst, store_b.catalogue)
 
 
+_OF_A_READING = ("metric", "unit", "before", "after", "ratio", "low", "high")
 _ORDER: tuple[Sense, ...] = ("worse", "better", "within tolerance", "neither")
 
 
@@ -157,35 +157,14 @@ def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) 
     before, after = (_RANK.get(row.status) for row in (pair.a, pair.b))
     silent = before is None or after is None or pair.a.status == "unavailable"
     sense: Sense = "neither" if silent or before == after else "worse" if (after or 0) > (before or 0) else "better"
-    return _row("verdict", sense, pair, judged[0] if judged else None, catalogue, str(pair.b.reason), words=True)
+    change = _change("verdict", sense, pair, judged[0] if judged else None, catalogue, str(pair.b.reason))
+    return replace(change, before=str(pair.a.status), after=str(pair.b.status))
 
 
-def _change(pair: Pair, sense: Sense, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str) -> Change:
-    return _row("error", sense, pair, reading, catalogue, detail, words=False)
-
-
-def _row(
-    kind: Any, sense: Sense, pair: Pair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str, *, words: bool
+def _change(
+    kind: Kind, sense: Sense, pair: Pair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str = ""
 ) -> Change:
-    b = pair.b
-    values = (None, None) if reading is None else (reading.before, reading.after)
-    return Change(
-        kind=kind,
-        sense=sense,
-        case=b.case,
-        engine=b.engine,
-        track=b.track,
-        where=where_of(b, catalogue),
-        dt=float(b.dt),
-        substeps=substeps_of(str(b.resolved)),
-        metric="" if reading is None else reading.metric,
-        unit="" if reading is None else reading.unit,
-        trial_a=str(pair.a.trial),
-        trial_b=str(b.trial),
-        before=str(pair.a.status) if words else values[0],
-        after=str(b.status) if words else values[1],
-        ratio=None if reading is None else reading.ratio,
-        low=None if reading is None else reading.low,
-        high=None if reading is None else reading.high,
-        detail=detail,
-    )
+    change = Change(kind=kind, sense=sense, detail=detail, **located(pair.a, pair.b, catalogue))
+    if reading is None:
+        return change
+    return replace(change, **{name: getattr(reading, name) for name in _OF_A_READING})

@@ -11,6 +11,7 @@ from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.store.store import Store
 
@@ -88,3 +89,17 @@ def where_of(row: Any, catalogue: Mapping[str, Any]) -> str:
     """The parameters in which a trial departs from its case, in words."""
     own = catalogue.get("cases", {}).get(row.case, {}).get("parameters", {})
     return in_words(other_values(json.loads(row.parameters), own))
+
+
+def located(a: Any, b: Any, catalogue: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a `Change` that say which trials it is read off, and where they stand."""
+    return {
+        "case": b.case,
+        "engine": b.engine,
+        "track": b.track,
+        "where": where_of(b, catalogue),
+        "dt": float(b.dt),
+        "substeps": substeps_of(str(b.resolved)),
+        "trial_a": str(a.trial),
+        "trial_b": str(b.trial),
+    }

@@ -25,9 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.changes.matching import Pair, where_of
+from plumbline.harness.findings.changes.matching import Pair, located
 from plumbline.harness.findings.changes.values import Beside, Change
-from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.statistics.bootstrap import interval_of_drawn
 from plumbline.harness.statistics.student import percentile
 from plumbline.harness.store.store import Store
@@ -269,16 +268,9 @@ def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue
     return Change(
         kind="price",
         sense="worse" if step > 0 else "better",
-        case=b.case,
-        engine=b.engine,
-        track=b.track,
-        where=where_of(b, catalogue),
-        dt=float(b.dt),
-        substeps=substeps_of(str(b.resolved)),
+        **located(price.pair.a, b, catalogue),
         metric=f"CPU time of a {b.unit}" if isinstance(b.unit, str) else "CPU time",
         unit="s",
-        trial_a=str(price.pair.a.trial),
-        trial_b=str(b.trial),
         before=float(price.pair.a.cpu_per_unit),
         after=float(b.cpu_per_unit),
         ratio=math.exp(step),

@@ -205,7 +205,8 @@ def _of_many(group: Sequence[Change]) -> str:
         most = f"most of all {_subject(first)}: {_reading(first)}" if first.metric else _subject(first)
         return f"{who}: {what}: {_many(len(group), 'answer')} in {_many(cases, 'case')}, {most}."
     if first.kind == "trials":
-        gone, new = (sum(v for row in group if isinstance(v := value(row), float)) for value in (_before, _after))
+        counts = ([row.before for row in group], [row.after for row in group])
+        gone, new = (sum(count for count in side if isinstance(count, float)) for side in counts)
         return f"{who}: {new:.0f} trials are new, {gone:.0f} are gone, in {_many(cases, 'case')}."
     if first.kind == "price":
         return f"{who}: {_many(len(group), 'single price')} of their own, most of all {sentence(first)}"
@@ -219,11 +220,3 @@ def _of_many(group: Sequence[Change]) -> str:
             f"{who}: {_ORIGINS.get(first.metric, first.metric)} changed for {_many(sum(row.count for row in group), 'trial')}."
         )
     return f"{who}: {facts.get(first.kind, first.kind)}: {len(group)}, the first: {sentence(first)}"
-
-
-def _before(row: Change) -> Value:
-    return row.before
-
-
-def _after(row: Change) -> Value:
-    return row.after

@@ -14,11 +14,10 @@ from typing import Any, TypeVar
 
 from plumbline.harness.findings.agreement import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import searches_if_described
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, Price
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
-from plumbline.harness.findings.tables.agreement import rows as agreement_rows
+from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
 from plumbline.harness.findings.tables.determinism import agreements as repetitions
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import records
@@ -133,7 +132,7 @@ def _accuracy(store: Store) -> dict[tuple[str, str, str], Datum]:
         times, says = _margin(row, measured.get(str(row["trial"]), ()))
         value = _useful(times)
         data[case, engine, track] = Datum(value=value, low=value, high=value, says=says, **about)
-    for row in agreement_rows(store):
+    for row in AGREEMENT.rows(store):
         if (row["case"], row["engine"], row["track"]) in data:
             value = _AGREED.get(str(row["verdict"]), 0.0)
             finest = json.loads(row["trials"])[-1:]

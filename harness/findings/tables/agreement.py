@@ -22,6 +22,7 @@ from plumbline.harness.findings.agreement import (
     scenes_to_judge,
 )
 from plumbline.harness.findings.agreement.words import beyond_words, scene_words, side_sentence
+from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.store.store import Store
 
 COLUMNS = (
@@ -29,7 +30,6 @@ COLUMNS = (
     "votes", "distance", "since", "agreed", "agreed_until", "agreed_bar", "size", "finding", "summary", "steps",
     "errors", "offs", "costs", "trials", "left_out", "omission", "omission_turn", "omission_until",
 )  # fmt: skip
-BRIEF = ("scene", "engine", "track", "verdict", "order", "known to", "until", "horizon", "camp", "away", "cost, coarse to fine")
 
 
 def _verdicts(store: Store) -> list[dict[str, Any]]:
@@ -88,7 +88,7 @@ def _row(
         omission [m], omission_turn [rad]: how far that moves any body up to omission_until [s]; None where it is not known.
     """
     limit, errors = side.limit, errors_of(store)
-    known = [errors.get(rung.trial) for rung in limit.rungs]
+    measured = [errors.get(rung.trial) for rung in limit.rungs]
     clocked = [costs.get(rung.trial) for rung in limit.rungs]
     return {
         "case": agreement.case,
@@ -98,10 +98,9 @@ def _row(
         "ours": side.ours,
         "verdict": side.word,
         "why": side.why,
-        "order": None if limit.said is None else limit.said.order,
+        **known(limit.said, "order", "horizon"),
         "bar": limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None,
         "known_until": limit.until,
-        "horizon": None if limit.said is None else limit.said.horizon,
         "camp": " ".join(side.camps),
         "votes": side.votes,
         "distance": side.distance,
@@ -113,8 +112,8 @@ def _row(
         "finding": finding,
         "summary": summary,
         "steps": [rung.dt for rung in limit.rungs],
-        "errors": [None if each is None else each.error for each in known],
-        "offs": [None if each is None else each.off for each in known],
+        "errors": [None if each is None else each.error for each in measured],
+        "offs": [None if each is None else each.off for each in measured],
         "costs": [None if each is None or pd.isna(each) else float(each) for each in clocked],
         "trials": [rung.trial for rung in limit.rungs],
         "left_out": "" if lost is None else " ".join(lost.kinds),
@@ -124,35 +123,38 @@ def _row(
     }
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS; what has a value for each run is JSON, as in the table of trials."""
-    return [{name: json.dumps(v) if isinstance(v, list) else v for name, v in row.items()} for row in _verdicts(store)]
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """What has a value for each run is JSON, as in the table of trials."""
+    return {name: json.dumps(row[name]) if isinstance(row[name], list) else row[name] for name in COLUMNS}
 
 
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-
-    def number(name: str, form: str = ".2g") -> str:
-        return "" if row[name] is None else f"{row[name]:{form}}"
-
-    return [
-        row["case"].rsplit("/", 1)[-1],
-        row["engine"],
-        row["track"],
-        f"{row['verdict']} ({row['why'][:60]})" if row["verdict"] == "cannot" else row["verdict"],
-        number("order", ".2f"),
-        number("bar"),
-        f"{row['known_until']:.3g} s" if row["known_until"] else "",
-        f"{row['horizon']:.3g} s" if row["horizon"] is not None else "",
-        row["camp"],
-        number("distance"),
-        " ".join("-" if cost is None else f"{cost:.2g}" for cost in json.loads(row["costs"])),
-    ]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """What is known of each scene, then the verdict on each engine and track."""
     lines: list[str] = []
     for row in rows:
         lines += [sentence for sentence in json.loads(row["summary"]) if sentence not in lines]
     return lines + [row["finding"] for row in rows]
+
+
+def _costs(row: Row) -> str:
+    return " ".join("-" if cost is None else f"{cost:.2g}" for cost in json.loads(row["costs"]))
+
+
+TABLE = Table(
+    columns=COLUMNS,
+    objects=_verdicts,
+    flat=_flat,
+    shown=(
+        Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
+        *plain("engine", "track"),
+        Column("verdict", lambda row: f"cannot ({row['why'][:60]})" if row["verdict"] == "cannot" else row["verdict"]),
+        Column("order", "order", ".2f"),
+        Column("known to", "bar", ".2g"),
+        Column("until", lambda row: f"{row['known_until']:.3g} s" if row["known_until"] else ""),
+        Column("horizon", "horizon", ".3g", " s"),
+        Column("camp", "camp"),
+        Column("away", "distance", ".2g"),
+        Column("cost, coarse to fine", _costs),
+    ),
+    sentences=_sentences,
+)

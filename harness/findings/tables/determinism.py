@@ -10,12 +10,14 @@ another processor (`harness.study.library_variants`), which rounds otherwise.
 import json
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -50,26 +52,19 @@ class Agreement:
     must: bool
     hash_first: str
     hash: str
-    steps: int
-    first_step: int | None
-    farthest: float | None
-    doubles_in: float | None
+    steps: int = 0
+    first_step: int | None = None
+    farthest: float | None = None
+    doubles_in: float | None = None
     verdict: str
     reason: str
     trial: str
     trial_first: str
 
 
-COLUMNS = tuple(field.name for field in fields(Agreement))
-
-
-@lru_cache(maxsize=1)
-def agreements(store: Store) -> tuple[Agreement, ...]:
-    """All repetitions of a run; worked out once for a store, since it reads every trajectory."""
-    return tuple(_agreements(store))
-
-
-def _agreements(store: Store) -> Iterator[Agreement]:
+@once
+def agreements(store: Store) -> Iterator[Agreement]:
+    """All repetitions of a run."""
     alterations = [json.loads(text) for text in store.trials["alteration"]]
     trials = store.trials.assign(
         way=[alteration.get("name", "") for alteration in alterations],
@@ -91,21 +86,12 @@ def _agreements(store: Store) -> Iterator[Agreement]:
             yield _compared(states, first, run, way) if answered else _silent(first, run, way)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Parting:
-    """How two runs part: the fields of an `Agreement` by these names."""
-
-    steps: int = 0
-    first_step: int | None = None
-    farthest: float | None = None
-    doubles_in: float | None = None
-
-
 def _silent(first: Any, run: Any, way: str) -> Agreement:
-    return _row(first, run, way, _Parting(), str(run.status), str(run.reason))
+    return _row(first, run, way, str(run.status), str(run.reason))
 
 
-def _row(first: Any, run: Any, way: str, parts: _Parting, verdict: str, reason: str = "") -> Agreement:
+def _row(first: Any, run: Any, way: str, verdict: str, reason: str = "", **parting: Any) -> Agreement:
+    """Args: parting: fields that say how both part."""
     return Agreement(
         case=first.case,
         engine=first.engine,
@@ -115,14 +101,11 @@ def _row(first: Any, run: Any, way: str, parts: _Parting, verdict: str, reason: 
         must=way not in MAY_DIFFER and not run.variables,
         hash_first=str(first.trajectory_hash),
         hash=str(run.trajectory_hash),
-        steps=parts.steps,
-        first_step=parts.first_step,
-        farthest=parts.farthest,
-        doubles_in=parts.doubles_in,
         verdict=verdict,
         reason=reason,
         trial=str(run.trial),
         trial_first=str(first.trial),
+        **parting,
     )
 
 
@@ -131,23 +114,24 @@ def _compared(states: Callable[[str], Mapping[str, Any]], first: Any, run: Any, 
         steps, differs, distance = parting(*(states(side.trajectory_hash) for side in (first, run)))
     except NotKept as error:
         if first.trajectory_hash == run.trajectory_hash:
-            return _row(first, run, way, _Parting(), "bit-identical")
+            return _row(first, run, way, "bit-identical")
         by_hash = way in ("restored", "reordered")  # these hold other things, and say nothing by it
-        return _row(
-            first, run, way, _Parting(), "not kept" if by_hash else "parts" if way == "nudged" else "differs", str(error)
-        )
+        return _row(first, run, way, "not kept" if by_hash else "parts" if way == "nudged" else "differs", str(error))
     dt = float(first.dt)
     parted = np.flatnonzero(differs)
     first_step = None if len(parted) == 0 else round(float(steps[parted[0]]) / dt)
     same = first_step is None and len(steps) > 0
     verdict = "bit-identical" if same else ("parts" if way == "nudged" else "differs")
-    parts = _Parting(
+    return _row(
+        first,
+        run,
+        way,
+        verdict,
         steps=len(steps),
         first_step=first_step,
         farthest=float(distance.max(initial=0.0)),
         doubles_in=doubling(steps, distance),
     )
-    return _row(first, run, way, parts, verdict)
 
 
 def parting(first: Mapping[str, Any], second: Mapping[str, Any]) -> tuple[Floats, Any, Floats]:
@@ -185,27 +169,6 @@ def broken(judged: Iterable[Agreement], engines: Collection[str]) -> list[str]:
     ]
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(agreement) for agreement in agreements(store)]
-
-
-BRIEF = ("case", "engine", "way", "verdict", "first step that differs", "farthest", "doubles in")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    return [
-        row["case"],
-        f"{row['engine']}/{row['track']}",
-        row["way"],
-        row["verdict"] + (f": {row['reason'][:50]}" if row["reason"] else ""),
-        "" if row["first_step"] is None else f"{row['first_step']} of {row['steps']}",
-        "" if row["farthest"] is None else f"{row['farthest']:.2g} m",
-        "" if row["doubles_in"] is None else f"{row['doubles_in']:.3g} s",
-    ]
-
-
 _WAYS = {
     "again": "run again",
     "alone": "with nothing beside it",
@@ -215,7 +178,7 @@ _WAYS = {
 """What a repetition is called in a sentence; of another number of threads by that."""
 
 
-def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | None = None) -> list[str]:
+def sentences(rows: Sequence[Row], titles: Mapping[str, str] | None = None) -> list[str]:
     """Engine by engine, how many repetitions gave the same bits, way by way. Args: titles: what engines are called, by name."""
     lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
@@ -233,10 +196,28 @@ def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | Non
     return lines
 
 
-def _how_often(rows: Sequence[Mapping[str, Any]], way: str, called: str) -> str:
+def _how_often(rows: Sequence[Row], way: str, called: str) -> str:
     """'run again in 25 of 26'; of a way that has no answer, what became of it."""
     verdicts = [row["verdict"] for row in rows if row["way"] == way]
     same, differing = (verdicts.count(verdict) for verdict in ("bit-identical", "differs"))
     if same + differing:
         return f"{called} in {same} of {same + differing}"
     return f"{called}: {'not tried' if {*verdicts} == {'unavailable'} else 'no answer'}"
+
+
+TABLE = Table(
+    columns=names(Agreement),
+    objects=agreements,
+    shown=(
+        Column("case", "case"),
+        Column("engine", side),
+        Column("way", "way"),
+        Column("verdict", lambda row: outcome(row, 50)),
+        Column(
+            "first step that differs", lambda row: "" if row["first_step"] is None else f"{row['first_step']} of {row['steps']}"
+        ),
+        Column("farthest", "farthest", ".2g", " m"),
+        Column("doubles in", "doubles_in", ".3g", " s"),
+    ),
+    sentences=sentences,
+)

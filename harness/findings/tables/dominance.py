@@ -7,12 +7,13 @@ that became of them.
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
+from plumbline.harness.findings.columns import Column, Row, Table, known, names, scene
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
@@ -52,26 +53,24 @@ class Change:
     where: str
     engine: str
     ours: bool
-    change: str
-    count: int
+    change: str = ""
+    count: int = 1
     verdict: str
-    by: str
-    held_tuned: int | None
-    held_change: int | None
-    checks: int | None
-    error_ratio: float | None
-    cost: float | None
-    low: float | None
-    high: float | None
-    drawn: int
-    won: int
-    draws: str
-    reason: str
+    by: str = ""
+    held_tuned: int | None = None
+    held_change: int | None = None
+    checks: int | None = None
+    error_ratio: float | None = None
+    cost: float | None = None
+    low: float | None = None
+    high: float | None = None
+    drawn: int = 0
+    won: int = 0
+    draws: str = ""
+    reason: str = ""
     trial: str
 
 
-COLUMNS = tuple(field.name for field in fields(Change))
-Row = Mapping[str, Any]
 Sampled = Mapping[str, Mapping[Block, BlockSample]]
 
 
@@ -112,21 +111,7 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
         where=in_words(other_values(given, case["parameters"])),
         engine=track["engine"],
         ours=bool(engine["ours"]),
-        change="",
-        count=1,
         verdict=str(track["status"]),
-        by="",
-        held_tuned=None,
-        held_change=None,
-        checks=None,
-        error_ratio=None,
-        cost=None,
-        low=None,
-        high=None,
-        drawn=0,
-        won=0,
-        draws="",
-        reason="",
         trial=str(track["trial"]),
     )
     tried = [row for row in scene if row["round"] == 1]
@@ -215,8 +200,7 @@ def _judged(
         checks=own.compared.checks,
         error_ratio=own.compared.ratio,
         cost=own.rough if own.cost is None else own.cost.value,
-        low=None if own.cost is None else own.cost.low,
-        high=None if own.cost is None else own.cost.high,
+        **known(own.cost, "low", "high"),
         drawn=len(answered),
         won=sum(bool(beside[other["trial"]].by) for other in answered),
         draws="; ".join(_told(other, beside[other["trial"]], given) for other in drawn),
@@ -274,42 +258,38 @@ def _sentence(row: Row) -> str:
         "error": f"errs {row['error_ratio']:.2g} times as much",
     }[row["by"]]
     drawn = f"; so it is at {row['won']} of {row['drawn']} drawn parameters" if row["drawn"] else ""
-    scene = f"{row['case']} {row['where']}".strip()
-    return f"{scene}: {row['engine']}/tuned with {row['change']} {better}{drawn}"
+    return f"{scene(row)}: {row['engine']}/tuned with {row['change']} {better}{drawn}"
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(change) for change in changes(store)]
-
-
-BRIEF = ("scene", "engine", "change of tuned", "checks", "error", "cost", "drawn", "verdict")
-
-
-def brief(row: Row) -> list[object]:
-    """A flat row in short words under BRIEF."""
+def _cost(row: Row) -> str:
     cost = "" if row["cost"] is None or math.isnan(row["cost"]) else f"x {row['cost']:.2g}"
-    interval = "" if row["low"] is None else f" ({row['low']:.2g}..{row['high']:.2g})"
+    return cost + ("" if row["low"] is None else f" ({row['low']:.2g}..{row['high']:.2g})")
+
+
+def _error(row: Row) -> str:
     error = row["error_ratio"]
+    return "" if error is None or math.isnan(error) else f"x {error:.3g}"
+
+
+def _changed(row: Row) -> str:
     named = row["change"] if len(row["change"]) <= 60 else f"{row['change'][:57]}..."
+    return named if row["count"] <= 1 else f"{row['count']}: {named}"
+
+
+def _held(row: Row) -> str:
+    return "" if row["held_change"] is None else f"{row['held_tuned']} -> {row['held_change']} of {row['checks']}"
+
+
+def _verdict(row: Row) -> str:
     verdict = f"{row['verdict']} by {row['by']}" if row["by"] else row["verdict"]
-    return [
-        f"{row['case']} {row['where']}".strip(),
-        row["engine"] + (" (ours)" if row["ours"] else ""),
-        named if row["count"] <= 1 else f"{row['count']}: {named}",
-        "" if row["held_change"] is None else f"{row['held_tuned']} -> {row['held_change']} of {row['checks']}",
-        "" if error is None or math.isnan(error) else f"x {error:.3g}",
-        cost + interval,
-        f"{row['won']} of {row['drawn']}" if row["drawn"] else "",
-        f"{verdict}: {row['reason'][:70]}" if row["reason"] else verdict,
-    ]
+    return f"{verdict}: {row['reason'][:70]}" if row["reason"] else str(verdict)
 
 
 def _count(rows: Sequence[Row], verdict: str) -> int:
     return sum(row["count"] for row in rows if row["verdict"] == verdict)
 
 
-def sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """How many changes were tried of each engine, and those that beat its track without a reason."""
     lines = []
     for engine in dict.fromkeys(row["engine"] for row in rows):
@@ -328,3 +308,20 @@ def sentences(rows: Sequence[Row]) -> list[str]:
         for row in rows
         if row["verdict"] == STALE
     ]
+
+
+TABLE = Table(
+    columns=names(Change),
+    objects=changes,
+    shown=(
+        Column("scene", scene),
+        Column("engine", lambda row: row["engine"] + (" (ours)" if row["ours"] else "")),
+        Column("change of tuned", _changed),
+        Column("checks", _held),
+        Column("error", _error),
+        Column("cost", _cost),
+        Column("drawn", lambda row: f"{row['won']} of {row['drawn']}" if row["drawn"] else ""),
+        Column("verdict", _verdict),
+    ),
+    sentences=_sentences,
+)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.harness.findings.columns import Column, Row, Table, side
 from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.energy import energy_change
@@ -32,11 +33,10 @@ EXACT = 1e-9
 _OF_RUN = ("case", "engine", "track", "dt", "steps")
 _OF_FIT = ("quantity", "unit", "slope", "low", "high", "swing", "change", "verdict")
 _OUTCOME = ("status", "reason", "trial")
-COLUMNS = columns_with_substeps([*_OF_RUN, *_OF_FIT, *_OUTCOME])
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS, one for each long run.
+def _rows(store: Store) -> list[dict[str, Any]]:
+    """One for each long run.
 
     Terms:
         quantity: 'energy', as a share of that in play, or 'place' [m]. slope, low, high: per second, with the 95 % interval.
@@ -101,25 +101,16 @@ def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
     return "place", run.time[first:], away[first:]
 
 
-BRIEF = ("case", "engine", "steps", "quantity", "per second", "over the run", "swings by", "verdict")
+def _fitted(row: Row, text: str) -> str:
+    """A cell about the fit; empty without one."""
+    return "" if row["slope"] is None else text.format(**row)
 
 
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    known = row["slope"] is not None
-    return [
-        row["case"],
-        f"{row['engine']}/{row['track']}",
-        row["steps"],
-        f"{row['quantity']}{'' if row['unit'] in ('', '1') else ' [' + row['unit'] + ']'}",
-        f"{row['slope']:.2g} ({row['low']:.2g}..{row['high']:.2g})" if known else "",
-        f"{row['change']:.2g}" if known else "",
-        f"{row['swing']:.2g}" if known else "",
-        row["verdict"] + (f", {row['status']}" if known and row["status"] != "passed" else ""),
-    ]
+def _verdict(row: Row) -> str:
+    return str(row["verdict"]) + (f", {row['status']}" if row["slope"] is not None and row["status"] != "passed" else "")
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """Who stays, and who runs away, case by case."""
     lines = []
     for case in dict.fromkeys(row["case"] for row in rows):
@@ -132,3 +123,21 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
                     f"{case}: {bad[0]['quantity']} {'grows' if verdict == 'gains' else 'falls'} over the run: {listed}."
                 )
     return lines
+
+
+TABLE = Table(
+    columns=columns_with_substeps([*_OF_RUN, *_OF_FIT, *_OUTCOME]),
+    objects=_rows,
+    flat=dict,
+    shown=(
+        Column("case", "case"),
+        Column("engine", side),
+        Column("steps", "steps"),
+        Column("quantity", lambda row: f"{row['quantity']}{'' if row['unit'] in ('', '1') else ' [' + row['unit'] + ']'}"),
+        Column("per second", lambda row: _fitted(row, "{slope:.2g} ({low:.2g}..{high:.2g})")),
+        Column("over the run", lambda row: _fitted(row, "{change:.2g}")),
+        Column("swings by", lambda row: _fitted(row, "{swing:.2g}")),
+        Column("verdict", _verdict),
+    ),
+    sentences=_sentences,
+)

@@ -2,13 +2,13 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
+from plumbline.harness.findings.columns import Column, Row, Table, known, names, outcome, side
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
@@ -19,6 +19,7 @@ from plumbline.harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.variant_of import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
@@ -64,23 +65,15 @@ class Verdict:
     trial: str
 
 
-COLUMNS = tuple(field.name for field in fields(Verdict) if field.name != "effects")
-"""Of what is printed: the cell 'effect' holds the names of `effects`."""
-
-
-@lru_cache(maxsize=1)
-def verdicts(store: Store) -> tuple[Verdict, ...]:
-    """All rows of a run; worked out once for a store, since it reads every trajectory."""
-    return tuple(_verdicts(store))
-
-
 def verdicts_if_described(store: Store) -> tuple[Verdict, ...]:
     """The same for pages that are not about effects alone: none where the folder has lost the catalogue, which says what
     scenes call for."""
     return verdicts(store) if store.catalogue else ()
 
 
-def _verdicts(store: Store) -> Iterator[Verdict]:
+@once
+def verdicts(store: Store) -> Iterator[Verdict]:
+    """All rows of a run."""
     trials = store.trials
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
     altered = set(trials.loc[trials["departure"] == EVERYTHING, "experiment"])
@@ -169,16 +162,13 @@ def _of_side(
             effects=effects,
             declared=declared.issuperset(effects) and bool(effects),
             insists=str(insists.get(effects[0], "")) if len(effects) == 1 else "",
-            moved=None if consequence is None else consequence.moved,
-            own=None if consequence is None else consequence.own,
-            matters=None if consequence is None else consequence.matters,
             cost=None if price is None else price.value,
-            low=None if price is None else price.low,
-            high=None if price is None else price.high,
             cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
             verdict=verdict,
             reason=reason,
             trial=str(run.trial),
+            **known(consequence, "moved", "own", "matters"),
+            **known(price, "low", "high"),
         )
 
     if plain.status not in ("passed", "failed"):
@@ -229,31 +219,7 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
     return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Rows with COLUMNS, and the tuple `effects`."""
-    return [asdict(verdict) for verdict in verdicts(store)]
-
-
-BRIEF = ("case", "engine", "effect", "cost", "moves", "own error", "verdict")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    cost = "" if row["cost"] is None else f"x {row['cost']:.3g} ({row['low']:.3g}..{row['high']:.3g})"
-    return [
-        named_scene(row),
-        f"{row['engine']}/{row['track']}",
-        row["effect"],
-        cost,
-        "" if row["moved"] is None else f"{row['moved']:.2g}",
-        "" if row["own"] is None else f"{row['own']:.2g}",
-        row["verdict"] + (f": {row['reason'][:70]}" if row["reason"] and row["verdict"] not in ("insisted on",) else ""),
-    ]
-
-
-def sentences(
-    rows: Sequence[Mapping[str, Any]], *, accusing: bool = True, titles: Mapping[str, str] | None = None
-) -> list[str]:
+def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str, str] | None = None) -> list[str]:
     """What leaving effects out saves, engine by engine, and what the audit says.
 
     Args: accusing: of each scene that fails it too. titles: what engines and cases are called, by name.
@@ -276,3 +242,19 @@ def sentences(
         lines.append(f"Audit: {call}, judged on {judge}{beside}.")
     lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences(titles) if accusing else ()), *audited.doubts(titles))]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]
+
+
+TABLE = Table(
+    columns=tuple(name for name in names(Verdict) if name != "effects"),  # the cell `effect` holds their names
+    objects=verdicts,
+    shown=(
+        Column("case", named_scene),
+        Column("engine", side),
+        Column("effect", "effect"),
+        Column("cost", lambda row: "" if row["cost"] is None else "x {cost:.3g} ({low:.3g}..{high:.3g})".format(**row)),
+        Column("moves", "moved", ".2g"),
+        Column("own error", "own", ".2g"),
+        Column("verdict", lambda row: row["verdict"] if row["verdict"] == "insisted on" else outcome(row, 70)),
+    ),
+    sentences=sentences,
+)

@@ -1,41 +1,13 @@
 """How far each engine goes along each axis at equal sub-steps, and for equal time; worked out in `harness.findings.leads`."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
-from typing import Any
+from collections.abc import Sequence
 
+from plumbline.harness.findings.columns import Column, Row, Table, milli, names, plain, scene
 from plumbline.harness.findings.leads import Reach, reaches
 from plumbline.harness.findings.limits_found import amount, searches
-from plumbline.harness.store.store import Store
-
-COLUMNS = tuple(field.name for field in fields(Reach))
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(reach) for reach in reaches(searches(store))]
-
-
-BRIEF = ("case", "engine", "at", "condition", "axis", "held", "setting", "ms a step", "leads", "without ours")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    return [
-        f"{row['case']} {row['where']}".strip(),
-        row["engine"],
-        row["at"],
-        f"{1e3 * row['condition']:.3g} ms" + ("" if row["parts"] else " a step"),
-        row["axis"],
-        amount(row["held"], "none"),
-        row["setting"],
-        "" if row["cost"] is None else f"{1e3 * row['cost']:.3g}",
-        "leads" if row["leads"] else "",
-        "leads" if row["leads_without"] else "",
-    ]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """What is equal, and how axes are told apart."""
     if not rows:
         return []
@@ -46,3 +18,21 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         "with default settings as with tuned ones at any sub-step; nothing is interpolated, and costs are rough.",
         "Engines whose brackets meet lead together.",
     ]
+
+
+TABLE = Table(
+    columns=names(Reach),
+    objects=lambda store: reaches(searches(store)),
+    shown=(
+        Column("case", scene),
+        *plain("engine", "at"),
+        Column("condition", lambda row: f"{1e3 * row['condition']:.3g} ms" + ("" if row["parts"] else " a step")),
+        Column("axis", "axis"),
+        Column("held", lambda row: amount(row["held"], "none")),
+        Column("setting", "setting"),
+        Column("ms a step", lambda row: milli(row["cost"]), ".3g"),
+        Column("leads", lambda row: "leads" if row["leads"] else ""),
+        Column("without ours", lambda row: "leads" if row["leads_without"] else ""),
+    ),
+    sentences=_sentences,
+)

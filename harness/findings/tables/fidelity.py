@@ -1,29 +1,36 @@
 """Robots that were read from files: what each of their elements became in the scene, and what that may change."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
+from plumbline.harness.findings.columns import Column, Row, Table
 from plumbline.harness.scene.importers import fidelity
 from plumbline.harness.store.imported_scenes import fidelity_of
-from plumbline.harness.store.store import Store
-
-COLUMNS = ("robot", *fidelity.COLUMNS)
-BRIEF = ("robot", *fidelity.BRIEF)
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """One row for each element, or all elements of a kind that share a fate."""
-    return fidelity_of(store.folder)
+def of_element(row: Row) -> list[object]:
+    """What becomes of an element, under `fidelity.BRIEF`."""
+    return fidelity.brief(dict(row))
 
 
-def brief(row: Mapping[str, Any]) -> Sequence[object]:
-    """What a terminal has room for."""
-    return [row["robot"], *fidelity.brief(dict(row))]
+def _column(position: int, heading: str) -> Column:
+    return Column(heading, lambda row: of_element(row)[position])
 
 
-def sentences(table: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """How many of each outcome."""
-    if not table:
+    if not rows:
         return ["no robot of this folder was read from a file of another format"]
-    counts = {word: sum(row["outcome"] == word for row in table) for word in ("exact", "approximated", "left_out")}
+    counts = {word: sum(row["outcome"] == word for row in rows) for word in ("exact", "approximated", "left_out")}
     return [", ".join(f"{count} rows {word.replace('_', ' ')}" for word, count in counts.items())]
+
+
+TABLE = Table(
+    columns=("robot", *fidelity.COLUMNS),
+    objects=lambda store: fidelity_of(store.folder),
+    flat=dict,
+    shown=(
+        Column("robot", "robot"),
+        *(_column(position, heading) for position, heading in enumerate(fidelity.BRIEF)),
+    ),
+    sentences=_sentences,
+)

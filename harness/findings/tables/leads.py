@@ -1,41 +1,21 @@
 """How many axes, and pairs of case and error, each engine leads at equal sub-step and at equal time, with ours and without."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
-from typing import Any
+from collections.abc import Iterator, Sequence
 
+from plumbline.harness.findings.columns import Column, Row, Table, names, plain
 from plumbline.harness.findings.leads import Lead, axis_leads, pair_leads, reaches
 from plumbline.harness.findings.limits_found import searches
-from plumbline.harness.findings.priced import priced
+from plumbline.harness.findings.prices import priced
 from plumbline.harness.store.store import Store
 
-COLUMNS = tuple(field.name for field in fields(Lead))
 
-
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
+def _leads(store: Store) -> Iterator[Lead]:
     prices = priced(store)
-    return [asdict(lead) for lead in (*axis_leads(reaches(searches(store))), *pair_leads(prices.prices, prices.points))]
+    yield from axis_leads(reaches(searches(store)))
+    yield from pair_leads(prices.prices, prices.points)
 
 
-BRIEF = ("of", "at", "condition", "with ours", "engine", "alone", "with others", "asked")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    return [
-        row["what"],
-        row["at"],
-        row["condition"],
-        "yes" if row["ours"] else "no",
-        row["engine"],
-        row["alone"],
-        row["shared"],
-        row["of"],
-    ]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """Condition by condition, who leads how often."""
     lines = []
     for key in dict.fromkeys((row["what"], row["at"], row["condition"], row["ours"]) for row in rows):
@@ -47,3 +27,18 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         )
         lines.append(f"{what} led at {at}{f' ({condition})' if condition else ''}{'' if ours else ', without ours'}: {counts}.")
     return lines
+
+
+TABLE = Table(
+    columns=names(Lead),
+    objects=_leads,
+    shown=(
+        Column("of", "what"),
+        *plain("at", "condition"),
+        Column("with ours", lambda row: "yes" if row["ours"] else "no"),
+        *plain("engine", "alone"),
+        Column("with others", "shared"),
+        Column("asked", "of"),
+    ),
+    sentences=_sentences,
+)

@@ -1,57 +1,51 @@
 """How far each engine goes along each axis before it breaks, by what, and what a step costs there."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
+from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.leads import REFERENCE
 from plumbline.harness.findings.limits_found import Search, amount, searches
-from plumbline.harness.store.store import Store
+from plumbline.harness.findings.parameter_words import called
+from plumbline.harness.metric.titles import metric_title
 
-COLUMNS = tuple(field.name for field in fields(Search) if field.name not in ("beside", "remedy", "remedied", "holds"))
-
-
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    plain = [search for search in searches(store) if not search.remedied]
-    return [
-        {name: value for name, value in asdict(search).items() if name in COLUMNS}
-        | {"signs": search.signs.text, "noticed": "; ".join(map(str, search.noticed))}
-        for search in plain
-    ]
+COLUMNS = tuple(name for name in names(Search) if name not in ("beside", "remedy", "remedied", "holds"))
 
 
-BRIEF = ("case", "engine", "setting", "axis", "held", "broke", "share held there", "by", "CPU s per s", "ms a step", "values")
+def _flat(search: Search) -> dict[str, Any]:
+    row = {name: value for name, value in asdict(search).items() if name in COLUMNS}
+    return row | {"signs": search.signs.text, "noticed": "; ".join(map(str, search.noticed))}
 
 
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
+def _axis(row: Row) -> str:
+    return f"{row['axis']} {row['easy']:.4g}..{row['extreme']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}"
+
+
+def _broke(row: Row) -> str:
     silent = row["verdict"] in ("stopped", "unsupported", "unavailable")
-    return [
-        f"{row['case']} {row['where']}".strip(),
-        row["engine"],
-        _setting(row),
-        f"{row['axis']} {row['easy']:.4g}..{row['extreme']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}",
-        amount(row["held"], "none"),
-        row["verdict"] if silent else amount(row["broke"], "none"),
-        "" if row["share"] is None else f"{row['share']:.2f}",
-        f"{row['signs'] or row['reason'][:60]}{'; its own start holds' if row['own_holds'] else ''}",
-        amount(row["cost"], ""),
-        "" if row["step_cost"] is None else f"{1e3 * row['step_cost']:.3g}",
-        row["values"],
-    ]
+    return str(row["verdict"]) if silent else amount(row["broke"], "none")
 
 
-def _setting(row: Mapping[str, Any]) -> str:
+def _by(row: Row) -> str:
+    return f"{row['signs'] or row['reason'][:60]}{'; its own start holds' if row['own_holds'] else ''}"
+
+
+def _signs(search: Search) -> str:
+    signs = ", ".join(f"{metric_title(metric)} {count}" for metric, count in search.signs.counts)
+    return signs or search.signs.text or search.verdict
+
+
+def _setting(row: Row) -> str:
     return row["track"] if not row["parts"] else f"{row['track']}, dt/{row['parts']}"
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, the ruler beside them.
 
     Leads are counted by the table `farthest`.
     """
-    axes: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    axes: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
         if row["verdict"] not in ("unsupported", "unavailable"):
             # Tracks as they come are not compared with what is held to a sub-step.
@@ -68,3 +62,35 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         name = f"{case} {where}".strip() + (f", sub-step dt/{parts}" if parts else ", as tracks come")
         lines.append(f"{name}: {axis} up to {amount(value, 'no value')}: {names}{beside}.")
     return lines
+
+
+TABLE = Table(
+    columns=COLUMNS,
+    objects=lambda store: [search for search in searches(store) if not search.remedied],
+    flat=_flat,
+    shown=(
+        Column("case", scene),
+        Column("engine", "engine"),
+        Column("setting", _setting),
+        Column("axis", _axis),
+        Column("held", lambda row: amount(row["held"], "none")),
+        Column("broke", _broke),
+        Column("share held there", "share", ".2f"),
+        Column("by", _by),
+        Column("CPU s per s", lambda row: amount(row["cost"], "")),
+        Column("ms a step", lambda row: milli(row["step_cost"]), ".3g"),
+        Column("values", "values"),
+    ),
+    sentences=_sentences,
+    paper=(
+        Titled("Case", Titles.scene),
+        Titled("Engine", Titles.engine),
+        Column("Track", "track"),
+        Column("Axis", lambda search: called(search.case, search.axis)),
+        Column("Unit", lambda search: "" if search.unit == "1" else search.unit),
+        Column("Held to", "held"),
+        Column("Broke at", "broke"),
+        Column("CPU time [ms/s]", lambda search: milli(search.cost)),
+        Column("By", _signs),
+    ),
+)

@@ -7,14 +7,16 @@ contacts begin or end within a step, the first order is left of any promise.
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from statistics import median
 from typing import Any, Literal
 
 import pandas as pd
 
+from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.findings.integrators import called
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.store import Store
@@ -36,9 +38,8 @@ class Convergence:
     """How the headline error of a case shrinks with the time step on one engine under one group of settings.
 
     Terms:
-        where: parameters, as JSON, if not the case's own. order with its 95 % interval low..high, floor, used, coarse, fine
-        [s]: as in `harness.statistics.order.Order`, None without a fit. promised: None where nothing is.
-        verdict: kept; broken; exact: the error is nowhere above what numbers of 64 bits leave; open: too few steps to tell;
+        where: parameters, in words, if not the case's own. fit: of that error, None without one. promised: None where nothing
+        is. verdict: kept; broken; exact: the error is nowhere above what numbers of 64 bits leave; open: too few steps to tell;
         none: nothing is promised. finding: a sentence where the promise is broken.
     """
 
@@ -48,34 +49,25 @@ class Convergence:
     track: str
     metric: str
     integrator: str
-    order: float | None
-    low: float | None
-    high: float | None
-    used: int
-    floor: float | None
-    coarse: float | None
-    fine: float | None
+    fit: Order | None
     promised: int | None
     verdict: Verdict
     finding: str
 
+    def flat(self) -> dict[str, Any]:
+        """As a row, with the order, its interval and its floor as columns: None without a fit."""
+        row = {name: value for name, value in asdict(self).items() if name != "fit"}
+        fit = dict.fromkeys(_OF_FIT) | {"used": 0} if self.fit is None else asdict(self.fit)
+        return {name: row[name] if name in row else fit[name] for name in COLUMNS}
 
-COLUMNS = tuple(field.name for field in fields(Convergence))
-BRIEF = ("case", "engine", "track", "integrator", "promised", "order", "interval", "floor", "verdict")
+
+_OF_FIT = ("order", "low", "high", "used", "floor", "coarse", "fine")
+COLUMNS = ("case", "where", "engine", "track", "metric", "integrator", *_OF_FIT, "promised", "verdict", "finding")
 
 
+@once
 def convergences(store: Store) -> list[Convergence]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
-    return list(_convergences(store))
-
-
-@lru_cache(maxsize=1)
-def _convergences(store: Store) -> tuple[Convergence, ...]:
-    """Once for all that ask: a fit takes long where there are a thousand ladders."""
-    return tuple(_fitted(store))
-
-
-def _fitted(store: Store) -> list[Convergence]:
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
     if store.asked.empty:
         return []
@@ -143,13 +135,7 @@ def _row(
         track=track,
         metric=str(about.get("headline", "")),
         integrator=" ".join(integrators),
-        order=None if fit is None else fit.order,
-        low=None if fit is None else fit.low,
-        high=None if fit is None else fit.high,
-        used=0 if fit is None else fit.used,
-        floor=None if fit is None else fit.floor,
-        coarse=None if fit is None else fit.coarse,
-        fine=None if fit is None else fit.fine,
+        fit=fit,
         promised=promised,
         verdict=outcome,
         finding="" if outcome != "broken" or fit is None or promised is None else _sentence(title, fit, promised, errors[0]),
@@ -211,21 +197,17 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
     )
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(row) for row in convergences(store)]
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    shown = dict(row)
-    shown["order"] = "" if row["order"] is None else f"{row['order']:.2f}"
-    shown["interval"] = "" if row["low"] is None else f"{row['low']:.2f} .. {row['high']:.2f}"
-    shown["floor"] = "" if row["floor"] is None else f"{row['floor']:.2g}"
-    shown["promised"] = "" if row["promised"] is None else str(row["promised"])
-    return [shown[name] for name in BRIEF]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The broken promises."""
-    return [str(row["finding"]) for row in rows if row["finding"]]
+TABLE = Table(
+    columns=COLUMNS,
+    objects=convergences,
+    flat=Convergence.flat,
+    shown=(
+        *plain("case", "engine", "track", "integrator"),
+        Column("promised", "promised", "d"),
+        Column("order", "order", ".2f"),
+        Column("interval", lambda row: "" if row["low"] is None else f"{row['low']:.2f} .. {row['high']:.2f}"),
+        Column("floor", "floor", ".2g"),
+        Column("verdict", "verdict"),
+    ),
+    sentences=lambda rows: [str(row["finding"]) for row in rows if row["finding"]],
+)

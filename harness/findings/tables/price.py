@@ -1,66 +1,83 @@
 """The price list: what an error of a case costs on each engine; worked out in `harness.findings.prices`."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
-from typing import Any
+from collections.abc import Sequence
 
+from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene, span
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import Price
+from plumbline.harness.findings.prices import Price, priced
 from plumbline.harness.findings.steps_taken import step_in_words
-from plumbline.harness.store.store import Store
-
-COLUMNS = tuple(field.name for field in fields(Price))
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(row) for row in priced(store).prices]
+def _cost(row: Row) -> str:
+    if row["cost"] is not None:
+        return f"{row['cost']:.3g}"
+    if row["reason"]:
+        return f"{row['verdict']}: {row['reason']}"
+    best = ""
+    if row["best_error"] is not None:
+        best = f", best {row['best_error']:.2g} down to {step_in_words(row['finest_dt'], row['finest_substeps'])}"
+    if row["foreseen_dt"] is not None:
+        best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
+    return f"{row['verdict']}{best}"
 
 
-BRIEF = ("case", "error", "engine", "CPU s", "95 %", "x cheapest", "95 %", "setting", "step", "tried", "marks")
-"""What a terminal has room for; marks: * cheapest to deploy, ~ an unstable timing, <= the cheapest point errs less already."""
+def _interval(row: Row, value: str, low: str, high: str) -> str:
+    return "" if row[value] is None else f"{row[low]:.3g} .. {row[high]:.3g}"
 
 
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    case = f"{row['case']} {row['where']}".strip()
+def _marks(row: Row) -> str:
+    """* cheapest to deploy, ~ an unstable timing, <= the cheapest point errs less already."""
     if row["cost"] is None:
-        best = (
-            f", best {row['best_error']:.2g} down to {step_in_words(row['finest_dt'], row['finest_substeps'])}"
-            if row["best_error"] is not None
-            else ""
-        )
-        if row["foreseen_dt"] is not None:
-            best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
-        outcome = f"{row['verdict']}{best}" if not row["reason"] else f"{row['verdict']}: {row['reason']}"
-        return [case, f"{row['target']:.0e}", row["engine"], outcome, "", "", "", row["track"], "", _tried(row), ""]
+        return ""
     marks = ("*" if row["cheapest"] else "") + ("~" if row["unstable"] else "")
     marks += {"at most": "<=", "within the truth's error": "truth"}.get(row["verdict"], "")
-    marks = " ".join(filter(None, (marks, share_in_words(row["emulated"]))))
-    return [
-        case,
-        f"{row['target']:.0e}",
-        row["engine"],
-        f"{row['cost']:.3g}",
-        f"{row['low']:.3g} .. {row['high']:.3g}",
-        "" if row["ratio"] is None else f"{row['ratio']:.3g}",
-        "" if row["ratio"] is None else f"{row['ratio_low']:.3g} .. {row['ratio_high']:.3g}",
-        row["track"],
-        step_in_words(row["dt"], row["substeps"]),
-        _tried(row),
-        marks,
-    ]
+    return " ".join(filter(None, (marks, share_in_words(row["emulated"]))))
 
 
-def _tried(row: Mapping[str, Any]) -> str:
+def _tried(row: Row) -> str:
     return f"{row['tried']}" + (" (all there are)" if row["ended"] == "nothing left to try" else "")
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """Who is cheapest how often."""
     pairs = {(row["case"], row["where"], row["target"]) for row in rows if row["cheapest"]}
     counts = Counter(row["engine"] for row in rows if row["cheapest"])
     share = ", ".join(f"{engine} {count}" for engine, count in counts.most_common())
     return [f"Of {len(pairs)} pairs of case and error that an engine to deploy reaches, cheapest: {share}."] if pairs else []
+
+
+_WORDS = {"at most": "upper bound", "not within the ladder": "not reached"}
+"""What verdicts are called in a paper."""
+
+TABLE = Table(
+    columns=names(Price),
+    objects=lambda store: priced(store).prices,
+    shown=(
+        Column("case", scene),
+        Column("error", "target", ".0e"),
+        Column("engine", "engine"),
+        Column("CPU s", _cost),
+        Column("95 %", lambda row: _interval(row, "cost", "low", "high")),
+        Column("x cheapest", "ratio", ".3g"),
+        Column("95 %", lambda row: _interval(row, "ratio", "ratio_low", "ratio_high")),
+        Column("setting", "track"),
+        Column("step", lambda row: "" if row["cost"] is None else step_in_words(row["dt"], row["substeps"])),
+        Column("tried", _tried),
+        Column("marks", _marks),
+    ),
+    sentences=_sentences,
+    paper=(
+        Titled("Case", Titles.scene),
+        Column("Error", "target"),  # a share of the case's scale
+        Titled("Engine", Titles.engine),
+        Column("CPU time [ms/s]", lambda price: milli(price.cost)),  # CPU milliseconds a simulated second
+        Column("95 % interval", lambda price: span(milli(price.low), milli(price.high))),
+        Column("Times the cheapest", "ratio"),
+        Column("95 % interval", lambda price: span(price.ratio_low, price.ratio_high)),
+        Column("Setting", "track"),
+        Column("Time step [ms]", lambda price: None if price.cost is None else milli(price.dt)),
+        Column("Sub-steps", lambda price: None if price.cost is None or price.dt is None else price.substeps),
+        Column("Price", lambda price: _WORDS.get(price.verdict, price.verdict)),
+    ),
+)

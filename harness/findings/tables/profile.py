@@ -5,14 +5,13 @@ the price list, over the cheapest of such engines. The reference engine stands b
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
+from plumbline.harness.findings.columns import Column, Row, Table, names
 from plumbline.harness.findings.leads import REFERENCE
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, Price
-from plumbline.harness.store.store import Store
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""
@@ -54,9 +53,6 @@ class Share:
     pairs: int
 
 
-COLUMNS = tuple(field.name for field in fields(Share))
-
-
 def profile(prices: Sequence[Price]) -> list[Share]:
     """All shares.
 
@@ -95,34 +91,14 @@ def _share(engine: str, limit: str, within: float, scenes: Sequence[Scene], done
     )
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return list(map(flat, profile(priced(store).prices)))
-
-
 def flat(share: Share) -> dict[str, Any]:
-    """A share with COLUMNS: scenes in words."""
+    """A share as a row: scenes in words."""
     return asdict(share) | {"without_low": share.without_low.words, "without_high": share.without_high.words}
 
 
-BRIEF = ("engine", "within", "", "share", "least, without", "most, without")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    return [
-        row["engine"],
-        f"{row['within']:g}",
-        row["limit"],
-        f"{row['share']:.0%}",
-        f"{row['low']:.0%} {row['without_low']}",
-        f"{row['high']:.0%} {row['without_high']}",
-    ]
-
-
-def hinges(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+def hinges(rows: Iterable[Row]) -> list[Row]:
     """For each engine and limit the share that depends most on one scene, as a row."""
-    widest: dict[tuple[str, str], Mapping[str, Any]] = {}
+    widest: dict[tuple[str, str], Row] = {}
     for row in rows:
         key = (row["engine"], row["limit"])
         if key not in widest or swing(row) > swing(widest[key]):
@@ -130,18 +106,18 @@ def hinges(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     return [row for row in widest.values() if swing(row) > 0]
 
 
-def swing(row: Mapping[str, Any]) -> float:
+def swing(row: Row) -> float:
     """By how much leaving one scene out changes a share at most."""
     return float(max(row["share"] - row["low"], row["high"] - row["share"]))
 
 
-def without(row: Mapping[str, Any]) -> tuple[Any, float]:
+def without(row: Row) -> tuple[Any, float]:
     """The scene on which a share hangs most, as the row has it, and what the share would be without it."""
     least = row["share"] - row["low"] > row["high"] - row["share"]
     return (row["without_low"], row["low"]) if least else (row["without_high"], row["high"])
 
 
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def sentences(rows: Sequence[Row]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
     lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
@@ -152,3 +128,19 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             f"{engine} depends most on {scene}: without it, it answers {other:.0%} instead of {row['share']:.0%} {limit}."
         )
     return lines
+
+
+TABLE = Table(
+    columns=names(Share),
+    objects=lambda store: profile(priced(store).prices),
+    flat=flat,
+    shown=(
+        Column("engine", "engine"),
+        Column("within", "within", "g"),
+        Column("", "limit"),
+        Column("share", "share", ".0%"),
+        Column("least, without", lambda row: f"{row['low']:.0%} {row['without_low']}"),
+        Column("most, without", lambda row: f"{row['high']:.0%} {row['without_high']}"),
+    ),
+    sentences=sentences,
+)

@@ -1,11 +1,12 @@
 """What helped where an engine broke, how far beyond, and at what cost."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
+from plumbline.harness.findings.columns import Column, Table, names, scene
 from plumbline.harness.findings.limits_found import Search, amount, searches
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
@@ -42,9 +43,6 @@ class Remedied:
     reason: str
     trial: str
     trial_broke: str
-
-
-COLUMNS = tuple(field.name for field in fields(Remedied))
 
 
 def remedied(store: Store) -> list[Remedied]:
@@ -102,25 +100,19 @@ def _row(
     )
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(remedy) for remedy in remedied(store)]
-
-
-BRIEF = ("case", "engine", "setting", "broke at", "remedy", "held before", "held after", "now holds to", "cost", "verdict")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    return [
-        f"{row['case']} {row['where']}".strip(),
-        row["engine"],
-        row["track"],
-        f"{row['axis']} {row['value']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}",
-        row["remedy"],
-        f"{row['share_before']:.2f}",
-        "" if row["share_after"] is None else f"{row['share_after']:.2f}",
-        amount(row["held"], ""),
-        "" if row["cost_ratio"] is None else f"x {row['cost_ratio']:.2g}",
-        row["verdict"],
-    ]
+TABLE = Table(
+    columns=names(Remedied),
+    objects=remedied,
+    shown=(
+        Column("case", scene),
+        Column("engine", "engine"),
+        Column("setting", "track"),
+        Column("broke at", lambda row: f"{row['axis']} {row['value']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}"),
+        Column("remedy", "remedy"),
+        Column("held before", "share_before", ".2f"),
+        Column("held after", "share_after", ".2f"),
+        Column("now holds to", lambda row: amount(row["held"], "")),
+        Column("cost", lambda row: "" if row["cost_ratio"] is None else f"x {row['cost_ratio']:.2g}"),
+        Column("verdict", "verdict"),
+    ),
+)

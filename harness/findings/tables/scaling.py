@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from plumbline.harness.findings.columns import Column, Row, Table
 from plumbline.harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.parameter_words import called, said
@@ -240,25 +241,13 @@ class Scaling:
         return flat
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return with_substeps(store, Scaling(store).rows())
-
-
-BRIEF = ("scene", "engine", "setting", "a", "costs", "x fastest", "reference x", "penetration", "moves", "marks", "status")
-"""What a terminal has room for; marks: * the engine's fastest whose checks hold, ~ an unstable timing."""
-
-
-def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
-    """A flat row in short words under BRIEF."""
-    scene = f"{row['case']} {row['where'] or ''}".strip()
+def _costs(row: Row) -> str:
     if row["row"] == "exponent":
         stated = "not known" if row["exponent"] is None else f"{row['exponent']:.2f}"
-        grows = f"exponent {stated} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
-        return (scene, row["engine"], row["track"], row["unit"], grows, "", "", "", "", "", "")
-    answered = row["status"] in ("passed", "failed")
-    costs = "not clocked" if answered else ""
-    if row["cpu_s"] is not None:
+        return f"exponent {stated} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
+    if row["cpu_s"] is None:
+        costs = "not clocked" if _answered(row) else ""
+    else:
         costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
         if row["to_plain"] is not None:
             costs += f", {row['to_plain']:.3g} x the step alone"
@@ -266,20 +255,17 @@ def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
             costs += f", {row['rate_per_s']:,.0f} a second, efficiency {row['efficiency']:.2f}"
         if own := share_in_words(row["emulated"]):
             costs += f", {own}"
-    ahead = "" if row["reference"] is None else f"{row['reference']:.3g} ({row['reference_setting']})"
-    return (
-        scene,
-        row["engine"],
-        row["track"],
-        row["unit"],
-        costs,
-        "" if row["to_fastest"] is None else f"{row['to_fastest']:.3g}",
-        ahead,
-        "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um",
-        "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s",
-        ("*" if row["best"] else "") + ("~" if row["unstable"] else ""),
-        row["status"] if answered and row["cpu_s"] is not None else f"{row['status']}: {row['reason']}",
-    )
+    return costs
+
+
+def _answered(row: Row) -> bool:
+    return row["status"] in ("passed", "failed")
+
+
+def _status(row: Row) -> str:
+    if row["row"] == "exponent":
+        return ""
+    return str(row["status"]) if _answered(row) and row["cpu_s"] is not None else f"{row['status']}: {row['reason']}"
 
 
 def _micro(value: float) -> str:
@@ -301,3 +287,27 @@ def _given(trials: pd.DataFrame) -> list[dict[str, Any]]:
 def _size(value: Any) -> tuple[int, float, str]:
     """Numbers by size, before words by alphabet."""
     return (0, float(value), "") if isinstance(value, int | float) else (1, 0.0, str(value))
+
+
+TABLE = Table(
+    columns=COLUMNS,
+    objects=lambda store: with_substeps(store, Scaling(store).rows()),
+    flat=dict,
+    shown=(
+        Column("scene", lambda row: f"{row['case']} {row['where'] or ''}".strip()),
+        Column("engine", "engine"),
+        Column("setting", "track"),
+        Column("a", "unit"),
+        Column("costs", _costs),
+        Column("x fastest", "to_fastest", ".3g"),
+        Column(
+            "reference x",
+            lambda row: "" if row["reference"] is None else f"{row['reference']:.3g} ({row['reference_setting']})",
+        ),
+        Column("penetration", lambda row: "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um"),
+        Column("moves", lambda row: "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s"),
+        # * the engine's fastest whose checks hold, ~ an unstable timing
+        Column("marks", lambda row: ("*" if row["best"] else "") + ("~" if row["unstable"] else "")),
+        Column("status", _status),
+    ),
+)

@@ -6,56 +6,48 @@ the columns law to walk, `harness.findings.sensor_readings.noise.Noise`.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from typing import Any
 
+from plumbline.harness.findings.columns import Column, Row, Table, names, scene, side
 from plumbline.harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
 from plumbline.harness.findings.sensor_readings.noise import Noise
 from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
 from plumbline.harness.store.store import Store
 
-OF_NOISE = tuple(field.name for field in fields(Noise) if field.name not in ("count", "why"))
+OF_NOISE = tuple(name for name in names(Noise) if name not in ("count", "why"))
 
 
 def _columns() -> tuple[str, ...]:
     """The fields of a finding, with those of its noise in its place."""
-    own = (field.name for field in fields(Finding) if field.name not in SKETCHES)
+    own = (name for name in names(Finding) if name not in SKETCHES)
     return columns_with_substeps([column for name in own for column in (OF_NOISE if name == "noise" else (name,))])
 
 
 COLUMNS = _columns()
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    names = [name for name in COLUMNS if name != "substeps"]
+def _rows(store: Store) -> list[dict[str, Any]]:
+    kept = [name for name in COLUMNS if name != "substeps"]
     flat = [
-        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in names} for finding in findings(store)
+        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in kept} for finding in findings(store)
     ]
     return with_substeps(store, flat)
 
 
-BRIEF = ("case", "engine", "sensor", "error", "bound", "sigma (law)", "lost (law)", "lag", "rays a second", "outcome")
-
-
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
+def _bound(row: Row) -> str:
     verdict = "" if row["passed"] is None else " holds" if row["passed"] else " fails"
-    return [
-        f"{row['case']} {row['where']}".strip(),
-        f"{row['engine']}/{row['track']}",
-        f"{row['sensor']}/{row['channel']}" if row["channel"] else "",
-        _error(row),
-        _amount(row["at_most"], "") + verdict,
-        _amount(row["sigma"], row["unit"]) + (f" ({row['sigma_law']:.4g})" if row["sigma_law"] is not None else ""),
-        _share(row["lost"], "") + (f" ({100 * row['lost_law']:.3g} %)" if row["lost_law"] is not None else ""),
-        "" if row["lag"] is None else f"{1e3 * row['lag']:.4g} ms",
-        _rate(row),
-        row["status"] + (f": {row['reason'][:60]}" if row["reason"] else ""),
-    ]
+    return _amount(row["at_most"], "") + verdict
 
 
-def _error(row: Mapping[str, Any]) -> str:
+def _sigma(row: Row) -> str:
+    return _amount(row["sigma"], row["unit"]) + ("" if row["sigma_law"] is None else f" ({row['sigma_law']:.4g})")
+
+
+def _lost(row: Row) -> str:
+    return _share(row["lost"], "") + ("" if row["lost_law"] is None else f" ({100 * row['lost_law']:.3g} %)")
+
+
+def _error(row: Row) -> str:
     """The error that is judged; what kind of mean it is, where it is no largest one."""
     if row["error"] is None:
         return _share(row["disagree"], " disagree")
@@ -71,14 +63,14 @@ def _share(value: float | None, word: str) -> str:
     return "" if value is None else f"{100 * value:.3g} %{word}"
 
 
-def _rate(row: Mapping[str, Any]) -> str:
+def _rate(row: Row) -> str:
     parts = [
         f"{row[name]:.2g}{word}" for name, word in (("rays_per_s", ""), ("bare_rays_per_s", " bare")) if row[name] is not None
     ]
     return ", ".join(parts)
 
 
-def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | None = None) -> list[str]:
+def sentences(rows: Sequence[Row], titles: Mapping[str, str] | None = None) -> list[str]:
     """Engine by engine, how many ideal signals stay within their bounds; then what noise costs beside bare rays.
 
     Args: titles: of engines and cases, by name; without them names stand."""
@@ -99,3 +91,23 @@ def sentences(rows: Sequence[Mapping[str, Any]], titles: Mapping[str, str] | Non
             engine = known.get(row["engine"], row["engine"])
             lines.append(f"{name}: on {engine}, {row['track']}, a ray that is read costs {row['times_bare']:.2g} bare ones.")
     return lines
+
+
+TABLE = Table(
+    columns=COLUMNS,
+    objects=_rows,
+    flat=dict,
+    shown=(
+        Column("case", scene),
+        Column("engine", side),
+        Column("sensor", lambda row: f"{row['sensor']}/{row['channel']}" if row["channel"] else ""),
+        Column("error", _error),
+        Column("bound", _bound),
+        Column("sigma (law)", _sigma),
+        Column("lost (law)", _lost),
+        Column("lag", lambda row: "" if row["lag"] is None else f"{1e3 * row['lag']:.4g} ms"),
+        Column("rays a second", _rate),
+        Column("outcome", lambda row: row["status"] + (f": {row['reason'][:60]}" if row["reason"] else "")),
+    ),
+    sentences=sentences,
+)

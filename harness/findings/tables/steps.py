@@ -4,12 +4,12 @@
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
+from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import Point
-from plumbline.harness.findings.priced import priced
-from plumbline.harness.findings.prices import PER_SECOND, unit_of
+from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
@@ -50,9 +50,6 @@ class Step:
     error: float | None
     realtime: float | None
     trial: str
-
-
-COLUMNS = tuple(field.name for field in fields(Step))
 
 
 def largest_steps(store: Store) -> list[Step]:
@@ -115,40 +112,18 @@ def _first(good: Sequence[bool]) -> int:
     return next((k for k, holds in enumerate(good) if not holds), len(good))
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS."""
-    return [asdict(step) for step in largest_steps(store)]
-
-
-BRIEF = ("case", "engine", "setting", "stable up to", "within 1 % up to", "error there", "times real time", "steps run")
-
-
-def _worded(kind: str, row: Mapping[str, Any]) -> str:
+def _worded(kind: str, row: Row) -> str:
     step = row[kind]
     if step is None:
         return f"not at {step_in_words(row['finest'], row['finest_substeps'])}"
     return step_in_words(step, row[f"{kind}_substeps"]) + (", the coarsest" if step == row["coarsest"] else "")
 
 
-def brief(row: Mapping[str, Any]) -> list[object]:
-    """A flat row in short words under BRIEF."""
-    return [
-        f"{row['case']} {row['where']}".strip(),
-        row["engine"],
-        row["track"],
-        _worded("stable", row),
-        _worded("accurate", row),
-        "" if row["error"] is None else f"{row['error']:.2g}",
-        "" if row["realtime"] is None else f"{row['realtime']:.3g}",
-        f"{row['runs']}",
-    ]
-
-
-def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _sentences(rows: Sequence[Row]) -> list[str]:
     """The fastest way to stay within one per cent, case by case."""
-    best: dict[str, Mapping[str, Any]] = {}
+    best: dict[str, Row] = {}
     for row in rows:
-        name = f"{row['case']} {row['where']}".strip()
+        name = scene(row)
         if row["realtime"] is not None and (name not in best or row["realtime"] > best[name]["realtime"]):
             best[name] = row
     return [
@@ -156,3 +131,31 @@ def sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         f"dt = {step_in_words(row['accurate'], row['accurate_substeps'])}, {row['realtime']:.3g} times real time."
         for name, row in best.items()
     ]
+
+
+TABLE = Table(
+    columns=names(Step),
+    objects=largest_steps,
+    shown=(
+        Column("case", scene),
+        Column("engine", "engine"),
+        Column("setting", "track"),
+        Column("stable up to", lambda row: _worded("stable", row)),
+        Column("within 1 % up to", lambda row: _worded("accurate", row)),
+        Column("error there", "error", ".2g"),
+        Column("times real time", "realtime", ".3g"),
+        Column("steps run", "runs", "d"),
+    ),
+    sentences=_sentences,
+    paper=(
+        Titled("Case", Titles.scene),
+        Titled("Engine", Titles.engine),
+        Column("Track", "track"),
+        Column("Stable to [ms]", lambda step: milli(step.stable)),
+        Column("Sub-steps", "stable_substeps"),
+        Column("Within 1 % to [ms]", lambda step: milli(step.accurate)),
+        Column("Sub-steps", "accurate_substeps"),
+        Column("Error there", "error"),
+        Column("Times real time", "realtime"),
+    ),
+)

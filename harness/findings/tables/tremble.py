@@ -30,6 +30,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from plumbline.harness.findings.columns import Column, Row, Table, plain
 from plumbline.harness.findings.prices import number
 from plumbline.harness.findings.steps_taken import step_in_words, with_substeps
 from plumbline.harness.store.store import Store
@@ -228,8 +229,8 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows with COLUMNS; a vibration without bound is None."""
+def _rows(store: Store) -> list[dict[str, Any]]:
+    """Flat rows; a vibration without bound is None."""
     flat = [
         {
             "case": finding.case,
@@ -250,22 +251,28 @@ def rows(store: Store) -> list[dict[str, Any]]:
     return with_substeps(store, flat)
 
 
-BRIEF = ("engine", "setting", "stiffness", "dt", "vibration", "at", *CHANGES, "cause", "why")
-"""What a terminal has room for."""
+def _share_of(change: str) -> Column:
+    """How many times smaller a change made the vibration."""
+
+    def cell(row: Row) -> str:
+        share = row[change]
+        return "" if share is None else "stands" if share >= CURED else f"{share:.3g}x"
+
+    return Column(change, cell)
 
 
-def brief(row: Mapping[str, Any]) -> tuple[str, ...]:
-    """A flat row in short words under BRIEF."""
-    size, rate = row["vibration_rad_s"], row["frequency_hz"]
-    shares = ["" if row[name] is None else "stands" if row[name] >= CURED else f"{row[name]:.3g}x" for name in CHANGES]
-    return (
-        row["engine"],
-        row["track"],
-        f"{row['stiffness']:g}",
-        step_in_words(row["dt"], row["substeps"]),
-        "falls" if size is None else f"{size:.2g} rad/s",
-        "" if rate is None else f"{rate:.3g} Hz",
-        *shares,
-        row["cause"],
-        row["why"],
-    )
+TABLE = Table(
+    columns=COLUMNS,
+    objects=_rows,
+    flat=dict,
+    shown=(
+        Column("engine", "engine"),
+        Column("setting", "track"),
+        Column("stiffness", "stiffness", "g"),
+        Column("dt", lambda row: step_in_words(row["dt"], row["substeps"])),
+        Column("vibration", lambda row: "falls" if row["vibration_rad_s"] is None else f"{row['vibration_rad_s']:.2g} rad/s"),
+        Column("at", "frequency_hz", ".3g", " Hz"),
+        *map(_share_of, CHANGES),
+        *plain("cause", "why"),
+    ),
+)

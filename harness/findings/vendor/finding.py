@@ -96,20 +96,11 @@ def read_finding(path: Path) -> Finding:
         raise FindingError(f"{path}: tool.finding.{where}: {first['msg']}, not {first['input']!r}") from None
     if table.engine != path.parent.name:
         raise FindingError(f"{path}: tool.finding.engine: '{table.engine}', in the folder of '{path.parent.name}'")
+    said: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table}
     return Finding(
         name=f"{table.engine}/{path.stem}",
-        engine=table.engine,
-        kind=table.kind,
-        title=table.title,
-        seen=tuple(table.seen),
-        documented=table.documented,
-        sources=tuple(table.sources),
-        mend=table.mend,
-        cases=tuple(table.cases),
         requires=tuple(head.get("dependencies", ())),
         script=path,
         text=text,
-        tracks=tuple(table.tracks),
-        effects=tuple(table.effects),
-        cause=table.cause,
+        **said,
     )

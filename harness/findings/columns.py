@@ -1,0 +1,154 @@
+"""One description of a table, for the terminal, CSV, JSON, Markdown and LaTeX.
+
+A table is a list of objects with fields. CSV and JSON hold the fields as they are; a terminal and a paper have room for fewer,
+in words of their own.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
+
+Row = Mapping[str, Any]
+"""A flat row: the fields of an object by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """An interval, printed low to high."""
+
+    low: float
+    high: float
+
+
+class Titles(NamedTuple):
+    """What cases and engines are called on pages, by name."""
+
+    cases: Mapping[str, str]
+    engines: Mapping[str, str]
+
+    def scene(self, row: Any) -> str:
+        """'A tower of boxes, n 4': a case and what tells its scene from others of it."""
+        return self.cases[row.case] + (f", {row.where}" if row.where else "")
+
+    def engine(self, row: Any) -> str:
+        """The title of a row's engine."""
+        return self.engines[row.engine]
+
+
+class Column(NamedTuple):
+    """What stands under a heading.
+
+    Terms: value: the name of a field, or what makes a cell of a row. form: the format of a number, with which None leaves the
+    cell empty; unit: behind the number.
+    """
+
+    heading: str
+    value: str | Callable[[Any], object]
+    form: str = ""
+    unit: str = ""
+
+    def cell(self, row: Any) -> object:
+        """The cell of a flat row, or of an object."""
+        if callable(self.value):
+            value = self.value(row)
+        else:
+            value = row[self.value] if isinstance(row, Mapping) else getattr(row, self.value)
+        if not self.form:
+            return value
+        return "" if value is None else f"{value:{self.form}}{self.unit}"
+
+
+class Titled(NamedTuple):
+    """A column with titles in place of names."""
+
+    heading: str
+    value: Callable[[Titles, Any], object]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table of a run folder.
+
+    Terms: columns: of the flat rows, in this order. objects: what the rows are made of; flat: an object as a row. shown: what a
+    terminal has room for. sentences: what is said below the rows. paper: what a paper prints of the objects; nothing where it
+    prints what a terminal shows.
+    """
+
+    columns: Sequence[str]
+    objects: Callable[["Store"], Iterable[Any]]
+    flat: Callable[[Any], dict[str, Any]] = asdict
+    shown: Sequence[Column]
+    sentences: Callable[[Sequence[Row]], list[str]] = lambda _: []
+    paper: Sequence[Column | Titled] = ()
+
+    def rows(self, store: "Store") -> list[dict[str, Any]]:
+        """Flat rows with at least these columns."""
+        return [self.flat(each) for each in self.objects(store)]
+
+    def brief(self, row: Row) -> list[object]:
+        """The cells of a flat row for a terminal."""
+        return [column.cell(row) for column in self.shown]
+
+    def printed(
+        self, store: "Store", rows: Sequence[Row], titles: Callable[[], Titles]
+    ) -> tuple[list[str], list[list[object]]]:
+        """Headings and cells for a paper: the table's own, or what a terminal shows of these rows."""
+        if not self.paper:
+            return headings(self.shown), list(map(self.brief, rows))
+        return headings(self.paper), cells(self.paper, self.objects(store), titles())
+
+
+def cells(columns: Sequence[Column | Titled], objects: Iterable[Any], titles: Titles) -> list[list[object]]:
+    """The cells of objects, row by row."""
+    return [
+        [column.value(titles, each) if isinstance(column, Titled) else column.cell(each) for column in columns]
+        for each in objects
+    ]
+
+
+def headings(columns: Iterable[Column | Titled]) -> list[str]:
+    """The headings of these columns."""
+    return [column.heading for column in columns]
+
+
+def plain(*columns: str) -> list[Column]:
+    """Columns under the names of their fields."""
+    return [Column(name, name) for name in columns]
+
+
+def names(of: type) -> tuple[str, ...]:
+    """The names of a dataclass's fields."""
+    return tuple(field.name for field in fields(of))
+
+
+def scene(row: Row) -> str:
+    """'friction_slip_to_roll speed 5.5': a case with what tells its scene from others of it."""
+    return f"{row['case']} {row['where']}".strip()
+
+
+def side(row: Row) -> str:
+    """An engine with its track."""
+    return f"{row['engine']}/{row['track']}"
+
+
+def outcome(row: Row, length: int) -> str:
+    """The verdict of a row with so many characters of its reason."""
+    return f"{row['verdict']}: {row['reason'][:length]}" if row["reason"] else str(row["verdict"])
+
+
+def milli(value: float | None) -> float | None:
+    """In thousandths."""
+    return None if value is None else 1e3 * value
+
+
+def span(low: float | None, high: float | None) -> Span | None:
+    """An interval; None where an end of it is not known."""
+    return None if low is None or high is None else Span(low, high)
+
+
+def known(each: object | None, *names: str) -> dict[str, Any]:
+    """These fields of an object by name; None each where there is no object."""
+    return {name: None if each is None else getattr(each, name) for name in names}

@@ -173,7 +173,7 @@ def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
             yield Problem(path, "belongs to no trial", _DELETE)
             continue
         try:
-            if not check_seal(path, disk.read(path)) and written.chained:
+            if not check_seal(path, disk.read(path)):
                 raise Damaged("it has no checksum")
             if kept_hash(read_arrays(path)) != path.stem:
                 raise Damaged("its answer is not the one that its name says")

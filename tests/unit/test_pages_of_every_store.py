@@ -9,7 +9,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from click.testing import CliRunner
-from plumbline.harness.study.refinement import Refinement
 
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.cli.main import main
@@ -19,6 +18,7 @@ from plumbline.harness.scene import Body, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Refinement
 from plumbline.harness.study.own_scene import study_of
 from plumbline.harness.study.study import load_study
 from plumbline.reports.html import report as html

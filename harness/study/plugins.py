@@ -31,20 +31,17 @@ class PluginError(Mendable):
     """A plug-in that breaks its contract; the message names it and what was expected."""
 
 
-def _folder(package: str) -> Mapping[str, str]:
-    """File names of a package to module paths, in the order of the listing."""
+def _built_in(kind: str) -> Mapping[str, str]:
+    """File names of a package of ours ('adapters' or 'cases') to module paths, in the order of the listing."""
+    package = f"plumbline.{kind}"
     paths = tuple(importlib.import_module(package).__path__)
     return _listing(package, paths, tuple(Path(path).stat().st_mtime_ns for path in paths))
 
 
 @cache
 def _listing(package: str, paths: tuple[str, ...], changed: tuple[int, ...]) -> Mapping[str, str]:  # noqa: ARG001
-    """As `_folder`. Args: changed: when the folders were [ns]; Python's own importer takes it for a sign of new files too."""
+    """As `_built_in`. Args: changed: when the folders were [ns]; Python's own importer takes it for a sign of new files too."""
     return {m.name: f"{package}.{m.name}" for m in pkgutil.iter_modules(paths) if not m.name.startswith("_")}
-
-
-def _built_in(kind: str) -> Mapping[str, str]:
-    return _folder(f"plumbline.{kind}")
 
 
 def names(kind: str) -> tuple[str, ...]:
@@ -111,7 +108,7 @@ def adapter(name: str) -> Adapter:
     if version := version_asked(name):
         plain = adapter(engine_of(name))
         return replace(plain, name=name, title=f"{plain.title} {version}")
-    point = None if name in _folder("adapters") else points("plumbline.adapters").get(name)
+    point = None if name in _built_in("adapters") else points("plumbline.adapters").get(name)
     if point is None:
         built_in: Adapter = _constant("adapters", name, "ADAPTER", Adapter)
         return built_in

@@ -68,3 +68,8 @@ def test_no_file_of_ours_imports_a_room_by_its_bare_name() -> None:
     """In the root of a checkout that works by chance, and gives a second module of the same file."""
     files = subprocess.run(["git", "ls-files", "*.py"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     assert [name for name in files if BARE.search((ROOT / name).read_text(encoding="utf-8"))] == []
+
+
+def test_engines_are_found_from_any_folder(tmp_path: Path) -> None:
+    asks = "import sys; from plumbline.harness.study import plugins; plugins.adapters(); assert 'adapters' not in sys.modules"
+    subprocess.run([sys.executable, "-c", asks], cwd=tmp_path, check=True)

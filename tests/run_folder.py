@@ -143,6 +143,9 @@ def row(case: str, engine: str, track: str, dt: float, **changes: Any) -> dict[s
         "realtime_factor": 1 / (1.01 * cost), "unstable_timing": False, "trajectory_hash": name,
         "warnings": "[]", "detail": "", "unit": "step", "cpu_per_unit": cost * dt, "cpu_per_unit_low": 0.93 * cost * dt,
         "cpu_per_unit_high": 1.09 * cost * dt, "rough_cost": 1.2 * cost,
+        "rough_ratio": math.nan, "clocks": "work", "workers": 1, "round": 0, "alteration": "{}", "members": 1, "remedy": "",
+        "remedied": "", "substep": math.nan, "parts": 0, "sources": "{}", "answered_on": "", "clocked_on": "", "clocked": "",
+        "emulated": math.nan, "timing_note": "", "recalled": "", "again": "", "trajectory_kept": True,
     }  # fmt: skip
     return plain | changes
 

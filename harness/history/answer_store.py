@@ -12,7 +12,7 @@ from typing import Any
 
 from plumbline.harness.history.folder import SCHEMA
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.journal import DamagedFile, check_schema
 from plumbline.harness.store.record import SCHEMA_VERSION, Record
 from plumbline.harness.store.seal import sealed_json
 from plumbline.harness.store.store import read_plain
@@ -57,7 +57,8 @@ class Pool:
         kept = read_plain(path)
         if kept["schema"] > SCHEMA:
             raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")
-        return Answer(Record.from_plain(kept["record"], kept["record_schema"]), str(kept["night"]))
+        check_schema(path, kept["record_schema"])
+        return Answer(Record.from_plain(kept["record"]), str(kept["night"]))
 
     def keep(self, record: Record, night: str) -> None:
         """Keep an answer, in place of one of its name. Raises: OSError."""

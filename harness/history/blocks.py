@@ -1,7 +1,7 @@
 """A night's work in blocks, one for each experiment and case, and what earlier nights say of each: cost, trouble, last seen."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
 
 from plumbline.harness.history.folder import Night
@@ -35,9 +35,9 @@ class Block:
         return digest(sorted(trial.trial for trial in self.trials))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Sight:
-    """What one night did of a block, as its `night.json` keeps it.
+    """What one night did of a block, as its `night.json` keeps it; counted as the night goes on.
 
     Terms:
         digest: of the block. answers: with those that searches went on to. computed: of these, not recalled. answer_seconds,
@@ -47,7 +47,7 @@ class Sight:
 
     experiment: str
     case: str
-    digest: str
+    digest: str = ""
     answers: int = 0
     computed: int = 0
     answer_seconds: float = 0.0
@@ -57,13 +57,9 @@ class Sight:
     worse: int = 0
     done: bool = True
 
-    def plain(self) -> dict[str, Any]:
-        """A JSON-ready mapping."""
-        return asdict(self)
-
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Sight":
-        """Read back what `plain` wrote; fields of a later program are left aside."""
+        """Read back what a night wrote; fields of a later program are left aside."""
         known = {field.name for field in fields(cls)}
         return cls(**{name: value for name, value in plain.items() if name in known})
 

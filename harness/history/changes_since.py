@@ -100,7 +100,8 @@ def _left_aside(row: Change, disagreements: Mapping[str, Change]) -> bool:
 
 def _disagreements(store: Store) -> list[Change]:
     """A row for each answer that was known, was computed again, and is another."""
-    rows = store.trials
+    again = store.trials[store.trials["again"] != ""]
+    answers = again["trajectory_hash"].fillna(again["status"])
     return [
         Change(
             kind="digest",
@@ -114,8 +115,8 @@ def _disagreements(store: Store) -> list[Change]:
             trial_a=row.trial,
             trial_b=row.trial,
             before=row.again,
-            after=row.trajectory_hash if isinstance(row.trajectory_hash, str) else row.status,
+            after=answer,
         )
-        for row in rows[rows["again"] != ""].itertuples()
-        if row.again != (row.trajectory_hash if isinstance(row.trajectory_hash, str) else row.status)
+        for row, answer in zip(again.itertuples(), answers, strict=True)
+        if row.again != answer
     ]

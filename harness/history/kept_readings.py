@@ -38,19 +38,20 @@ class KeptReadings:
 
     def numbers(self, night: Night, store: Store) -> Numbers:
         """Its prices, errors and limits. Args: store: of the night, read where it has to be. Raises: StoreError, OSError."""
-        return self._kept(night, "numbers", _numbers(), lambda: numbers_of(night, store))
+        return self._kept(night, "numbers", Numbers, lambda: numbers_of(night, store))
 
     def answers(self, night: Night, store: Store) -> Answers:
         """Its answers, searches and repetitions; likewise. Raises: StoreError, OSError."""
-        return self._kept(night, "answers", _answers(), lambda: answers_of(store))
+        return self._kept(night, "answers", Answers, lambda: answers_of(store))
 
-    def _kept(self, night: Night, kind: str, typed: "TypeAdapter[_Said]", read: Callable[[], _Said]) -> _Said:
+    def _kept(self, night: Night, kind: str, kept_as: type[_Said], read: Callable[[], _Said]) -> _Said:
         path = self.path_of(night.stamp, kind)
         rests_on = f"{_text_digest()} {_night_digest(night)}"
         try:
             kept = read_plain(path)
             if kept.get("rests_on") == rests_on:
-                return typed.validate_json(kept["said"])
+                said: _Said = _form(kept_as).validate_json(kept["said"])
+                return said
         except (StoreError, KeyError, ValueError):
             pass  # it is made of what is there still
         said = read()
@@ -69,14 +70,7 @@ class KeptReadings:
         return self._history.root / FOLDER / f"{stamp}.{kind}.json"
 
 
-@cache
-def _numbers() -> "TypeAdapter[Numbers]":
-    return TypeAdapter(Numbers)
-
-
-@cache
-def _answers() -> "TypeAdapter[Answers]":
-    return TypeAdapter(Answers)
+_form: Any = cache(TypeAdapter)
 
 
 def _night_digest(night: Night) -> str:

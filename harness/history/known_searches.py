@@ -65,9 +65,9 @@ class KnownSearches:
         front = self.front_of(trial)
         if front is None:
             return True
-        group = group_of(trial)
-        near = (r for r in records.values() if (r.engine, r.case, r.experiment) == (group[3], group[1], group[0]))
-        now = {(r.track, r.dt): r for r in near if _group(r) == group}
+        asked = trial.experiment.name, trial.case, trial.engine
+        near = (r for r in records.values() if (r.experiment, r.case, r.engine) == asked)
+        now = {(r.track, r.dt): r for r in near if json.dumps(dict(r.parameters), sort_keys=True) == _parameters(trial)}
         return not all(self._as_before(now.get(setting), error) for setting, error in front.errors.items())
 
     def clocked(self, trials: Sequence[Trial]) -> set[str]:
@@ -82,7 +82,7 @@ class KnownSearches:
                 chosen |= {trial.trial for trial in mine}
                 continue
             own = self.cases[mine[0].case].dt
-            wanted = [t for t in mine if _setting(t) in front.errors or (t.round == 0 and t.settings.dt == own)]
+            wanted = [t for t in mine if (t.track, t.settings.dt) in front.errors or (t.round == 0 and t.settings.dt == own)]
             rest = [t for t in mine if t not in wanted]
             drawn = random.Random(f"{self.seed} {group}").sample(rest, min(BESIDE, len(rest)))
             chosen |= {trial.trial for trial in (*wanted, *drawn)}
@@ -196,13 +196,5 @@ def group_of(trial: Trial) -> Group:
     return trial.experiment.name, trial.case, _parameters(trial), trial.engine
 
 
-def _group(record: Record) -> Group:
-    return record.experiment, record.case, json.dumps(dict(record.parameters), sort_keys=True), record.engine
-
-
 def _parameters(trial: Trial) -> str:
     return json.dumps(dict(trial.parameters), sort_keys=True)
-
-
-def _setting(trial: Trial) -> Setting:
-    return trial.track, trial.settings.dt

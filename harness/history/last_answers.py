@@ -3,7 +3,6 @@
 import json
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from plumbline.harness.history.blocks import Key, Seen
 from plumbline.harness.history.folder import Night
@@ -34,13 +33,9 @@ class LastAnswers:
         """What a night says of the blocks that it was the last to do."""
         blocks = {key for key, known in self.seen.items() if known.night.stamp == night.stamp}
         rows = night.store_of(blocks).trials.itertuples()
-        return {_asked(row): (str(row.status), _text(row.trajectory_hash)) for row in rows}
-
-
-def _asked(row: Any) -> Hashable:
-    asked = (row.experiment, row.case, row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
-    return (*asked, row.alteration, row.parameters)
-
-
-def _text(value: Any) -> str | None:
-    return value if isinstance(value, str) else None
+        known: dict[Hashable, tuple[str, str | None]] = {}
+        for row in rows:
+            asked = (row.experiment, row.case, row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
+            answer = row.trajectory_hash if isinstance(row.trajectory_hash, str) else None
+            known[*asked, row.alteration, row.parameters] = str(row.status), answer
+        return known

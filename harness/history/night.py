@@ -192,7 +192,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "disagreements": sum(row.kind == "digest" for row in rows),
         "clocked": len(clocked),
         "blocks": steering.sights(unstable, worse),
-        "left_out": [entry.plain() for entry in steering.out],
+        "left_out": [asdict(entry) for entry in steering.out],
         "unanswered": [asdict(waiting) for waiting in steering.unanswered],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
         "told": changed,

@@ -6,7 +6,7 @@ What an engine answered to a case before a night in which it gave another answer
 import sys
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -32,17 +32,6 @@ Keep: TypeAlias = Literal["all", "changed", "none"]
 def computed_again(trial: str, seed: str) -> bool:
     """Is a known answer computed again in the night of this seed? The same of the same seed, in whatever order it is asked."""
     return int(digest([seed, trial]), 16) < AGAIN * 2**64
-
-
-@dataclass(slots=True)
-class _Tally:
-    """What a block took and gave so far, as `Sight` has it."""
-
-    answers: int = 0
-    computed: int = 0
-    answer_seconds: float = 0.0
-    clocked: int = 0
-    clock_seconds: float = 0.0
 
 
 @dataclass(slots=True, kw_only=True)
@@ -73,7 +62,7 @@ class Steering(Guide):
     blocks: tuple[Block, ...] = ()
     done: set[Key] = field(default_factory=set)
     begun: set[Key] = field(default_factory=set)
-    tallies: dict[Key, _Tally] = field(default_factory=dict)
+    tallies: dict[Key, Sight] = field(default_factory=dict)
     out: list[LeftOut] = field(default_factory=list)
     unanswered: list[Unanswered] = field(default_factory=list)
     _plan: Plan | None = None
@@ -193,14 +182,7 @@ class Steering(Guide):
         self.hashes |= {record.trajectory_hash for record in kept}
         new = {record.trajectory_hash for record in kept if not record.recalled and record.trajectory_hash is not None}
         self._kept = sum(self._size(each) for each in new if not self.pool.trajectory_path(each).is_file())
-        for sight in sights:
-            self.tallies[sight.experiment, sight.case] = _Tally(
-                answers=sight.answers,
-                computed=sight.computed,
-                answer_seconds=sight.answer_seconds,
-                clocked=sight.clocked,
-                clock_seconds=sight.clock_seconds,
-            )
+        self.tallies |= {(sight.experiment, sight.case): sight for sight in sights}
 
     def tidy(self) -> None:
         """Put the trajectories that are kept into the pool, take the others away. Raises: OSError."""
@@ -213,19 +195,9 @@ class Steering(Guide):
     def sights(self, unstable: Mapping[Key, int], worse: Mapping[Key, int]) -> list[dict[str, Any]]:
         """What was done of each block. Args: how many timings of it are unstable, how many changes for the worse it had."""
         return [
-            Sight(
-                experiment=block.experiment,
-                case=block.case,
-                digest=block.digest,
-                answers=tally.answers,
-                computed=tally.computed,
-                answer_seconds=tally.answer_seconds,
-                clocked=tally.clocked,
-                clock_seconds=tally.clock_seconds,
-                unstable=unstable.get(block.key, 0),
-                worse=worse.get(block.key, 0),
-                done=block.key in self.done,
-            ).plain()
+            asdict(tally)
+            | {"digest": block.digest, "done": block.key in self.done}
+            | {"unstable": unstable.get(block.key, 0), "worse": worse.get(block.key, 0)}
             for block in self.blocks
             if (tally := self.tallies.get(block.key)) is not None
         ]
@@ -272,8 +244,8 @@ class Steering(Guide):
         path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
         return path.stat().st_size if path.is_file() else 0
 
-    def _tally(self, key: Key) -> _Tally:
-        return self.tallies.setdefault(key, _Tally())
+    def _tally(self, key: Key) -> Sight:
+        return self.tallies.setdefault(key, Sight(experiment=key[0], case=key[1]))
 
 
 def _cell(trial: Trial) -> Cell:

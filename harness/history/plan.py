@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from statistics import mean
 from types import MappingProxyType
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from plumbline.harness.history.blocks import Block, Key, Seen
 
@@ -34,10 +34,6 @@ class LeftOut:
     why: Why
     last_seen: str
     foreseen: float | None
-
-    def plain(self) -> dict[str, Any]:
-        """A JSON-ready mapping."""
-        return asdict(self)
 
 
 def ranked(blocks: Collection[Block], seen: Mapping[Key, Seen], stuck: Mapping[Key, str] = MappingProxyType({})) -> list[Block]:

@@ -122,7 +122,7 @@ def _change(point: ChangePoint, members: Sequence[Series], *, whole: bool) -> Ch
         dt=first.dt if alone else 0.0,
         metric="CPU time" if whole else first.metric,
         unit="s" if alone else "1",
-        trial_b=_trial(members[0], point.index) if alone else "",
+        trial_b=next(filter(None, members[0].trials[point.index :]), "") if alone else "",
         before=sides[0],
         after=sides[1],
         ratio=point.ratio,
@@ -131,10 +131,6 @@ def _change(point: ChangePoint, members: Sequence[Series], *, whole: bool) -> Ch
         beside=beside,
         count=len(members),
     )
-
-
-def _trial(series: Series, night: int) -> str:
-    return next((trial for trial in series.trials[night:] if trial), "")
 
 
 def _at(series: Series, night: int, later: bool) -> float | None:

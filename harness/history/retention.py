@@ -1,7 +1,6 @@
 """What of a history may go: old nights, answers that no night asks for any more, trajectories that none keeps."""
 
 import shutil
-from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -68,8 +67,5 @@ def _unnamed(history: History, nights: list[Night]) -> tuple[tuple[Path, ...], t
             trials.add(record.trial)
             hashes |= {record.trajectory_hash} if record.trajectory_kept else set()
     pool = Pool(history.pool)
-    return tuple(_others(pool.answers(), trials)), tuple(_others(pool.trajectories(), hashes))
-
-
-def _others(paths: Iterator[Path], named: "set[str] | set[str | None]") -> Iterator[Path]:
-    yield from (path for path in paths if path.stem not in named)
+    answers = (path for path in pool.answers() if path.stem not in trials)
+    return tuple(answers), tuple(path for path in pool.trajectories() if path.stem not in hashes)

@@ -1,7 +1,7 @@
 """Series over a history: what each night said of every price, error and limit, in segments of one machine and one version."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,25 +68,11 @@ class Readings:
             [every[k].subject.engine for k in prices],
             [canaries[k] for k in prices],
             np.array(self._canary),
-            self._hosts(),
+            np.unique([night.machine for night in self.nights], return_inverse=True)[1],
         )
         for k, (factor, beside) in zip(prices, over, strict=True):
-            old = every[k]
-            every[k] = Series(
-                subject=old.subject,
-                values=old.values,
-                over=factor,
-                beside=beside,
-                segments=old.segments,
-                trials=old.trials,
-                hashes=old.hashes,
-            )
+            every[k] = replace(every[k], over=factor, beside=beside)
         return tuple(every)
-
-    def _hosts(self) -> NDArray[np.int64]:
-        """The machine of each night, as a number."""
-        known = list(dict.fromkeys(night.machine for night in self.nights))
-        return np.array([known.index(night.machine) for night in self.nights], np.int64)
 
     def _plain(self, key: str) -> Series:
         readings, count = self._by[key], len(self.nights)

@@ -78,8 +78,5 @@ def over_nights(
             break
         fresh.append(untold)
     ended = frozenset(one.id for one in dated if one.state in ("mended", "another version"))
-    return OverNights(tuple(map(_row, fresh)), tuple(one.stamp for one in fresh), ended)
-
-
-def _row(one: Dated) -> Change:
-    return replace(one.first, detail=f"over all nights, on this level since {one.stamp}")
+    rows = (replace(one.first, detail=f"over all nights, on this level since {one.stamp}") for one in fresh)
+    return OverNights(tuple(rows), tuple(one.stamp for one in fresh), ended)

@@ -12,7 +12,7 @@ from plumbline.harness.run.verify import Problem, problems
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
 from plumbline.harness.store.journal import DamagedFile, StoreError
-from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.seal import Damaged, require_seal
 from plumbline.harness.store.trajectory_file import kept_hash
 
 _AGAIN = "delete it; the next night computes it again"
@@ -42,8 +42,8 @@ def _sealed(path: Path, cure: str) -> Iterator[Problem]:
     try:
         if not path.is_file():
             yield Problem(path, "missing", cure)
-        elif not check_seal(path, disk.read(path)):
-            yield Problem(path, "it has no checksum", cure)
+        else:
+            require_seal(path, disk.read(path))
     except Damaged as error:
         yield Problem(path, str(error), cure)
 
@@ -59,7 +59,7 @@ def _pool(pool: Pool) -> Iterator[Problem]:
             yield Problem(path, "is the answer to another trial than its name says", _AGAIN)
     for path in pool.trajectories():
         try:
-            check_seal(path, disk.read(path))
+            require_seal(path, disk.read(path))
             if kept_hash(read_arrays(path)) != path.stem:
                 raise Damaged("its answer is not the one that its name says")
         except (Damaged, KeyError) as error:

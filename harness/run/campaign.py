@@ -82,25 +82,18 @@ class _Run:
 
 
 def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
-    journal, guide, cluster, remaining, machine = (
-        run.journal,
-        run.guide,
-        run.cluster,
-        run.remaining,
-        machine_digest(run.machine),
-    )
-    whole = [trial.trial for trial in trials]
+    journal, guide, cluster, remaining = run.journal, run.guide, run.cluster, run.remaining
+    machine = machine_digest(run.machine)
     waiting = [trial for trial in trials if trial.trial not in journal.records]
+    unavailable = {trial.trial: reason for trial in waiting if (reason := run.reasons[trial.engine]) is not None}
     for trial in waiting:
-        reason = run.reasons[trial.engine]
-        if reason is not None:
-            journal.append(outcome(trial, "unavailable", reason))
-    waiting = [trial for trial in waiting if run.reasons[trial.engine] is None]
+        if trial.trial in unavailable:
+            journal.append(outcome(trial, "unavailable", unavailable[trial.trial]))
     for trial in waiting:
-        if (known := guide.known(trial)) is not None:
+        if trial.trial not in unavailable and (known := guide.known(trial)) is not None:
             journal.append(known)
     waiting = [trial for trial in waiting if trial.trial not in journal.records]
-    remaining.forget([name for name in whole if name in journal.records])
+    remaining.forget([trial.trial for trial in trials if trial.trial in journal.records])
     if not waiting:
         return
     by_name = {trial.trial: trial for trial in waiting}
@@ -260,14 +253,12 @@ def carry_out(
     disk.make_folder(folder)
     engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
     # Who clocks is the machine of a run: prices are read with it, answers name theirs one by one.
-    plain, machine = (
-        _plain_study(study),
-        fingerprint() if cluster is None else {**fingerprint(), **circumstances(cluster.machine)},
-    )
+    plain, machine = _plain_study(study), fingerprint()
+    machine |= {} if cluster is None else circumstances(cluster.machine)
     here = machine_digest(machine)
     journal = Journal(folder)
     try:
-        other = another_study(folder, journal, plain)
+        other = another_study(journal, plain)
         if other and resume != "merge":
             raise FolderTaken(f"{folder}: holds {other}; choose another --out, or keep both in it with --resume=merge")
         clear_drafts(folder)

@@ -55,10 +55,6 @@ def _trim(log: Path, record: Record) -> None:
         log.write_bytes(end)
 
 
-def _late(trial: Trial, log: Path, why: str) -> Record:
-    return outcome(trial, "timeout", f"deadline of {trial.deadline:g} s passed, {why}", _tail(log))
-
-
 def _expired(trial: Trial, code: int | None, log: Path, kills: int) -> Record:
     """Terms: kills: of the system for want of memory, while the trial ran."""
     detail = _tail(log)
@@ -139,7 +135,8 @@ class _Child:
             return outcome(self.trial, "oom", f"more than {most:g} MB: it took {self.watch.taken:.0f} MB", _tail(self.log))
         if self.ended:
             return _expired(self.trial, code, self.log, kills_for_memory() - self.kills)
-        return _late(self.trial, self.log, self.late)
+        reason = f"deadline of {self.trial.deadline:g} s passed, {self.late}"
+        return outcome(self.trial, "timeout", reason, _tail(self.log))
 
     def stop(self) -> None:
         """End the process, whatever it does, and what it started."""

@@ -33,17 +33,13 @@ def conflicts(folders: Sequence[Path]) -> list[str]:
         for name, record in written.records.items():
             if name not in known:
                 known[name] = folder, record
-            elif _answer(known[name][1]) != _answer(record):
+            elif known[name][1].answer != record.answer or known[name][1].status != record.status:
                 where, other = known[name]
                 sentences.append(
                     f"trial {name} ({record.case} on {record.engine}/{record.track}): {other.status} {other.trajectory_hash} "
                     f"in {where}, {record.status} {record.trajectory_hash} in {folder}"
                 )
     return sentences
-
-
-def _answer(record: Record) -> tuple[str, str | None]:
-    return record.status, record.trajectory_hash
 
 
 def _read(folders: Sequence[Path]) -> Iterator[tuple[Path, Written]]:
@@ -64,7 +60,7 @@ def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]
     try:
         for folder, written in sides:
             for session in written.sessions:
-                if other := another_study(out, journal, session["study"]):
+                if other := another_study(journal, session["study"]):
                     raise FolderTaken(f"{folder}: is of another study than those before it, which hold {other}")
                 journal.begin(session)
             _carry(folder, out)
@@ -78,7 +74,8 @@ def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]
                 if machines[_question(record)] != record.clocked_on:
                     notes[f"{folder}: leaves out {{}} timings: another machine clocked the same question"] += 1
                 elif record.trial not in journal.timings:
-                    journal.append(Timing(trial=record.trial, note=record.timing_note, **_timing_of(record)))
+                    timed = {name: getattr(record, name) for name in _TIMED}
+                    journal.append(Timing(trial=record.trial, note=record.timing_note, **timed))
         _describe(sides, journal, out)
         complete = all(read_plain(folder / "machine.json").get("complete", False) for folder in folders)
         machine = read_plain(folders[-1] / "machine.json")
@@ -96,10 +93,6 @@ def _question(record: Record) -> str:
 
 def _clocked(written: Written) -> Iterator[Record]:
     return (record for record in written.records.values() if record.trial in written.clocked)
-
-
-def _timing_of(record: Record) -> dict[str, Any]:
-    return {name: getattr(record, name) for name in _TIMED}
 
 
 def _unclocked(record: Record) -> Record:

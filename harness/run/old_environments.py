@@ -27,7 +27,8 @@ def old_environments(older: float) -> Iterator[OldEnvironment]:
     for folder in sorted(path for path in root().glob("*") if path.is_dir()):
         unasked = time.time() - _asked(folder)
         if unasked >= older and folder not in map(folder_of, _names(folder)):
-            yield OldEnvironment(folder, unasked, _bytes(folder))
+            size = sum(path.lstat().st_size for path in folder.rglob("*") if path.is_file())
+            yield OldEnvironment(folder, unasked, size)
 
 
 def remove(old: OldEnvironment) -> bool:
@@ -56,7 +57,3 @@ def _names(folder: Path) -> Iterator[str]:
     """What the engine in a folder may be called: one of the hyphens stands for the blank."""
     words = folder.name.rpartition("-")[0].split("-")
     yield from ("-".join(words[:k]) + " " + "-".join(words[k:]) for k in range(1, len(words)))
-
-
-def _bytes(folder: Path) -> int:
-    return sum(path.lstat().st_size for path in folder.rglob("*") if path.is_file())

@@ -30,15 +30,12 @@ def preloads(cases: Mapping[str, Case], engines: Mapping[str, Adapter]) -> tuple
     questions = [module for name in cases if (module := _built_in("cases", name))]
     adapters = [module for name in engines if (module := _built_in("adapters", name))]
     asked = [module for module in sources.closure(questions) if module.startswith(tuple(f"{room}." for room in _QUESTIONS))]
-    if _NOISE in asked and not any(_has_imu(case) for case in cases.values()):
+    scenes = (case.scene(case.parameters) for case in cases.values())
+    if _NOISE in asked and not any(isinstance(sensor, Imu) for scene in scenes for sensor in scene.sensors):
         asked = [module for module in asked if module != _NOISE]
     compiled = any(module.startswith("plumbline.engine.") for engine in engines.values() for module in engine.loads)
     builders = [f"{module}.build" for module in adapters]
     return (*questions, *adapters, *builders, *sorted(sources.named(asked, "scipy")), *(["numba"] if compiled else []))
-
-
-def _has_imu(case: Case) -> bool:
-    return any(isinstance(sensor, Imu) for sensor in case.scene(case.parameters).sensors)
 
 
 def _built_in(kind: str, name: str) -> str | None:

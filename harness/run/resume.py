@@ -16,7 +16,7 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.seal import Damaged, require_seal
 from plumbline.harness.store.store import ends_early, read_plain
 from plumbline.harness.study.library_variants import obstacle
 from plumbline.harness.study.provenance import what_changed
@@ -39,7 +39,7 @@ def damage(folder: Path, record: Record) -> str:
         return ""
     path = folder / "trajectories" / f"{record.trajectory_hash}.npz"
     try:
-        check_seal(path, disk.read(path))
+        require_seal(path, disk.read(path))
     except FileNotFoundError:
         return f"{path} is missing"
     except Damaged as error:
@@ -58,11 +58,9 @@ def _differences(value: Any, other: Any, where: str) -> list[str]:
     return [] if value == other or not (value or other) else [where]
 
 
-def another_study(folder: Path, journal: Journal, study: Mapping[str, Any]) -> str:
+def another_study(journal: Journal, study: Mapping[str, Any]) -> str:
     """How the study of a folder differs from this one, in words; '' where the folder is of this study too."""
     known = [session["study"] for session in journal.written.sessions]
-    if not known and journal.written.checksums:
-        known = [kept] if (kept := read_plain(folder / "study.toml")) else []
     today = json.loads(json.dumps(study))
     differences = [_differences(other, today, "") for other in known]
     if not differences or [] in differences:
@@ -182,8 +180,7 @@ def _mended_truths(folder: Path) -> list[str]:
     notices = []
     for path in sorted((folder / "truths").glob("[!.]*")):
         try:
-            if not check_seal(path, disk.read(path)):
-                raise Damaged("it has no checksum")
+            require_seal(path, disk.read(path))
         except (Damaged, KeyError) as error:
             disk.remove(path)
             notices.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")

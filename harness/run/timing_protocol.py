@@ -42,6 +42,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
     middle, (low, high) = float(np.median(cpu)), interval_of_median(cpu, [s.process for s in samples])
     wide = (high - low) / 2 > _NOISY * middle
     noisy = float(np.percentile(canary, 75) - np.percentile(canary, 25)) > _NOISY * float(np.median(canary))
+    shares = [s.emulated for s in samples if s.emulated is not None]
     timing = Timing(
         trial=trial.trial,
         unit=unit,
@@ -51,7 +52,7 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
         unstable_timing=bool(wide or noisy or len(samples) < 3),
         note=note,
         clocked="whole runs" if samples[0].run else "calls",
-        emulated=_middle([s.emulated for s in samples if s.emulated is not None]),
+        emulated=float(np.median(shares)) if shares else None,
         samples=tuple(samples),
     )
     if unit not in ("step", "world-step") or trial.workers > 1:
@@ -65,10 +66,6 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
         wall_per_sim_s=float(np.median(wall)) / dt,
         realtime_factor=dt / float(np.median(wall)),
     )
-
-
-def _middle(shares: Sequence[float]) -> float | None:
-    return float(np.median(shares)) if shares else None
 
 
 def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -> Iterator[Timing]:
@@ -85,7 +82,8 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
             for name, team in teams.items():
                 if number == 0 and team.sampling is not None and team.sampling.most is not None:
                     most[name] = min(most[name], team.sampling.most)
-            here = {name: _share(most[name] - len(samples[name]), experiment.processes - number) for name in teams}
+            processes = experiment.processes - number
+            here = {name: -(-(most[name] - len(samples[name])) // processes) for name in teams}  # rounded up
             for block in range(experiment.samples):
                 stop_if_asked()
                 asked = sorted(name for name in teams if block < here[name])
@@ -111,8 +109,3 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
     for trial in trials:
         unit = plugins.case(trial.case).unit(trial.parameters, trial.clocks)
         yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""), unit)
-
-
-def _share(samples: int, processes: int) -> int:
-    """How many of these samples the next of so many processes takes."""
-    return -(-samples // processes)

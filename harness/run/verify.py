@@ -19,7 +19,7 @@ from plumbline.harness.store.imported_scenes import MINIMAL, unsound
 from plumbline.harness.store.journal import DamagedFile, StoreError, Written, read_written
 from plumbline.harness.store.machine_fingerprint import circumstances
 from plumbline.harness.store.record import parts_of_runs
-from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.seal import Damaged, check_seal, require_seal
 from plumbline.harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
 from plumbline.harness.store.trajectory_file import kept_hash
 
@@ -173,8 +173,7 @@ def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
             yield Problem(path, "belongs to no trial", _DELETE)
             continue
         try:
-            if not check_seal(path, disk.read(path)) and written.chained:
-                raise Damaged("it has no checksum")
+            require_seal(path, disk.read(path))
             if kept_hash(read_arrays(path)) != path.stem:
                 raise Damaged("its answer is not the one that its name says")
         except (Damaged, KeyError) as error:
@@ -187,8 +186,7 @@ def _truths(folder: Path) -> Iterator[Problem]:
             yield Problem(path, "is no truth", _DELETE)
             continue
         try:
-            if not check_seal(path, disk.read(path)):
-                raise Damaged("it has no checksum")
+            require_seal(path, disk.read(path))
         except Damaged as error:
             yield Problem(path, str(error), "--resume removes it, and it is made again when it is wanted")
 

@@ -244,11 +244,6 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
     return felt
 
 
-def _moved(here: Sequence[Point], last: int) -> bool:
-    """Did the last round bring anything to the front?"""
-    return any(point.trial.round == last for point in _front(here))
-
-
 def _front(here: Sequence[Point]) -> list[Point]:
     """The points of the front, the cheapest first, so found that noise in rough costs leads the search as little as may be.
 
@@ -310,7 +305,7 @@ def _around(
     here: Sequence[Point], felt: Mapping[str, Felt], case: Case, adapter: Adapter, last: int
 ) -> Iterator[tuple[Trial, Settings]]:
     """Lazy generator of the neighbours of the front, then of those of the next front behind it."""
-    if last > SCREENING and not _moved(here, last):
+    if last > SCREENING and not any(point.trial.round == last for point in _front(here)):
         yield from _coarser_still(here, case)
     foremost = sorted(felt, key=lambda knob: -felt[knob].ratio)
     for layer in _layers(_apart(here)):

@@ -17,7 +17,7 @@ from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.scene.importers.fidelity import plain
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.store import disk
-from plumbline.harness.store.seal import Damaged, check_seal, sealed_json, sealed_toml
+from plumbline.harness.store.seal import Damaged, check_seal, require_seal, sealed_json, sealed_toml
 
 FOLDER = "scenes"
 MINIMAL = "minimal"
@@ -102,7 +102,6 @@ def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
             yield path, "belongs to no import"
             continue
         try:
-            if not check_seal(path, disk.read(path)):
-                yield path, "it has no checksum"
+            require_seal(path, disk.read(path))
         except Damaged as error:
             yield path, str(error)

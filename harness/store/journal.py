@@ -2,8 +2,7 @@
 
 Lines are numbered and each holds the checksum of the one before it, so that one that is missing, doubled or moved is noticed.
 Each says when it was written: how long a run took, piece by piece, is read off it, and nothing else.
-Beside runs they say under which circumstances a session began, and which trials were withdrawn since they no longer hold. Lines
-of schema 1 have neither number nor chain, and are read as well.
+Beside runs they say under which circumstances a session began, and which trials were withdrawn since they no longer hold.
 """
 
 import fcntl
@@ -61,7 +60,7 @@ class Written:
         the machine of it. withdrawn, lost: by trial that has no record any more, why, and the record that it had.
         sessions: the circumstances of each, in order; made_in: by trial, the number of its session, -1 where none had begun.
         checksums: of all lines.
-        end: bytes of whole lines. torn: bytes behind them, what a kill left of a line. chained: is every line?
+        end: bytes of whole lines. torn: bytes behind them, what a kill left of a line.
     """
 
     path: Path
@@ -74,7 +73,6 @@ class Written:
     checksums: list[str] = field(default_factory=list)
     end: int = 0
     torn: int = 0
-    chained: bool = True
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -84,8 +82,8 @@ class Written:
         line = len(self.checksums) + 1
         return (f"{self.path}: line {line}, the last, is torn, as a kill leaves it: {self.torn} bytes are dropped",)
 
-    def take(self, kind: Kind, content: Mapping[str, Any], schema: int = SCHEMA_VERSION) -> None:
-        """Take in one line of a schema. Raises: ValueError, where it cannot follow the others."""
+    def take(self, kind: Kind, content: Mapping[str, Any]) -> None:
+        """Take in one line. Raises: ValueError, where it cannot follow the others."""
         if kind == "session":
             self.sessions.append(content)
         elif kind == "withdrawn":
@@ -100,7 +98,7 @@ class Written:
                     raise ValueError(f"brings back trial {trial}, which was not withdrawn")
                 self._put(self.lost[trial])
         elif kind == "accuracy":
-            record = Record.from_plain(content, schema)
+            record = Record.from_plain(content)
             if record.trial in self.records:
                 raise ValueError(f"holds trial {record.trial} a second time")
             self.made_in[record.trial] = len(self.sessions) - 1
@@ -138,8 +136,6 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
 def _amiss(written: Written, entry: Mapping[str, Any]) -> str:
     """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
-    if entry["schema"] == 1:
-        return "is of schema 1 behind lines of a later one" if written.chained and written.checksums else ""
     number = entry["number"]
     if number > due:
         missing = f"line {due} is" if number == due + 1 else f"lines {due} to {number - 1} are"
@@ -149,11 +145,20 @@ def _amiss(written: Written, entry: Mapping[str, Any]) -> str:
     return "" if entry["before"] == before else "does not follow the line before it, which is another than was written"
 
 
+def check_schema(path: Path, schema: int, where: str = "") -> None:
+    """Refuse what a program of another schema wrote. Raises: DamagedFile."""
+    if schema > SCHEMA_VERSION:
+        raise DamagedFile(path, f"{where}has schema {schema}, this program reads up to {SCHEMA_VERSION}", "upgrade it")
+    if schema < SCHEMA_VERSION:
+        what = f"{where}has schema {schema}, which no released version wrote; this program reads schema {SCHEMA_VERSION}"
+        raise DamagedFile(path, what, "run the study again into a new folder")
+
+
 def read_written(path: Path) -> Written:
     """All that a journal says; nothing of one that is not there.
 
     Raises:
-        DamagedFile: for a corrupt line, one that is missing, doubled or moved, or a schema newer than this program's.
+        DamagedFile: for a corrupt line, one that is missing, doubled or moved, or another schema than this program's.
     """
     written = Written(path)
     if not path.exists():
@@ -170,15 +175,12 @@ def read_written(path: Path) -> Written:
             what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
             raise DamagedFile(path, what, f"{cure}, or start a new folder")
         entry = json.loads(text)
-        if entry["schema"] > SCHEMA_VERSION:
-            what = f"line {number} has schema {entry['schema']}, this program reads up to {SCHEMA_VERSION}"
-            raise DamagedFile(path, what, "upgrade it")
+        check_schema(path, entry["schema"], f"line {number} ")
         amiss = _amiss(written, entry)
-        written.chained = written.chained and entry["schema"] > 1
         try:
             if amiss:
                 raise ValueError(amiss)
-            written.take(entry["kind"], entry["content"], entry["schema"])
+            written.take(entry["kind"], entry["content"])
         except ValueError as error:
             raise DamagedFile(path, f"line {number} {error}", "restore the file or start a new folder") from error
         written.checksums.append(checksum.decode())

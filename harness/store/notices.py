@@ -15,3 +15,15 @@ class StoredNotice:
     def __str__(self) -> str:
         """As a line for people, by its kind first."""
         return self.text if self.kind == "note" else f"{self.kind}: {self.text}"
+
+
+def notice_of(line: str) -> StoredNotice:
+    """The notice of a line for people, which names its effect as code or people do."""
+    from plumbline.harness.scene import Effect  # late: who has a journal does not pay for scenes
+
+    words = line.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
+    effect = next((name for name in Effect(~0).names if name in words or name.replace("_", " ") in " ".join(words)), "")
+    for kind in ("surplus", "missing"):
+        if line.startswith(f"{kind}: "):
+            return StoredNotice(line.removeprefix(f"{kind}: "), kind, effect)
+    return StoredNotice(line)

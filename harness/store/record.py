@@ -9,11 +9,9 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.older_schemas import base_of_track, notices_in_sentences
 
 SCHEMA_VERSION = 3
-"""Raised when a field changes its meaning; a store with a higher number is refused. Up to 2 warnings were
-sentences, and the base of a track its first word."""
+"""Raised when a field changes its meaning; a store with another number is refused."""
 
 Status = Literal["passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted"]
 Clocked = Literal["", "whole runs", "calls", "not clocked"]
@@ -226,13 +224,10 @@ class Record:
         return dataclasses.replace(self, warnings=notes, timing_note=timing.note, **kept)
 
     @classmethod
-    def from_plain(cls, plain: Mapping[str, Any], schema: int = SCHEMA_VERSION) -> "Record":
-        """Read back what `plain` wrote. Args: schema: of the program that wrote it."""
+    def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
+        """Read back what `plain` wrote."""
         fields = {name: value for name, value in plain.items() if name in cls.__dataclass_fields__}
-        stored = fields.get("warnings", ())
-        fields["warnings"] = tuple(StoredNotice(**each) for each in stored) if schema > 2 else notices_in_sentences(stored)
-        if schema < 3:
-            fields["base"] = base_of_track(fields["track"])
+        fields["warnings"] = tuple(StoredNotice(**each) for each in fields.get("warnings", ()))
         fields["measurements"] = tuple(
             Measurement(**{**m, "value": float(m["value"]), "at_most": None if m["at_most"] is None else float(m["at_most"])})
             for m in fields.get("measurements", ())

@@ -50,7 +50,7 @@ def sealed_toml(name: str, text: str) -> bytes:
 
 
 def check_seal(path: Path, content: bytes) -> bool:
-    """Whether a file has a seal, which those of a store's first schema have not. Raises: Damaged, where it does not fit."""
+    """Whether a file has a seal, which those of other programs have not. Raises: Damaged, where it does not fit."""
     before, behind = _BEFORE[path.suffix], _BEHIND[path.suffix]
     start = len(content) - len(before) - _DIGITS - len(behind)
     if start < 0 or content[start : start + len(before)] != before:
@@ -59,3 +59,9 @@ def check_seal(path: Path, content: bytes) -> bool:
     if content[start:] != _seal(path.name, memoryview(content)[:start]):
         raise Damaged("its content is not what was written under this name (its checksum differs)")
     return True
+
+
+def require_seal(path: Path, content: bytes) -> None:
+    """Raises: Damaged, where a file has no seal, or one that does not fit."""
+    if not check_seal(path, content):
+        raise Damaged("it has no checksum")

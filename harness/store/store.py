@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
 from plumbline.harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Written, read_journal, read_written
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.older_schemas import base_of_track, notices_in_sentences
+from plumbline.harness.store.notices import StoredNotice, notice_of
 from plumbline.harness.store.record import Measurement, Record, Sample
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
@@ -29,17 +28,6 @@ TABLES = ("trials", "measurements", "samples")
 TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "idle", "measurements", "samples"})
 _MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
 _SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
-_SINCE = {"round": 0, "alteration": "{}", "members": 1, "remedy": "", "remedied": "", "substep": math.nan, "parts": 0} | {
-    "sources": "{}",
-    "answered_on": "",
-    "clocked_on": "",
-    "clocked": "",
-    "emulated": math.nan,
-    "recalled": "",
-    "again": "",
-    "trajectory_kept": True,
-}
-"""What the trials of a store from before there were these columns mean by their absence."""
 _NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
 _PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep", "emulated")
 _TRIAL_TYPES = dict.fromkeys((*_NUMBERS, *_PRICES), "float64") | {
@@ -193,39 +181,29 @@ class Store:
             if only is not None:
                 records = {name: record for name, record in records.items() if (record.experiment, record.case) in only}
             return tables_of(records, _in_python)
-        trials = TRIAL_COLUMNS[: TRIAL_COLUMNS.index("trajectory_hash") + 1]
-        needed = {"trials": trials, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+        needed = {"trials": TRIAL_COLUMNS, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
         return read_tables(self.folder, needed, _JSON_COLUMNS)
 
     @property
     def trials(self) -> pd.DataFrame:
         """One row a trial."""
-        trials = self._read["trials"]
-        for name, value in _SINCE.items():
-            if name not in trials:
-                trials[name] = value
-        return trials
+        return self._read["trials"]
 
     @cached_property
     def notices(self) -> Mapping[str, tuple[StoredNotice, ...]]:
         """What the engine of each trial, its adapter or the harness said, by trial."""
         if (self.folder / "journal.jsonl").is_file():
             return {trial: record.warnings for trial, record in self._written.records.items()}
-        table = self.trials
-        return {
-            str(trial): notices_in_sentences(json.loads(text))
-            for trial, text in zip(table["trial"], table["warnings"], strict=True)
-        }
+        said = zip(self.trials["trial"], self.trials["warnings"], strict=True)
+        return {str(trial): tuple(map(notice_of, json.loads(text))) for trial, text in said}
 
     @cached_property
     def bases(self) -> Mapping[str, str]:
         """The track that the settings of each trial descend from, by trial."""
         if (self.folder / "journal.jsonl").is_file():
             return {trial: record.base for trial, record in self._written.records.items()}
-        return {
-            str(trial): base_of_track(str(track))
-            for trial, track in zip(self.trials["trial"], self.trials["track"], strict=True)
-        }
+        tracks = zip(self.trials["trial"], self.trials["track"], strict=True)
+        return {str(trial): str(track).partition(",")[0] for trial, track in tracks}  # what was turned stands behind a comma
 
     @cached_property
     def idle(self) -> Mapping[str, tuple[tuple[str, Any], ...]]:

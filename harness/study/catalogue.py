@@ -31,15 +31,7 @@ def describe_case(case: Case) -> dict[str, Any]:
         "scale": case.scale,
         "converges": case.converges,
         "ensemble": case.ensemble,
-        "hard": None
-        if case.hard is None
-        else {
-            "parameter": case.hard.parameter,
-            "unit": case.hard.unit,
-            "easy": case.hard.easy,
-            "extreme": case.hard.extreme,
-            "lost": case.hard.lost,
-        },
+        "hard": None if case.hard is None else asdict(case.hard),
         "checks": [
             {
                 "metric": check.metric.name,
@@ -86,7 +78,7 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
             }
             for emulation in engine.emulated
         ],
-        "advantages": {name: {"by": advantage.by, "why": advantage.why} for name, advantage in engine.advantages.items()},
+        "advantages": {name: asdict(advantage) for name, advantage in engine.advantages.items()},
         "batch": type(engine).build_batch is not Adapter.build_batch,
         "orders": dict(engine.orders),
     }

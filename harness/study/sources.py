@@ -147,13 +147,9 @@ def file_digests(modules: Iterable[str]) -> dict[str, str]:
     return {short_name(module): _digest(module) for module in sorted(modules)}
 
 
+@cache
 def digest_of(modules: frozenset[str]) -> str:
     """Sixteen hexadecimal digits of all their names and texts."""
-    return _joined(modules)
-
-
-@cache
-def _joined(modules: frozenset[str]) -> str:
     return hashlib.sha256("".join(f"{m} {_digest(m)}\n" for m in sorted(modules)).encode()).hexdigest()[:16]
 
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from plumbline.harness.store.journal import StoreError
-from plumbline.harness.store.older_schemas import change_in_name
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Experiment, StudyError, experiment_from
 
@@ -30,13 +29,10 @@ def experiments_of(store: Store) -> list[Experiment]:
 
 
 def departures_of(store: Store) -> Mapping[tuple[str, str], Departure]:
-    """By engine and name, the variants that change one thing; a study that says it of none is older, and has it in names."""
-    variants = {
-        (engine, name): variant for engine, named in store.study.get("variants", {}).items() for name, variant in named.items()
+    """By engine and name, the variants that change one thing."""
+    return {
+        (engine, name): Departure(variant["beside"], variant["changes"])
+        for engine, named in store.study.get("variants", {}).items()
+        for name, variant in named.items()
+        if "changes" in variant
     }
-    stated = {
-        key: Departure(variant["beside"], variant["changes"]) for key, variant in variants.items() if "changes" in variant
-    }
-    if stated:
-        return stated
-    return {key: Departure(*older) for key in variants if (older := change_in_name(key[1])) is not None}

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -41,31 +41,19 @@ from plumbline.harness.trial.simulate import simulate
 from plumbline.harness.trial.step_time import StepTime
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
+_TOLD_OTHERWISE = {"experiment", "base", "settings", "alteration"}
+_SHARED = {field.name for field in fields(Trial)} & {field.name for field in fields(Record)} - _TOLD_OTHERWISE
+
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
     """The record of a trial that gave no trajectory."""
     return Record(
-        trial=trial.trial,
-        study=trial.study,
+        **{name: getattr(trial, name) for name in _SHARED},
         experiment=trial.experiment.name,
-        case=trial.case,
-        parameters=trial.parameters,
-        engine=trial.engine,
-        engine_version=trial.engine_version,
-        track=trial.track,
         base=trial.base or trial.track,
         dt=trial.settings.dt,
         settings=trial.settings.plain(),
-        seed=trial.seed,
-        clocks=trial.clocks,
-        workers=trial.workers,
-        round=trial.round,
         alteration=trial.alteration.plain(),
-        members=trial.members,
-        remedy=trial.remedy,
-        remedied=trial.remedied,
-        parts=trial.parts,
-        sources=trial.sources,
         status=status,
         reason=reason,
         detail=detail,

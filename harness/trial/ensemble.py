@@ -65,7 +65,8 @@ def _stands(case: Case) -> bool:
 
 def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path | None) -> Fate:
     """Raises: NotMeasurable, Unsupported, Unavailable, SettingsError."""
-    plain = replace(trial, parameters=_seeded(trial, number), seed=number)
+    seeded = {"seed": number} if "seed" in trial.parameters else {}
+    plain = replace(trial, parameters={**trial.parameters, **seeded}, seed=number)
     scene = plain.scene(case)
     start = member(scene, number, trial.settings.dt, turn=not scene.sensors) if _varies(case) else Member(scene, None)
     answer = answer_of(plain, case, adapter, start.scene)
@@ -98,10 +99,6 @@ def _limited(case: Case) -> bool:
 def _varies(case: Case) -> bool:
     """May the scene start otherwise? What acts on it from outside, what it is told again as, and bounds would not follow."""
     return case.retellings is None and case.control is None and case.rays is None and (_limited(case) or _stands(case))
-
-
-def _seeded(trial: Trial, number: int) -> dict[str, object]:
-    return {name: number if name == "seed" else value for name, value in trial.parameters.items()}
 
 
 def _lost(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None) -> bool:

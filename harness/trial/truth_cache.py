@@ -17,7 +17,7 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays, write_arrays
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.record import digest
-from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
+from plumbline.harness.store.seal import Damaged, require_seal, sealed_json
 from plumbline.harness.study.plugins import adapter
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trial.converged_truth import converged
@@ -107,8 +107,7 @@ def _read_bounds(kept: Path | None) -> list[float] | None:
         return None
     try:
         content = disk.read(kept)
-        if not check_seal(kept, content):
-            raise Damaged("it has no checksum")
+        require_seal(kept, content)
         bounds: list[float] = json.loads(content)["bounds"]
     except Damaged as error:
         _damaged(kept, error)

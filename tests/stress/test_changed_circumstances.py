@@ -223,33 +223,6 @@ def test_an_engine_that_is_gone_and_comes_back_keeps_its_rows(run: Path, monkeyp
     ledger.survived(FAMILY, "an engine that is gone, and back", "unmarked rows 0, run anew 0")
 
 
-def test_a_folder_of_the_first_schema_is_read_and_run_anew(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], ledger: Page
-) -> None:
-    folder = tmp_path / "run"
-    shutil.copytree(Path(__file__).parent / "schema_1", folder)
-    store = Store(folder)
-    (row,) = store.trials.to_dict(orient="records")
-    assert (row["status"], row["sources"], row["clocked_on"]) == ("passed", "{}", "")
-    assert store.trajectory(row["trajectory_hash"])["p_WB"].shape == (6, 1, 3)
-    assert store.notes == ()
-    with pytest.raises(FolderTaken, match="a run of study 'old'"):
-        carry_out(folder)
-    old = replace(
-        STUDY,
-        name="old",
-        experiments=(
-            replace(
-                STUDY.experiments[0], name="old", engines=("*",), tracks=("tuned",), dt=(0.1,), samples=1, sample_seconds=0.001
-            ),
-        ),
-    )
-    carry_out(folder, old)
-    assert "runs anew 1: an earlier version of plumbline, which did not say what an answer rests on" in capsys.readouterr().err
-    unmixed(folder, trials=1)
-    ledger.survived(FAMILY, "a folder of the first schema", "read; unmarked rows 0")
-
-
 def test_records_beside_what_is_asked_now_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study = replace(STUDY, experiments=(replace(STUDY.experiments[0], cases=("*",), engines=("*",)),))
     fall = {"stress_fall": plugins.case("stress_fall")}

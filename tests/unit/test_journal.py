@@ -1,8 +1,8 @@
 """The journal: torn tails are dropped, corruption is named, nothing stands twice."""
 
 import dataclasses
+import hashlib
 import json
-import shutil
 from pathlib import Path
 
 import pytest
@@ -232,16 +232,9 @@ def test_the_journal_takes_nothing_more_behind_a_piece_that_it_could_not_take_ba
     assert "e" not in read_journal(tmp_path / "journal.jsonl")
 
 
-def test_lines_of_the_first_schema_are_read_and_followed(tmp_path: Path) -> None:
-    old = Path(__file__).parents[1] / "stress" / "schema_1" / "journal.jsonl"
-    shutil.copy(old, tmp_path)
-    journal = Journal(tmp_path)
-    assert not journal.written.chained
-    journal.append(record("new"))
-    journal.close()
-    lines = (tmp_path / "journal.jsonl").read_bytes().splitlines(keepends=True)
-    assert json.loads(lines[2].partition(b" ")[2])["number"] == 3
-    assert "new" in read_journal(tmp_path / "journal.jsonl")
-    (tmp_path / "journal.jsonl").write_bytes(lines[0] + lines[2])
-    with pytest.raises(StoreError, match="line 2 is numbered 3"):
+@pytest.mark.parametrize(("schema", "said"), [(1, "which no released version wrote"), (2, "new folder"), (4, "upgrade it")])
+def test_another_schema_is_named_and_refused(tmp_path: Path, schema: int, said: str) -> None:
+    text = json.dumps({"schema": schema, "kind": "accuracy", "content": record("a").plain()}).encode()
+    (tmp_path / "journal.jsonl").write_bytes(hashlib.sha256(text).hexdigest()[:16].encode() + b" " + text + b"\n")
+    with pytest.raises(StoreError, match=f"line 1 has schema {schema}, .*{said}"):
         read_journal(tmp_path / "journal.jsonl")

@@ -1,6 +1,5 @@
 """Notices: what an engine says of an answer stays typed on its way into a record and back."""
 
-import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -42,14 +41,6 @@ def record(trial: str, warnings: tuple[StoredNotice, ...]) -> Record:
     )  # fmt: skip
 
 
-def line_of_schema_2(trial: str, track: str = "default") -> bytes:
-    """The first line of a journal that was written before notices had types."""
-    content = record(trial, ()).plain() | {"warnings": SENTENCES, "track": track}
-    entry = {"schema": 2, "number": 1, "before": "", "kind": "accuracy", "content": content}
-    text = json.dumps(entry, sort_keys=True).encode()
-    return hashlib.sha256(text).hexdigest()[:16].encode() + b" " + text + b"\n"
-
-
 def test_a_notice_comes_back_from_the_journal_as_it_was(tmp_path: Path) -> None:
     journal = Journal(tmp_path)
     journal.append(record("a", TYPED))
@@ -60,21 +51,13 @@ def test_a_notice_comes_back_from_the_journal_as_it_was(tmp_path: Path) -> None:
     assert json.loads(store.trials.loc[0, "warnings"]) == SENTENCES
 
 
-def test_the_sentences_of_the_second_schema_are_read_by_their_first_word(tmp_path: Path) -> None:
-    (tmp_path / "journal.jsonl").write_bytes(line_of_schema_2("old"))
-    journal = Journal(tmp_path)
-    journal.append(record("new", TYPED))
-    journal.close()
-    store = Store(tmp_path)
-    assert store.notices == {"old": TYPED, "new": TYPED}
-    assert list(map(json.loads, store.trials["warnings"])) == [SENTENCES, SENTENCES]
-
-
 def test_a_table_without_its_journal_says_the_same(tmp_path: Path) -> None:
-    (tmp_path / "journal.jsonl").write_bytes(line_of_schema_2("old"))
+    journal = Journal(tmp_path)
+    journal.append(record("a", TYPED))
+    journal.close()
     write_tables(tmp_path)
     (tmp_path / "journal.jsonl").unlink()
-    assert Store(tmp_path).notices == {"old": TYPED}
+    assert Store(tmp_path).notices == {"a": TYPED}
 
 
 def test_a_plain_text_is_a_note_whatever_it_reads() -> None:
@@ -140,10 +123,9 @@ def test_a_surplus_names_one_effect(notice: Notice, status: str) -> None:
     assert check.run(adapter, adapter.tracks["default"]).status == status
 
 
-def test_what_a_track_descends_from_is_a_field_and_was_its_first_word(tmp_path: Path) -> None:
-    (tmp_path / "journal.jsonl").write_bytes(line_of_schema_2("old", track="default, iterations 4"))
+def test_what_a_track_descends_from_is_a_field(tmp_path: Path) -> None:
     journal = Journal(tmp_path)
     journal.append(replace(record("new", ()), track="a variant, with a comma, iterations 4", base="a variant, with a comma"))
     journal.close()
-    assert Store(tmp_path).bases == {"old": "default", "new": "a variant, with a comma"}
+    assert Store(tmp_path).bases == {"new": "a variant, with a comma"}
     assert "base" not in Store(tmp_path).trials

@@ -222,15 +222,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
     return Store(folder)
 
 
-def test_a_study_says_what_its_variants_change_and_an_older_one_has_it_in_their_names(store: Store, tmp_path: Path) -> None:
+def test_a_study_says_what_its_variants_change(store: Store) -> None:
     assert departures_of(store)["law", "the other way"] == Departure("default", "law")
-    write_run_folder(tmp_path)
-    names = ("hasty", "hasty iterations", "tuned law", "law", "quick")
-    (tmp_path / "study.toml").write_text(tomli_w.dumps({"variants": {"dart": {name: {"on": "tuned"} for name in names}}}))
-    assert departures_of(Store(tmp_path)) == {
-        ("dart", "hasty iterations"): Departure("hasty", "iterations"),
-        ("dart", "tuned law"): Departure("tuned", "law"),
-    }
 
 
 @pytest.mark.parametrize(

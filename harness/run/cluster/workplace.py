@@ -22,7 +22,7 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.record import Record, Timing
-from plumbline.harness.store.seal import Damaged, check_seal
+from plumbline.harness.store.seal import Damaged, require_seal
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
 
@@ -239,8 +239,8 @@ def _stored(answered: Answered, trial: Trial, folder: Path) -> Record:
     for place, content in answered.files.items():
         path = folder / place
         try:
-            if path.suffix in (".npz", ".json") and not check_seal(path, content):
-                raise Damaged("it has no checksum")
+            if path.suffix in (".npz", ".json"):
+                require_seal(path, content)
         except Damaged as error:
             raise StoreError(f"{path}: came damaged from its worker: {error}") from None
         if not path.exists():

@@ -50,15 +50,15 @@ class KeptReadings:
         try:
             kept = read_plain(path)
             if kept.get("rests_on") == rests_on:
-                said: _Said = _form(kept_as).validate_json(kept["said"])
-                return said
+                stored_words: _Said = _form(kept_as).validate_json(kept["said"])
+                return stored_words
         except (StoreError, KeyError, ValueError):
             pass  # it is made of what is there still
-        said = read()
-        content: dict[str, Any] = {"rests_on": rests_on, "said": json.dumps(asdict(said))}
+        stored_words = read()
+        content: dict[str, Any] = {"rests_on": rests_on, "said": json.dumps(asdict(stored_words))}
         disk.make_folder(path.parent)
         disk.write_atomically(path, sealed_json(path.name, content))
-        return said
+        return stored_words
 
     def of_others(self, stamps: Collection[str]) -> tuple[Path, ...]:
         """The files that are of none of these nights."""

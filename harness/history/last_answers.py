@@ -35,7 +35,7 @@ class LastAnswers:
         rows = night.store_of(blocks).trials.itertuples()
         known: dict[Hashable, tuple[str, str | None]] = {}
         for row in rows:
-            asked = (row.experiment, row.case, row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
+            cell = (row.experiment, row.case, row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
             answer = row.trajectory_hash if isinstance(row.trajectory_hash, str) else None
-            known[*asked, row.alteration, row.parameters] = str(row.status), answer
+            known[*cell, row.alteration, row.parameters] = str(row.status), answer
         return known

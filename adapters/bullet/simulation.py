@@ -97,7 +97,10 @@ class BulletSimulation:
             belt.push(self._port)
         for number, actuation in self._made.actuators.items():
             links = [a.link for a in actuation.actuators]
-            efforts = actuation.efforts(self._port, number)
+            try:
+                efforts = actuation.efforts(self._port, number)
+            except np.linalg.LinAlgError as error:
+                raise Diverged(f"what drives can move is singular ({error}): the machine has flown apart") from error
             if links:
                 p.setJointMotorControlArray(number, links, p.TORQUE_CONTROL, forces=efforts, physicsClientId=client)
             if actuation.motors:

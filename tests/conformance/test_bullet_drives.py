@@ -1,6 +1,7 @@
 """Springs and drives on Bullet: stiff arms against an independent integration, and the mobility that the implicit law needs."""
 
 import math
+from contextlib import closing
 from dataclasses import replace
 from typing import Any
 
@@ -9,7 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from plumbline.adapters.bullet import ADAPTER
-from plumbline.harness.adapter import Settings
+from plumbline.harness.adapter import Diverged, Settings
+from plumbline.harness.case.starts import member
 from plumbline.harness.conformance.exact import rotation
 from plumbline.harness.scene import (
     WORLD,
@@ -29,6 +31,7 @@ from plumbline.harness.scene import (
     axis_angle,
     box_inertia,
 )
+from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State
 
 pybullet = pytest.importorskip("pybullet", reason="pybullet publishes wheels for Python 3.10 and 3.11 only")
@@ -230,3 +233,14 @@ def test_a_stiffly_driven_machine_without_a_base_keeps_its_momentum() -> None:
     # Nothing acts from outside, so that the common centre of mass stays; joint coordinates integrated to first order move it by
     # v^2 dt a second, 1e-3 at the metre per second that drives of 1e5 N m/rad reach at once.
     assert mass @ got / mass.sum() == pytest.approx(start, abs=1e-3)
+
+
+def test_a_machine_that_flies_apart_has_diverged_and_is_no_crash() -> None:
+    """A quadruped on drives of 8e4 N m/rad, from a perturbed start: its bodies reach 1e30 m/s within 40 steps."""
+    case = plugins.case("stand_quadruped")
+    scene = member(case.scene(case.at(stiffness=8e4)), 4, 1 / 240).scene
+    with (
+        closing(ADAPTER.build(scene, TRACKS["tuned"].with_dt(1 / 240))) as simulation,
+        pytest.raises(Diverged, match="flown apart"),
+    ):
+        simulation.step(480)

@@ -50,8 +50,8 @@ class KeptReadings:
         try:
             kept = read_plain(path)
             if kept.get("rests_on") == rests_on:
-                said: _Said = _form(kept_as).validate_json(kept["said"])
-                return said
+                reading: _Said = _form(kept_as).validate_json(kept["said"])
+                return reading
         except (StoreError, KeyError, ValueError):
             pass  # it is made of what is there still
         said = read()

@@ -65,8 +65,8 @@ class KnownSearches:
         front = self.front_of(trial)
         if front is None:
             return True
-        asked = trial.experiment.name, trial.case, trial.engine
-        near = (r for r in records.values() if (r.experiment, r.case, r.engine) == asked)
+        cell = trial.experiment.name, trial.case, trial.engine
+        near = (r for r in records.values() if (r.experiment, r.case, r.engine) == cell)
         now = {(r.track, r.dt): r for r in near if json.dumps(dict(r.parameters), sort_keys=True) == _parameters(trial)}
         return not all(self._as_before(now.get(setting), error) for setting, error in front.errors.items())
 

@@ -50,15 +50,15 @@ class KeptReadings:
         try:
             kept = read_plain(path)
             if kept.get("rests_on") == rests_on:
-                stored_words: _Said = _form(kept_as).validate_json(kept["said"])
-                return stored_words
+                reading: _Said = _form(kept_as).validate_json(kept["said"])
+                return reading
         except (StoreError, KeyError, ValueError):
             pass  # it is made of what is there still
-        stored_words = read()
-        content: dict[str, Any] = {"rests_on": rests_on, "said": json.dumps(asdict(stored_words))}
+        said = read()
+        content: dict[str, Any] = {"rests_on": rests_on, "said": json.dumps(asdict(said))}
         disk.make_folder(path.parent)
         disk.write_atomically(path, sealed_json(path.name, content))
-        return stored_words
+        return said
 
     def of_others(self, stamps: Collection[str]) -> tuple[Path, ...]:
         """The files that are of none of these nights."""

@@ -31,8 +31,8 @@ def locked(history: History) -> Iterator[None]:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            said = os.pread(descriptor, 1000, 0).decode(errors="replace")
-            raise StoreError(f"{history.root}: another night holds it ({_words(said)}); wait for its end") from error
+            content = os.pread(descriptor, 1000, 0).decode(errors="replace")
+            raise StoreError(f"{history.root}: another night holds it ({_words(content)}); wait for its end") from error
         disk.calls.truncate(descriptor, 0)
         os.pwrite(descriptor, json.dumps(holder()).encode(), 0)
         yield
@@ -41,9 +41,9 @@ def locked(history: History) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _words(said: str) -> str:
+def _words(content: str) -> str:
     try:
-        known = json.loads(said)
+        known = json.loads(content)
         return f"process {known['process']} on {known['host']} since {known['since']}"
     except (ValueError, KeyError, TypeError):
         return "it does not say who"

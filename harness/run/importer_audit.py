@@ -1,20 +1,29 @@
-"""An audit of importers: what each engine's own loader makes of a robot file, beside what the file states."""
+"""An audit of importers: what each engine's own loader makes of a robot file, beside what the file states.
 
+Each loader runs in a process of its own with a deadline: vendors' parsers crash and hang.
+"""
+
+import json
+import subprocess
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.intake.import_wishes import Root, Wishes
-from plumbline.harness.run.robot_loaders import loaded_apart
+from plumbline.harness.intake.safe_text import one_line
 from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.kinds import kind_of
-from plumbline.harness.scene.parity.loaded import Request
+from plumbline.harness.scene.parity.loaded import Loaded, Request, restored
 from plumbline.harness.scene.parity.stated import audited
 from plumbline.harness.study import plugins
 
+DEADLINE = 120.0
+"""Seconds that a loader may take, its engine's import included."""
 _DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 
@@ -77,3 +86,23 @@ def _documented(rows: list[Difference], defaults: Mapping[str, str]) -> tuple[Di
     if not causes or not all(row.documented for row in causes):
         return tuple(marked)
     return tuple(replace(row, documented=row.documented or causes[0].documented) for row in marked)
+
+
+def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
+    """What an engine's loader makes of a file. Raises: Unsupported, with why it does not."""
+    with TemporaryDirectory(prefix="plumbline-loader-") as scratch:
+        out = Path(scratch) / "loaded.json"
+        packages = [f"{package}={folder.resolve()}" for package, folder in request.packages.items()]
+        asked = [name, str(path.resolve()), str(out), request.way, request.root, *packages]
+        command = [sys.executable, "-m", "plumbline.harness.run.loader_child", *asked]
+        try:
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False)
+        except subprocess.TimeoutExpired:
+            raise Unsupported("the file", f"the loader did not end within {DEADLINE:g} s") from None
+        if done.returncode != 0 or not out.is_file():
+            message = one_line(done.stderr.decode("utf-8", "replace").strip()[-300:], 300)
+            raise Unsupported("the file", f"the loader died with code {done.returncode}: {message}")
+        answer = json.loads(out.read_text(encoding="utf-8"))
+    if "why" in answer:
+        raise Unsupported(answer["what"], one_line(answer["why"], 400))
+    return restored(answer)

@@ -28,4 +28,4 @@ def main(name: str, file: str, out: str, way: str, root: Root, *packages: str) -
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])  # type: ignore[arg-type]  # written by `robot_loaders` alone
+    main(*sys.argv[1:])  # type: ignore[arg-type]  # written by `importer_audit` alone

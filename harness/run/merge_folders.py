@@ -98,9 +98,9 @@ def _clocked(written: Written) -> Iterator[Record]:
 def _unclocked(record: Record) -> Record:
     """The record as its accuracy run left it."""
     blank = Timing(trial=record.trial)
-    said = f"timing: {record.timing_note}"
+    notice = f"timing: {record.timing_note}"
     warnings = record.warnings
-    if record.timing_note and warnings and warnings[-1].text == said:
+    if record.timing_note and warnings and warnings[-1].text == notice:
         warnings = warnings[:-1]
     return replace(record, warnings=warnings, timing_note="", **{name: getattr(blank, name) for name in _TIMED})
 

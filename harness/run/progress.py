@@ -65,8 +65,8 @@ class Progress:
         if self._bar is not None:
             self._bar.update(self._task, advance=1, last=last, left=remaining)
         else:
-            suffix = f", {remaining}" if remaining else ""
-            print(f"{self.title}: {self.done}/{self.total}{suffix} ({last})", file=sys.stderr, flush=True)
+            estimate = f", {remaining}" if remaining else ""
+            print(f"{self.title}: {self.done}/{self.total}{estimate} ({last})", file=sys.stderr, flush=True)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._bar is not None:

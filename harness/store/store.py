@@ -194,8 +194,8 @@ class Store:
         """What the engine of each trial, its adapter or the harness said, by trial."""
         if (self.folder / "journal.jsonl").is_file():
             return {trial: record.warnings for trial, record in self._written.records.items()}
-        pairs = zip(self.trials["trial"], self.trials["warnings"], strict=True)
-        return {str(trial): tuple(map(notice_of, json.loads(text))) for trial, text in pairs}
+        sentences = zip(self.trials["trial"], self.trials["warnings"], strict=True)
+        return {str(trial): tuple(map(notice_of, json.loads(text))) for trial, text in sentences}
 
     @cached_property
     def bases(self) -> Mapping[str, str]:

@@ -1,6 +1,7 @@
 """The accuracy run: one trial in this process, from scene to record; nothing is clocked here."""
 
 import math
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -38,7 +39,6 @@ from plumbline.harness.trial.equivalent_runs import equivalent_run, equivalent_s
 from plumbline.harness.trial.paced import check_paced, paced
 from plumbline.harness.trial.readings_due import readings_due
 from plumbline.harness.trial.simulate import simulate
-from plumbline.harness.trial.step_time import StepTime
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 _TOLD_OTHERWISE = {"experiment", "base", "settings", "alteration"}
@@ -165,6 +165,28 @@ class Answer:
     def substep(self, asked: Settings) -> float:
         """The longest step taken [s]: as reported, else as requested."""
         return self.pace.longest / (self.resolved.get("substeps") or asked.substeps or 1)
+
+
+class StepTime:
+    """A simulation with the CPU time of all its steps so far; all else is the simulation's own.
+
+    A whole run is clocked so, once and from cold: roughly, and for nothing.
+    """
+
+    def __init__(self, simulation: Any) -> None:
+        self._simulation = simulation
+        self.cpu = 0.0
+
+    def step(self, count: int = 1) -> None:
+        """Advance the simulation. Raises: Diverged."""
+        begun = time.process_time()
+        try:
+            self._simulation.step(count)
+        finally:
+            self.cpu += time.process_time() - begun
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._simulation, name)
 
 
 def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answer:

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.cli.main import main
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.run.robot_loaders import loaded_apart
+from plumbline.harness.run.importer_audit import loaded_apart
 from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.kinds import kind_of

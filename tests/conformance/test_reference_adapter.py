@@ -186,20 +186,20 @@ def test_whole_steps_are_steps_of_a_part_of_dt() -> None:
 
 def test_tuned_takes_whole_steps_where_sub_steps_would_see_nothing() -> None:
     """A fast top under Runge-Kutta, and what would go through a wall between two looks; not a ball that only spins."""
-    top = plugins.case("spin_heavy_top").scene
-    assert "steps" not in ADAPTER.build(top(spin=200.0), TUNED).resolved.options
-    used = ADAPTER.build(top(spin=2000.0), TUNED).resolved
+    heavy_top = plugins.case("spin_heavy_top")
+    assert "steps" not in ADAPTER.build(heavy_top.scene(heavy_top.at(spin=200.0)), TUNED).resolved.options
+    used = ADAPTER.build(heavy_top.scene(heavy_top.at(spin=2000.0)), TUNED).resolved
     assert (used.substeps, used.options["steps"]) == (8, 8)
-    assert ADAPTER.build(top(spin=2000.0), used).resolved == used
+    assert ADAPTER.build(heavy_top.scene(heavy_top.at(spin=2000.0)), used).resolved == used
     for spin, integrator in ((1900.0, "rk4"), (2000.0, "implicit_midpoint")):
-        assert ADAPTER.build(top(spin=spin), TUNED).resolved.integrator == integrator
-    wall = plugins.case("tunnel_sphere_wall").scene
+        assert ADAPTER.build(heavy_top.scene(heavy_top.at(spin=spin)), TUNED).resolved.integrator == integrator
+    wall = plugins.case("tunnel_sphere_wall")
     for speed, continuous, steps in ((20.0, False, 8), (1.0, False, None), (20.0, True, None)):
-        used = ADAPTER.build(wall(speed=speed, continuous=continuous), TUNED).resolved
+        used = ADAPTER.build(wall.scene(wall.at(speed=speed, continuous=continuous)), TUNED).resolved
         assert used.options.get("steps") == steps
-    pairs = plugins.case("tunnel_dynamic_pair").scene
+    pairs = plugins.case("tunnel_dynamic_pair")
     for speed, steps in ((20.0, 8), (10.0, None)):  # of each against the other
-        used = ADAPTER.build(pairs(speed=speed, continuous=False), TUNED).resolved
+        used = ADAPTER.build(pairs.scene(pairs.at(speed=speed, continuous=False)), TUNED).resolved
         assert used.options.get("steps") == steps
     assert "steps" not in ADAPTER.build(scene_at(plugins.case("friction_backspin"), {}), TUNED.with_dt(1 / 60)).resolved.options
 

@@ -109,7 +109,7 @@ def test_a_group_is_stored_if_the_cache_has_an_index_of_each_entry(tmp_path: Pat
         for entry in (*others, last):
             assert not largest.is_stored()
             module, _, name = entry.rpartition(".")
-            path = ENGINE.joinpath(*module.split(".")).with_suffix(".py")
+            path = Path(engine.__file__).parent.joinpath(*module.split(".")).with_suffix(".py")
             cache_directory(path).mkdir(parents=True, exist_ok=True)
             (cache_directory(path) / f"{path.stem}.{name}-1.py311.nbi").touch()
         assert [group for group in every.groups if group.is_stored()] == [largest]

@@ -1,15 +1,16 @@
 """The engines of a run as the command line names them: installed ones, and versions in environments of their own."""
 
-from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.harness.adapter import Adapter
 from plumbline.harness.cli.guard import say
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.run.make_environment import ensure
-from plumbline.harness.study import plugins
-from plumbline.harness.study.engine_versions import version_wanted
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plumbline.harness.adapter import Adapter
 
 
 def _package(name: str) -> str:
@@ -17,11 +18,15 @@ def _package(name: str) -> str:
     return name.partition("-")[0].lower() if name.endswith(".whl") else name.replace("-", "_").lower()
 
 
-def chosen_engines(texts: Sequence[str]) -> dict[str, Adapter]:
+def chosen_engines(texts: "Sequence[str]") -> "dict[str, Adapter]":
     """The adapters that these texts name; all that there are for none. Environments that are not there are made.
 
     Raises: PluginError, VersionError; BadParameter, where the engine is no package of its own, or a wheel is another's.
     """
+    from plumbline.harness.run.make_environment import ensure
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.engine_versions import version_wanted
+
     adapters: dict[str, Adapter] = {}
     for text in texts:
         version = version_wanted(text)

@@ -3,21 +3,25 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from plumbline.harness.cli.guard import GATE, gate, say, stop
 from plumbline.harness.cli.publish import publish
-from plumbline.harness.run.cluster.workplace import Workplace
-from plumbline.harness.run.merge_folders import conflicts, merge_folders
+
+if TYPE_CHECKING:
+    from plumbline.harness.run.cluster.workplace import Workplace
 
 
 @contextmanager
-def at_work(scheduler: str | None) -> Iterator[Workplace | None]:
+def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
     """The workers of a scheduler while a run lasts; None where none was named. Raises: NoScheduler, NoDask."""
     if scheduler is None:
         yield None
         return
+
+    from plumbline.harness.run.cluster.workplace import Workplace
 
     with Workplace(scheduler) as cluster:
         for sentence in cluster.described():
@@ -30,6 +34,8 @@ def at_work(scheduler: str | None) -> Iterator[Workplace | None]:
 @click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder of all of them.")
 def merge(folders: tuple[Path, ...], out: Path) -> None:
     """Make the folders of one study's parts, run by --shard anywhere, into one."""
+    from plumbline.harness.run.merge_folders import conflicts, merge_folders
+
     if sentences := conflicts(folders):
         for sentence in sentences:
             say(sentence, err=True)

@@ -2,19 +2,17 @@
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from plumbline.harness.cli.guard import GATE, say
 from plumbline.harness.cli.listing import print_json
 from plumbline.harness.cli.options import opened
-from plumbline.harness.findings.changes import Changes, compare
-from plumbline.harness.findings.changes.comment import comment
-from plumbline.harness.findings.changes.files import changes_files, flat_rows
-from plumbline.harness.findings.changes.words import command, first_line, folded, headline, one_a_side, sentence
-from plumbline.harness.store.disk import make_folder, write_atomically
-from plumbline.harness.store.store import Store
-from plumbline.reports import changes_page
+
+if TYPE_CHECKING:
+    from plumbline.harness.findings.changes import Changes
+    from plumbline.harness.store.store import Store
 
 _MOST = 60
 """Sentences that a terminal is given; the other formats have all."""
@@ -28,6 +26,10 @@ _MOST = 60
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where this engine is worse; may be repeated.")
 def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tuple[str, ...]) -> None:
     """What changed from DIR_A to DIR_B: accuracy exactly, time over what else was clocked in the same run."""
+    from plumbline.harness.findings.changes import compare
+    from plumbline.harness.findings.changes.comment import comment
+    from plumbline.harness.findings.changes.files import flat_rows
+
     store_a, store_b = opened(folder_a), opened(folder_b)
     for engine in gated:
         if engine not in {*store_a.trials["engine"], *store_b.trials["engine"]}:
@@ -43,12 +45,16 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
         say(str(_write(changes, store_b, out, gated)), err=form != "text")
     barred = changes.regressions(gated)
     for row in barred:
+        from plumbline.harness.findings.changes.words import sentence
+
         say(f"gate: {sentence(row)}", err=True)
     if barred:
         sys.exit(GATE)
 
 
-def _print(changes: Changes) -> None:
+def _print(changes: "Changes") -> None:
+    from plumbline.harness.findings.changes.words import command, first_line, folded, headline, one_a_side
+
     say(first_line(changes))
     say(f"{headline(changes)}; {changes.clocked} were clocked on both")
     groups = one_a_side(folded(changes.rows))
@@ -62,8 +68,12 @@ def _print(changes: Changes) -> None:
         say(f"not compared: {text}", err=True)
 
 
-def _write(changes: Changes, store: Store, out: Path, gated: tuple[str, ...]) -> Path:
+def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...]) -> Path:
     """The files of a comparison. Returns: its page."""
+    from plumbline.harness.findings.changes.files import changes_files
+    from plumbline.harness.store.disk import make_folder, write_atomically
+    from plumbline.reports import changes_page
+
     make_folder(out)
     for name, content in changes_files(changes, store, gated).items():
         write_atomically(out / name, content)

@@ -1,14 +1,15 @@
 """The command that draws the charts of a case for a paper."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.options import opened, run_folder
-from plumbline.harness.store import disk
-from plumbline.harness.store.store import Store
-from plumbline.reports.paper.figures import figures_of
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
 
 
 @click.command()
@@ -28,6 +29,9 @@ from plumbline.reports.paper.figures import figures_of
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="The folder for the files.")
 def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:
     """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme."""
+    from plumbline.harness.store import disk
+    from plumbline.reports.paper.figures import figures_of
+
     store = opened(folder)
     _known(store, case)
     drawn = [(name, made) for name, made in figures_of(store, case) if chart in (None, name)]
@@ -40,7 +44,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
         say(str(path))
 
 
-def _known(store: Store, case: str) -> None:
+def _known(store: "Store", case: str) -> None:
     cases = [str(name) for name in dict.fromkeys(store.trials["case"])] if len(store.trials) else []
     if case not in cases:
         raise click.BadParameter(f"'{case}' is no case of this run; there are {', '.join(cases)}", param_hint="--case")

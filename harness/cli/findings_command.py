@@ -2,15 +2,16 @@
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from plumbline.harness.cli.guard import GATE, say
 from plumbline.harness.cli.listing import print_json, print_table
-from plumbline.harness.findings.vendor.finding import Finding, FindingError
-from plumbline.harness.findings.vendor.issue_text import issue_text
-from plumbline.harness.findings.vendor.shelf import chosen, shelf
-from plumbline.harness.findings.vendor.still_there import Standing, ask, ask_all
+
+if TYPE_CHECKING:
+    from plumbline.harness.findings.vendor.finding import Finding
+    from plumbline.harness.findings.vendor.still_there import Standing
 
 
 @click.command()
@@ -25,6 +26,9 @@ from plumbline.harness.findings.vendor.still_there import Standing, ask, ask_all
 )
 def findings(asked: str | None, run: bool, issue: bool, as_json: bool, python: Path | None) -> None:
     """Known bugs and pitfalls of ENGINE, as scripts in the vendor's own API."""
+    from plumbline.harness.findings.vendor.finding import FindingError
+    from plumbline.harness.findings.vendor.shelf import chosen, shelf
+
     try:
         every = shelf()
         those = chosen(every, asked) if asked else every
@@ -41,7 +45,7 @@ def findings(asked: str | None, run: bool, issue: bool, as_json: bool, python: P
         print_table(title, ["name", "kind", "title", "seen in"], [[f.name, f.kind, f.title, ", ".join(f.seen)] for f in those])
 
 
-def _row(finding: Finding) -> dict[str, object]:
+def _row(finding: "Finding") -> dict[str, object]:
     return {
         "name": finding.name,
         "engine": finding.engine,
@@ -56,14 +60,19 @@ def _row(finding: Finding) -> dict[str, object]:
     }
 
 
-def _print_issue(those: list[Finding], asked: str | None, python: Path | None) -> None:
+def _print_issue(those: "list[Finding]", asked: str | None, python: Path | None) -> None:
+    from plumbline.harness.findings.vendor.issue_text import issue_text
+    from plumbline.harness.findings.vendor.still_there import ask
+
     if len(those) != 1:
         names = ", ".join(finding.name for finding in those)
         raise click.UsageError(f"--issue takes the name of one finding, not '{asked or 'all'}'; there are {names}")
     click.echo(issue_text(ask(those[0], str(python or sys.executable))), nl=False)
 
 
-def _print_standings(those: list[Finding], as_json: bool, python: Path | None) -> None:
+def _print_standings(those: "list[Finding]", as_json: bool, python: Path | None) -> None:
+    from plumbline.harness.findings.vendor.still_there import ask_all
+
     standings: list[Standing] = []
     for standing in ask_all(those, str(python or sys.executable)):
         standings.append(standing)

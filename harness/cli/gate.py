@@ -1,15 +1,19 @@
 """What the gate of a run is about: our own engine's checks, its determinism, the audit of effects, and tuned tracks."""
 
-from plumbline.harness.findings.effects_audit import JUDGE, audit
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
-from plumbline.harness.findings.tables import determinism, dominance
-from plumbline.harness.findings.tables.effects import TABLE
-from plumbline.harness.store.store import Store
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
 
 
-def failures(store: Store) -> list[str]:
+def failures(store: "Store") -> list[str]:
     """What the gate is about: our own engine's checks on the tuned track and its determinism, the audit of effects, and tuned
     tracks of all engines that a change of one knob beats without a reason."""
+    from plumbline.harness.findings.effects_audit import JUDGE, audit
+    from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+    from plumbline.harness.findings.tables import determinism, dominance
+    from plumbline.harness.findings.tables.effects import TABLE
+
     ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
     # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
     trials = store.asked[store.asked["round"] == 0]

@@ -1,7 +1,6 @@
 """The command on a history: its nights, and what of it may go."""
 
-from contextlib import ExitStack
-from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,11 +8,11 @@ from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import json_rows
 from plumbline.harness.cli.seconds import DAY, Age
-from plumbline.harness.history.folder import History, opened
-from plumbline.harness.history.listing import COLUMNS, rows
-from plumbline.harness.history.lock import locked
-from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
-from plumbline.harness.history.retention import prune, pruning
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plumbline.harness.history.folder import History
 
 
 @click.command()
@@ -25,6 +24,8 @@ from plumbline.harness.history.retention import prune, pruning
 @json_rows
 def history(address: str, prune: bool, older: float | None, keep_nights: int | None, dry_run: bool, as_json: bool) -> None:
     """List the nights of the history DIR: machines, versions, what was recalled and computed, sizes."""
+    from plumbline.harness.history.listing import COLUMNS, rows
+
     if not prune and (older is not None or keep_nights is not None or dry_run):
         raise click.UsageError("--older, --keep-nights and --dry-run are for --prune")
     if prune:
@@ -32,7 +33,8 @@ def history(address: str, prune: bool, older: float | None, keep_nights: int | N
             raise click.UsageError("--prune: say which nights: --older 90d, --keep-nights 30, or both")
         _prune(address, older, keep_nights, dry_run)
         return
-    nights = list(rows(at_hand(address)))
+    with at_hand(address) as kept:
+        nights = list(rows(kept))
     if as_json:
         print_json(nights)
         return
@@ -44,21 +46,38 @@ def _cell(value: object) -> object:
     return "" if value is None else f"{value:.0f}" if isinstance(value, float) else value
 
 
-def at_hand(address: str) -> History:
-    """The history at an address, fetched where it lies elsewhere. Raises: NoRun, StoreError."""
-    if not is_elsewhere(address):
-        return opened(Path(address))
-    elsewhere = copy_of(address)
-    elsewhere.fetch()
-    return opened(elsewhere.root)
+def at_hand(address: str) -> Any:
+    """A context with the history at an address, fetched where it lies elsewhere. Raises: NoRun, StoreError."""
+    from contextlib import contextmanager
+    from pathlib import Path
+
+    from plumbline.harness.history.folder import opened
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
+
+    @contextmanager
+    def reached() -> "Iterator[History]":
+        if is_elsewhere(address):
+            elsewhere = copy_of(address)
+            elsewhere.fetch()
+            yield opened(elsewhere.root)
+        else:
+            yield opened(Path(address))
+
+    return reached()
 
 
 def _prune(address: str, older: float | None, keep_nights: int | None, dry_run: bool) -> None:
+    from contextlib import ExitStack
+
+    from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
+    from plumbline.harness.history.retention import prune, pruning
+
     with ExitStack() as held:
         elsewhere = copy_of(address) if is_elsewhere(address) else None
         if elsewhere is not None:
             held.enter_context(elsewhere.locked(DAY))
-        kept = at_hand(address)
+        kept = held.enter_context(at_hand(address))
         held.enter_context(locked(kept))
         what = pruning(kept, older=older, keep_nights=keep_nights)
         for night in what.nights:

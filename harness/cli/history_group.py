@@ -1,6 +1,6 @@
 """The commands on a history: its nights where nothing else is asked, its trends, and what somebody has seen of them."""
 
-from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import click
 
@@ -9,11 +9,9 @@ from plumbline.harness.cli.history_command import at_hand
 from plumbline.harness.cli.history_command import history as nights
 from plumbline.harness.cli.listing import print_json
 from plumbline.harness.cli.options import json_rows
-from plumbline.harness.history.acknowledged import acknowledge
-from plumbline.harness.history.identity import Named
-from plumbline.harness.history.regressions import Trends, read_trends
-from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
-from plumbline.reports import trends_page
+
+if TYPE_CHECKING:
+    from plumbline.harness.history.regressions import Trends
 
 
 class _NightsByDefault(click.Group):
@@ -39,17 +37,20 @@ history.add_command(nights, "nights")
 @json_rows
 def trends(address: str, as_json: bool) -> None:
     """What got worse over the nights of DIR, first bad night first, and a page of every series."""
-    kept = at_hand(address)
-    read = read_trends(kept)
-    page = trends_page(read, kept.root / "report")
-    if as_json:
-        print_json(_rows(read))
-    else:
-        _print(read, address)
-    say(str(page), err=as_json)
+    from plumbline.harness.history.regressions import read_trends
+    from plumbline.reports import trends_page
+
+    with at_hand(address) as kept:
+        read = read_trends(kept)
+        page = trends_page(read, kept.root / "report")
+        if as_json:
+            print_json(_rows(read))
+        else:
+            _print(read, address)
+        say(str(page), err=as_json)
 
 
-def _print(read: Trends, address: str) -> None:
+def _print(read: "Trends", address: str) -> None:
     standing = read.standing()
     say(f"{len(read.nights)} nights; {len(standing)} regressions stand, of {len(read.regressions)}")
     for one in read.regressions:
@@ -61,7 +62,7 @@ def _print(read: Trends, address: str) -> None:
         say(f"seen one? plumbline history ack ID --note '...' --history {address}", err=True)
 
 
-def _rows(read: Trends) -> list[dict[str, object]]:
+def _rows(read: "Trends") -> list[dict[str, object]]:
     return [
         {
             "id": one.id, "first_bad_night": one.stamp, "state": one.state,
@@ -81,21 +82,31 @@ def _rows(read: Trends) -> list[dict[str, object]]:
 @click.option("--history", "address", required=True, metavar="DIR", help="The history that the change is of.")
 def ack(name: str, note: str, address: str) -> None:
     """Write down that the change ID was seen: it is not told again."""
-    kept = at_hand(address)
-    known = {one.id: (one.sentence(), replace(Named.of(one.first, one.stamp), id=one.id)) for one in read_trends(kept).dated}
-    rows = [row for night in kept.nights() for row in night.plan.get("told", ())]
-    known |= {str(row["id"]): (str(row["sentence"]), Named.told(row)) for row in rows}
-    matching = sorted(full for full in known if full.startswith(name))
-    if len(matching) != 1:
-        what = "no change of this history" if not matching else f"{len(matching)} changes begin so"
-        raise click.BadParameter(f"{name!r}: {what}; `plumbline history trends` lists them", param_hint="ID")
-    text, change = known[matching[0]]
-    acknowledge(kept, change, note)
-    say(f"{change.id} acknowledged: {text}")
+    from dataclasses import replace
+
+    from plumbline.harness.history.acknowledged import acknowledge
+    from plumbline.harness.history.identity import Named
+    from plumbline.harness.history.regressions import read_trends
+
+    with at_hand(address) as kept:
+        known = {
+            one.id: (one.sentence(), replace(Named.of(one.first, one.stamp), id=one.id)) for one in read_trends(kept).dated
+        }
+        rows = [row for night in kept.nights() for row in night.plan.get("told", ())]
+        known |= {str(row["id"]): (str(row["sentence"]), Named.told(row)) for row in rows}
+        matching = sorted(full for full in known if full.startswith(name))
+        if len(matching) != 1:
+            what = "no change of this history" if not matching else f"{len(matching)} changes begin so"
+            raise click.BadParameter(f"{name!r}: {what}; `plumbline history trends` lists them", param_hint="ID")
+        text, change = known[matching[0]]
+        acknowledge(kept, change, note)
+        say(f"{change.id} acknowledged: {text}")
     _send(address)
 
 
 def _send(address: str) -> None:
     """Take the acknowledgement to where the history lies, where that is elsewhere."""
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
+
     if is_elsewhere(address):
         copy_of(address).send()

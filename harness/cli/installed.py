@@ -1,14 +1,16 @@
-"""Commands on what is installed: the engines and the cases."""
+"""Commands on what is installed: the engines, the cases, and the conformance kit for one adapter."""
+
+import sys
 
 import click
 
-from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.guard import GATE, say, stop
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import json_rows
 from plumbline.harness.cli.seconds import DAY, Age
-from plumbline.harness.run.old_environments import old_environments, remove
-from plumbline.harness.study import plugins
-from plumbline.harness.study.catalogue import describe_case, describe_engine
+
+_ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed": 4}
+"""Of outcomes in a listing: what has to be looked at first; the last two only where all is asked for."""
 
 
 @click.command()
@@ -18,11 +20,15 @@ from plumbline.harness.study.catalogue import describe_case, describe_engine
 @json_rows
 def engines(prune: bool, older: float, dry_run: bool, as_json: bool) -> None:
     """List what is installed: version, features, and why something is unavailable; or prune environments of versions."""
+    from plumbline.harness.study import plugins
+
     if dry_run and not prune:
         raise click.UsageError("--dry-run is for --prune")
     if prune:
         _prune(older, dry_run)
         return
+    from plumbline.harness.study.catalogue import describe_engine
+
     rows = [describe_engine(adapter) for adapter in plugins.adapters().values()]
     if as_json:
         print_json(rows)
@@ -34,6 +40,8 @@ def engines(prune: bool, older: float, dry_run: bool, as_json: bool) -> None:
 
 
 def _prune(older: float, dry_run: bool) -> None:
+    from plumbline.harness.run.old_environments import old_environments, remove
+
     old = [each for each in old_environments(older) if dry_run or remove(each)]
     for each in old:
         say(f"{'would go' if dry_run else 'went'}: {each.folder.name}, unasked for {each.unasked / DAY:.0f} days")
@@ -43,6 +51,8 @@ def _prune(older: float, dry_run: bool) -> None:
 
 def left_out(*kinds: str) -> list[str]:
     """Third parties' plug-ins of these kinds that cannot be loaded, in words."""
+    from plumbline.harness.study import plugins
+
     return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in plugins.left_out(kind).items()]
 
 
@@ -50,6 +60,9 @@ def left_out(*kinds: str) -> list[str]:
 @json_rows
 def cases(as_json: bool) -> None:
     """List the catalogue: question, truth, effects, source."""
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.catalogue import describe_case
+
     catalogue = plugins.cases().values()
     for sentence in left_out("cases"):
         say(sentence, err=True)
@@ -61,3 +74,45 @@ def cases(as_json: bool) -> None:
         (case.name, case.question, case.truth, acting, case.source) for case, acting in zip(catalogue, effects, strict=True)
     ]
     print_table("Cases", ("name", "question", "truth", "effects", "source"), shown)
+
+
+@click.command()
+@click.argument("engine")
+@click.option("--track", "tracks", multiple=True, type=click.Choice(["default", "tuned"]), help="Only this track.")
+@click.option("--verbose", is_flag=True, help="Each check on each track, with what passed and what is not claimed.")
+@json_rows
+def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) -> None:
+    """Put one adapter, built in or third-party, through the conformance kit; also ENGINE==VERSION or ENGINE=FILE.whl."""
+    from dataclasses import asdict
+
+    from plumbline.harness.cli.chosen_engines import chosen_engines
+    from plumbline.harness.conformance import gate, run_conformance
+    from plumbline.harness.conformance.apart import outcomes_in
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.environments import environment_of
+
+    ((name, adapter),) = chosen_engines((engine,)).items()
+    environment = environment_of(name) if name != engine else None
+    chosen = tracks or ("default", "tuned")
+    if environment is not None and environment.executable:
+        # Also where the smoke checks say no: the kit names all that does.
+        version = environment.version
+        title, outcomes = adapter.title, outcomes_in(environment, name, chosen)
+    else:
+        version, reason = plugins.version_of(adapter)
+        if reason is not None:
+            stop(GATE, f"{engine}: unavailable: {reason}")
+        title, outcomes = f"{adapter.title} {version}", run_conformance(adapter, tracks=chosen)
+    if as_json:
+        print_json([asdict(outcome) for outcome in outcomes])
+    else:
+        shown = [o for o in outcomes if verbose or _ORDER[o.status] < _ORDER["not_applicable"]]
+        rows = [(o.track, o.check, o.status, o.message) for o in sorted(shown, key=lambda o: _ORDER[o.status])]
+        if rows:
+            print_table(title, ("track", "check", "status", "finding"), rows)
+        counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
+        checks = len({o.check for o in outcomes})
+        told = ", ".join(f"{n} {status}" for status, n in counts.items())
+        say(f"{title}: {checks} checks: {told}{'' if verbose else '; --verbose shows each'}")
+    if not gate(outcomes):
+        sys.exit(GATE)

@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import tomli_w
 
-from plumbline.harness.case import Case
 from plumbline.harness.findings.effects_audit import audit, idle, scenes_of
 from plumbline.harness.findings.tables import effects
 from plumbline.harness.scene import Effect
@@ -13,13 +13,16 @@ from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.store import disk
 from plumbline.harness.store.imported_scenes import MINIMAL
-from plumbline.harness.store.store import Store
 from plumbline.harness.study.plugins import SCENE_PREFIX
+
+if TYPE_CHECKING:
+    from plumbline.harness.case import Case
+    from plumbline.harness.store.store import Store
 
 _OF_A_RUN = ("duration", "dt", "seed")
 
 
-def write_minimal(store: Store, case: Case) -> tuple[Path, list[str]] | None:
+def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None:
     """Write the scene without the effects that its audit finds idle, by a judge that has converged.
 
     Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.

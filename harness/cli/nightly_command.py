@@ -8,38 +8,19 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
-from plumbline.harness.cli.run_study import study_and_cases
 from plumbline.harness.cli.seconds import Seconds
-from plumbline.harness.findings.changes.files import changes_files
-from plumbline.harness.findings.changes.words import headline
-from plumbline.harness.findings.summary import write_summary
-from plumbline.harness.findings.vendor.shelf import shelf
-from plumbline.harness.history.acknowledged import acknowledged
-from plumbline.harness.history.changes_since import News
-from plumbline.harness.history.folder import History, created
-from plumbline.harness.history.known_findings import asked_again, turned
-from plumbline.harness.history.lock import locked
-from plumbline.harness.history.night import Asked, Done, accounted, carry_out_night, close, compared, night_to_do
-from plumbline.harness.history.remote_storage import Elsewhere, copy_of, is_elsewhere
-from plumbline.harness.history.sentences import (
-    in_short,
-    left_out_in_short,
-    open_since,
-    summary,
-    unanswered_in_short,
-    worse_in_short,
-)
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.store.disk import make_folder, write_atomically
-from plumbline.harness.study import plugins
-from plumbline.harness.study.catalogue import describe_engine
-from plumbline.harness.study.experiment import StudyError
-from plumbline.reports import build, changes_page, write_recordings
+
+if TYPE_CHECKING:
+    from plumbline.harness.history.changes_since import News
+    from plumbline.harness.history.folder import History
+    from plumbline.harness.history.night import Asked, Done
+    from plumbline.harness.history.remote_storage import Elsewhere
 
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
@@ -62,6 +43,10 @@ _SPARE = 3600.0
 @click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
 def nightly(address: str, budget: float | None, notify: str | None, reported: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
+    from plumbline.harness.history.folder import created
+    from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
+
     asked = _asked(budget=math.inf if budget is None else budget, **given)
     elsewhere = copy_of(address) if is_elsewhere(address) else None
     root = Path(address) if elsewhere is None else elsewhere.root
@@ -78,7 +63,13 @@ def nightly(address: str, budget: float | None, notify: str | None, reported: bo
 
 def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, **rest: Any
-) -> Asked:
+) -> "Asked":
+    from plumbline.harness.cli.run_study import study_and_cases
+    from plumbline.harness.history.night import Asked
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.catalogue import describe_engine
+    from plumbline.harness.study.experiment import StudyError
+
     try:
         plan, cases = study_and_cases(study, globs)
     except StudyError as error:
@@ -93,8 +84,16 @@ def _asked(
     return Asked(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
 
 
-def _night(history: History, asked: Asked, elsewhere: Elsewhere | None, notify: str | None, reported: bool) -> bool:
+def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
     """Carry it out and close it. Returns: is a gated engine worse, or a page of the report not made?"""
+    from plumbline.harness.findings.changes.words import headline
+    from plumbline.harness.findings.summary import write_summary
+    from plumbline.harness.findings.vendor.shelf import shelf
+    from plumbline.harness.history.known_findings import asked_again, turned
+    from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+    from plumbline.harness.history.sentences import in_short, left_out_in_short, unanswered_in_short, worse_in_short
+    from plumbline.harness.study.experiment import StudyError
+
     night, not_made = night_to_do(history, asked), list[str]()
     night.folder.mkdir(parents=True, exist_ok=True)
     try:
@@ -148,8 +147,10 @@ def _logged(path: Path) -> Iterator[None]:
         yield
 
 
-def _publish(done: Done, news: News | None) -> list[str]:
+def _publish(done: "Done", news: "News | None") -> list[str]:
     """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
+    from plumbline.reports import build, write_recordings
+
     trials = done.store.trials
     fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
     if done.asked.keep == "changed" and news is not None:
@@ -160,8 +161,12 @@ def _publish(done: Done, news: News | None) -> list[str]:
     return build(done.night.folder).sentences()
 
 
-def _write_comparison(done: Done, news: News | None) -> None:
+def _write_comparison(done: "Done", news: "News | None") -> None:
     """What changed, for build servers and other trackers, and as a page: before the report, whose first page leads to it."""
+    from plumbline.harness.findings.changes.files import changes_files
+    from plumbline.harness.store.disk import make_folder, write_atomically
+    from plumbline.reports import changes_page
+
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
@@ -170,8 +175,14 @@ def _write_comparison(done: Done, news: News | None) -> None:
         changes_page(news.changes, folder, done.asked.gated)
 
 
-def _write_summary(history: History, done: Done, news: News | None, account: dict[str, Any], findings: Sequence[str]) -> Path:
+def _write_summary(
+    history: "History", done: "Done", news: "News | None", account: dict[str, Any], findings: Sequence[str]
+) -> Path:
     """What changed, for people. Returns: summary.md."""
+    from plumbline.harness.history.acknowledged import acknowledged
+    from plumbline.harness.history.sentences import open_since, summary
+    from plumbline.harness.store.disk import write_atomically
+
     plans = [night.plan for night in history.whole_nights() if night != done.night]
     standing = open_since(plans, acknowledged(history), () if news is None else news.ended)
     path = done.night.folder / "changes" / "summary.md"

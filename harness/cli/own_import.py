@@ -1,19 +1,21 @@
 """Between a robot file and a run of it: the import, kept in the run folder, and what is refused before anything runs."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from plumbline.harness.adapter import Adapter, Feature
 from plumbline.harness.cli.guard import USAGE, say, stop
 from plumbline.harness.cli.robot_options import imported_from, is_robot
 from plumbline.harness.intake.documents import named
-from plumbline.harness.scene import Effect, Scene
-from plumbline.harness.store.imported_scenes import keep
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from plumbline.harness.adapter import Adapter
+    from plumbline.harness.scene import Scene
 
 
-def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
+def scene_to_run(name: str, folder: Path, options: "dict[str, Any]") -> str:
     """The path of the scene file that is run: a file of our own as it is, another format's import in the run folder.
 
     Raises: RobotError, SceneError, OSError.
@@ -22,6 +24,8 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     asked = any(options.values())
     if not is_robot(path) and not asked:
         return name
+
+    from plumbline.harness.store.imported_scenes import keep
 
     imported = imported_from(path, options, looks=True)
     of_run = {key: options[key] for key in ("dt", "duration") if options.get(key) is not None}
@@ -37,8 +41,11 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     return str(keep(folder, imported))
 
 
-def refuse_two_frictions(file: str, scene: Scene, adapters: Mapping[str, Adapter]) -> None:
+def refuse_two_frictions(file: str, scene: "Scene", adapters: "Mapping[str, Adapter]") -> None:
     """Stop where static friction lies above kinetic friction and an engine has one coefficient alone."""
+    from plumbline.harness.adapter import Feature
+    from plumbline.harness.scene import Effect
+
     both = [law for law in scene.surfaces if law.static_friction > law.kinetic_friction]
     lacking = [name for name, adapter in adapters.items() if Feature.STATIC_FRICTION not in adapter.features]
     if not both or not lacking or Effect.FRICTION not in scene.effects:

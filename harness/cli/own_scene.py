@@ -1,17 +1,21 @@
 """What a run says at its end of scenes of one's own: who agrees with whom, and nothing that only says that it ended."""
 
+from typing import TYPE_CHECKING
+
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.agreement.costs import cost_words
-from plumbline.harness.store.store import Store
-from plumbline.harness.study.plugins import SCENE_PREFIX
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
 
 
 def shown_status(case: str, status: str) -> str:
     """The status of a trial as it is shown: in a scene of one's own the only check is that numbers are finite."""
+    from plumbline.harness.study.plugins import SCENE_PREFIX
+
     return "finite" if status == "passed" and case.startswith(SCENE_PREFIX) else status
 
 
-def closing_count(store: Store) -> str:
+def closing_count(store: "Store") -> str:
     """How many trials ended how."""
     trials = store.trials
     counts: dict[str, int] = {}
@@ -22,7 +26,9 @@ def closing_count(store: Store) -> str:
     return f"{len(trials)} trials: " + ", ".join(f"{count} {name}" for name, count in ranked)
 
 
-def closing_words(store: Store) -> list[str]:
+def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
+    from plumbline.harness.findings.agreement.costs import cost_words
+
     verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
     return [*verdicts, *cost_words(store), *effects]

@@ -1,30 +1,21 @@
 """`plumbline parity`: are two robot files the same robot, and what does each engine's own loader make of one?"""
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
-from plumbline import reports
 from plumbline.harness.cli.guard import GATE, say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import json_rows, limited
 from plumbline.harness.intake.import_wishes import DROPPABLE, Wishes, package_roots
-from plumbline.harness.intake.refusal import RobotError
-from plumbline.harness.run.importer_audit import Reading, audit
-from plumbline.harness.scene.parity.comparison import EARTH, TOLERANCE, aligned, compare, renamed
-from plumbline.harness.scene.parity.difference import Difference, plain
-from plumbline.harness.scene.parity.facts import RobotFacts
-from plumbline.harness.scene.parity.joint_names import joint_names
-from plumbline.harness.scene.parity.motion import Configuration
-from plumbline.harness.scene.parity.parting import MOVES, Parting, motion_of, parting
-from plumbline.harness.scene.parity.stated import pair_of
-from plumbline.harness.scene.parity.states import drawn
-from plumbline.harness.store import parity_record
-from plumbline.harness.store.parity_record import ParityRecord, Side
-from plumbline.harness.study import plugins
+
+if TYPE_CHECKING:
+    from plumbline.harness.run.importer_audit import Reading
+    from plumbline.harness.scene.parity.difference import Difference
+    from plumbline.harness.scene.parity.facts import RobotFacts
+    from plumbline.harness.scene.parity.parting import Parting
+    from plumbline.harness.store.parity_record import ParityRecord, Side
 
 _robot_file = click.Path(path_type=Path, dir_okay=False)
 
@@ -55,6 +46,8 @@ def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> Non
     names their engine: then 1 where it changes something that its documentation does not tell.
     """
     wishes = Wishes(drop=frozenset(options["drop"]), packages=package_roots(tuple(options["packages"])), root=options["root"])
+    from plumbline.harness.scene.parity.comparison import TOLERANCE
+
     options["tolerance"] = options["tolerance"] or TOLERANCE
     if other is None:
         for option, name in (("--map", "names"), ("--move", "move")):
@@ -71,6 +64,14 @@ def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> Non
 
 def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -> bool:
     """Compare two files. Do they differ?"""
+    from dataclasses import asdict
+
+    from plumbline.harness.scene.parity.comparison import compare, renamed
+    from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.scene.parity.joint_names import joint_names
+    from plumbline.harness.scene.parity.stated import pair_of
+    from plumbline.harness.store.parity_record import Side
+
     tolerance = options["tolerance"]
     a, b = pair_of(file, other, wishes)
     if options["names"] is not None:
@@ -87,14 +88,22 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     if parted is not None:
         say(_told(parted), err=as_json)
     side = Side(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
-    move = options["move"]
-    parting = None if parted is None else {"move": move if move in MOVES else Path(move).name, **asdict(parted)}
+    parting = None if parted is None else {"move": _move_name(options["move"]), **asdict(parted)}
     _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), options, parting)
     return bool(rows)
 
 
-def _moved(a: RobotFacts, b: RobotFacts, options: dict[str, Any]) -> Parting:
+def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any]) -> "Parting":
     """Both under the same torques. Raises: RobotError, Unsupported."""
+    import numpy as np
+
+    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.scene.parity.comparison import EARTH, aligned
+    from plumbline.harness.scene.parity.motion import Configuration
+    from plumbline.harness.scene.parity.parting import motion_of, parting
+    from plumbline.harness.scene.parity.states import drawn
+    from plumbline.harness.study import plugins
+
     partner = aligned(a, b)
     if partner is None or not a.joints:
         raise RobotError(
@@ -109,15 +118,25 @@ def _moved(a: RobotFacts, b: RobotFacts, options: dict[str, Any]) -> Parting:
     return parting(a, engine.move_robot(a, motion), engine.move_robot(partner, motion))
 
 
-def _told(parted: Parting) -> str:
+def _told(parted: "Parting") -> str:
     far = f"'{parted.farthest}' is the farthest, {parted.distance:.3g} {parted.farthest_unit} at most"
     if parted.time is None:
         return f"moved alike, they do not part in {parted.duration:g} s: {far}"
     return f"moved alike, they part after {parted.time:.4g} s, at '{parted.joint}'; {far} within {parted.duration:g} s"
 
 
+def _move_name(move: str) -> str:
+    from plumbline.harness.scene.parity.parting import MOVES
+
+    return move if move in MOVES else Path(move).name
+
+
 def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -> bool:
     """Compare a file with what each engine's own loader makes of it. Does a gated engine change it undocumented?"""
+    from plumbline.harness.run.importer_audit import audit
+    from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.study import plugins
+
     for name in options["gated"]:
         if name not in plugins.names("adapters") or not plugins.adapter(name).loaders:
             having = [engine for engine in plugins.names("adapters") if plugins.adapter(engine).loaders]
@@ -132,7 +151,7 @@ def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -
     return any(reading.engine in options["gated"] and (reading.refused or reading.undocumented) for reading in readings)
 
 
-def _report(reading: Reading, tolerance: float, as_json: bool) -> None:
+def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
     """What one loader made, on the terminal."""
     if reading.refused:
         say(f"{reading.title}: {reading.refused}", err=True)
@@ -153,7 +172,11 @@ def _report(reading: Reading, tolerance: float, as_json: bool) -> None:
     say(f"{reading.title}: {summary if count else 'reads the robot that the file states'}")
 
 
-def _side(reading: Reading) -> Side:
+def _side(reading: "Reading") -> "Side":
+    from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.store.parity_record import Side
+    from plumbline.harness.study import plugins
+
     name = f"{plugins.adapter(reading.engine).title} {reading.way}".strip()
     return Side(
         name=name, engine=reading.engine, source=reading.source, refused=reading.refused,
@@ -163,15 +186,18 @@ def _side(reading: Reading) -> Side:
 
 def _keep(
     file: Path,
-    a: RobotFacts,
+    a: "RobotFacts",
     root: str,
-    sides: tuple[Side, ...],
+    sides: "tuple[Side, ...]",
     options: dict[str, Any],
     parting: dict[str, Any] | None = None,
 ) -> None:
     """Where --out asks for it, the record of the comparison and its page."""
     if options["out"] is None:
         return
+    from plumbline import reports
+    from plumbline.harness.store import parity_record
+
     record: ParityRecord = parity_record.ParityRecord(
         file=file.name, joints=len(a.joints), root=root, tolerance=options["tolerance"], seed=options["seed"], sides=sides,
         parting=parting,
@@ -183,7 +209,7 @@ def _keep(
 _COLUMNS = ("quantity", "of", "A", "B", "unit", "differs by", "relative", "consequence")
 
 
-def _cells(row: Difference) -> tuple[object, ...]:
+def _cells(row: "Difference") -> tuple[object, ...]:
     def shown(value: object) -> str:
         if value is None:
             return "none"

@@ -1,13 +1,17 @@
 """What people look at of a run: summary, recordings, report."""
 
-from plumbline.harness.findings.summary import write_summary
-from plumbline.harness.store.store import Store
-from plumbline.reports import build, write_recordings
-from plumbline.reports.html.report import WrittenReport
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
+    from plumbline.reports.html.report import WrittenReport
 
 
-def publish(store: Store, recordings: bool) -> WrittenReport:
+def publish(store: "Store", recordings: bool) -> "WrittenReport":
     """Write what people look at: summary, recordings, report."""
+    from plumbline.harness.findings.summary import write_summary
+    from plumbline.reports import build, write_recordings
+
     write_summary(store)
     if recordings:
         write_recordings(store.folder)

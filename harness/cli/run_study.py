@@ -1,42 +1,54 @@
 """The command that runs a study, or a scene file of one's own."""
 
+import re
 import shlex
 import sys
-from collections.abc import Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from plumbline.harness.case import Case
 from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.cluster_commands import at_work
 from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, gate, say, stop
 from plumbline.harness.cli.installed import left_out
-from plumbline.harness.cli.minimal_scene import write_minimal
+from plumbline.harness.cli.options import limited
 from plumbline.harness.cli.own_import import refuse_two_frictions, scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words
 from plumbline.harness.cli.publish import publish
-from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene
+from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from plumbline.harness.cli.support import support_lines
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.store.store import Store
-from plumbline.harness.study import plugins
-from plumbline.harness.study.experiment import StudyError
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import Study, call_roll, load_study, twice
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from plumbline.harness.case import Case
+    from plumbline.harness.store.store import Store
+    from plumbline.harness.study.study import Study
 
 
-def _once(name: str, given: Sequence[str]) -> None:
+def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
+    shard = re.fullmatch("([0-9]{1,6})/([0-9]{1,6})", text)
+    index, count = (int(number) for number in shard.groups()) if shard else (0, 0)
+    if not 1 <= index <= count:
+        raise click.BadParameter(f"{quoted(text)}, expected i/n with 1 <= i <= n, like 2/4")
+    return index, count
+
+
+def _once(name: str, given: "Sequence[str]") -> None:
     """Refuse an option's value that is given twice."""
+    from plumbline.harness.study.study import twice
+
     if double := twice(given):
         raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
 
 
-def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> tuple[Study, dict[str, Case]]:
+def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.own_scene import study_of
+
     if own:
         case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
         if globs:
@@ -45,8 +57,13 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float
     return study_and_cases(name, globs)
 
 
-def study_and_cases(name: str, globs: tuple[str, ...]) -> tuple[Study, dict[str, Case]]:
+def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
     """A study by its name or file, and those of the cases it asks about that a pattern names. Raises: StudyError."""
+    from fnmatch import fnmatchcase
+
+    from plumbline.harness.study import plugins
+    from plumbline.harness.study.study import call_roll, load_study
+
     study = load_study(name)
     _once("--case", globs)
     for sentence in left_out("cases", "pages"):
@@ -72,14 +89,51 @@ def _of_file(study: str, error: Exception) -> str:
     return message if not study.endswith(".toml") or message.startswith(study) else f"{study}: {message}"
 
 
-def _propose(store: Store, case: Case) -> None:
+def _propose(store: "Store", case: "Case") -> None:
     """Write the scene with what it needs alone, where the audit proposes one, and say how it is run."""
+    from plumbline.harness.cli.minimal_scene import write_minimal
+
     written = write_minimal(store, case)
     if written is not None:
         say(f"without {', '.join(written[1])}: plumbline run {shlex.quote(str(written[0]))}", err=True)
 
 
-def run_study(
+_MERGE = "--resume-with-another-study"
+
+
+class _Resumable(click.Command):
+    """A command with a flag that may have a value: click would take the word behind a plain `--resume` for it."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does, where `--resume=merge` is a flag of its own."""
+        for word in args:
+            value = word.removeprefix("--resume=")
+            if value not in (word, "merge"):
+                raise click.BadParameter(f"'{value}', expected merge, or --resume alone", param_hint="--resume")
+        try:
+            return super().parse_args(ctx, [_MERGE if word == "--resume=merge" else word for word in args])
+        except click.NoSuchOption as error:
+            known = sorted(name for option in self.params for name in option.opts if name.startswith("--") and name != _MERGE)
+            near = f"; did you mean {' or '.join(error.possibilities)}?" if error.possibilities else ""
+            raise click.UsageError(
+                f"no option {quoted(error.option_name, 60)}, expected some of {', '.join(known)}{near}", ctx
+            ) from None
+
+
+@click.command(cls=_Resumable)
+@click.argument("study")
+@click.option("--engine", "engine_names", multiple=True, help="Only this engine, or its ==VERSION or =WHEEL; may be repeated.")
+@click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
+@click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
+@click.option("--scheduler", metavar="ADDRESS", help="Run on the workers of a dask.distributed scheduler, tcp://HOST:PORT.")
+@click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
+@click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
+@click.option(_MERGE, "resume", flag_value="merge", hidden=True)
+@robot_options
+@run_options
+@limited
+def run(
     study: str,
     engine_names: tuple[str, ...],
     globs: tuple[str, ...],
@@ -91,13 +145,16 @@ def run_study(
     budget: float | None,
     **robot: Any,
 ) -> None:
-    """Run a study, or a scene file, and end the process where the gate says so."""
+    """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
     own, of_robot = is_scene(study), is_robot(Path(study))
     if own:
         study = scene_to_run(study, out or Path("build") / "scene", robot)
     elif any(robot.values()) or budget is not None:
         raise click.BadParameter(f"for scene and robot files alone; {quoted(study)} is none", param_hint=NAMES)
     _once("--engine", engine_names)
+
+    from plumbline.harness.run.campaign import carry_out
+    from plumbline.harness.study.experiment import StudyError
 
     try:
         plan, chosen = _study_and_cases(study, own, globs, budget)

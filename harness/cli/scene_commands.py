@@ -1,24 +1,18 @@
 """The commands on scene files of one's own: what is in one, what would be refused, our own words for it, a template."""
 
-import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
-from plumbline.harness.adapter import Unavailable, Unsupported
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import json_rows, limited
 from plumbline.harness.cli.robot_options import imported_from, robot_options
-from plumbline.harness.scene import Scene
-from plumbline.harness.scene.file import dump_json, dump_toml
-from plumbline.harness.scene.file import schema as of_scenes
-from plumbline.harness.scene.importers.fidelity import BRIEF, brief, plain
-from plumbline.harness.scene.importers.imported import Imported
-from plumbline.harness.scene.importers.template import TEMPLATE
-from plumbline.harness.study import plugins
+
+if TYPE_CHECKING:
+    from plumbline.harness.scene import Scene
+    from plumbline.harness.scene.importers.imported import Imported
 
 _file = click.argument("file", type=click.Path(path_type=Path))
 
@@ -35,6 +29,8 @@ def scene() -> None:
 @json_rows
 def check(file: Path, as_json: bool, **options: Any) -> None:
     """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
+    from plumbline.harness.study import plugins
+
     imported = imported_from(file, options)
     rows = [
         {"engine": name, "verdict": verdict, "reason": reason}
@@ -49,8 +45,10 @@ def check(file: Path, as_json: bool, **options: Any) -> None:
     print_table("Engines", ("engine", "verdict", "reason"), [tuple(row.values()) for row in rows])
 
 
-def _expressed(adapter: Any, scene: Scene) -> tuple[str, str]:
+def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
     """Can an engine build a scene? With the reason where it cannot."""
+    from plumbline.harness.adapter import Unavailable, Unsupported
+
     try:
         adapter.build(scene, adapter.tracks["tuned"]).close()
     except Unavailable as error:
@@ -67,6 +65,8 @@ def _expressed(adapter: Any, scene: Scene) -> tuple[str, str]:
 @json_rows
 def show(file: Path, as_json: bool, **options: Any) -> None:
     """List the bodies, joints and totals of FILE, and what became of each element."""
+    from plumbline.harness.scene.importers.fidelity import BRIEF, brief, plain
+
     imported = imported_from(file, options)
     rows = [plain(row) for row in imported.fidelity]
     if as_json:
@@ -92,7 +92,9 @@ def show(file: Path, as_json: bool, **options: Any) -> None:
         print_table("What became of each element", BRIEF, [brief(row) for row in rows])
 
 
-def _bodies(scene: Scene) -> list[dict[str, Any]]:
+def _bodies(scene: "Scene") -> list[dict[str, Any]]:
+    import numpy as np
+
     rows = []
     for body in scene.bodies:
         moments = np.linalg.eigvalsh(np.array(body.inertia))
@@ -119,7 +121,7 @@ def _cells(body: dict[str, Any]) -> tuple[object, ...]:
     return (body["name"], body["motion"], f"{body['mass']:.4g}" * moves, inertia * moves, body["shapes"], body["material"])
 
 
-def _joints(imported: Imported) -> list[dict[str, Any]]:
+def _joints(imported: "Imported") -> list[dict[str, Any]]:
     rows = []
     for joint in imported.scene.joints:
         row: dict[str, Any] = {
@@ -160,6 +162,8 @@ def _joint_cells(row: dict[str, Any]) -> tuple[object, ...]:
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write it there instead; ending .toml or .json.")
 def convert(file: Path, out: Path | None, **options: Any) -> None:
     """Write FILE as our own TOML."""
+    from plumbline.harness.scene.file import dump_json, dump_toml
+
     if out is not None and out.suffix not in (".toml", ".json"):
         raise click.BadParameter(f"'{out.suffix}', expected .toml or .json", param_hint="--out")
     imported = imported_from(file, options)
@@ -173,6 +177,10 @@ def convert(file: Path, out: Path | None, **options: Any) -> None:
 @scene.command()
 def schema() -> None:
     """Print the JSON schema of scene files."""
+    import json
+
+    from plumbline.harness.scene.file import schema as of_scenes
+
     click.echo(json.dumps(of_scenes(), indent=1))
 
 
@@ -180,6 +188,8 @@ def schema() -> None:
 @_file
 def new(file: Path) -> None:
     """Write a commented template to FILE, which is not there yet."""
+    from plumbline.harness.scene.importers.template import TEMPLATE
+
     if file.suffix != ".toml":
         raise click.BadParameter(f"'{file.suffix}', expected the ending .toml", param_hint="FILE")
     try:

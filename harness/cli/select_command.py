@@ -1,7 +1,7 @@
 """The command that answers which engine: requirements, weights, the rank with its doubt, the settings, the runs behind it."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,10 +9,10 @@ from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import opened, run_folder
 from plumbline.harness.findings.columns import headings
-from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, listing, read_preset
-from plumbline.harness.findings.selection.preset import merged
-from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
-from plumbline.harness.store.store import Store
+
+if TYPE_CHECKING:
+    from plumbline.harness.findings.selection import Answer
+    from plumbline.harness.store.store import Store
 
 
 def _listed(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
@@ -20,6 +20,8 @@ def _listed(_context: click.Context, _parameter: click.Parameter, given: tuple[s
 
 
 def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[str, ...]) -> dict[str, float]:
+    from plumbline.harness.findings.selection import CRITERIA
+
     weights: dict[str, float] = {}
     for word in _listed(_context, _parameter, given):
         name, _, number = word.partition("=")
@@ -62,6 +64,9 @@ def select(
     as_json: bool,
 ) -> None:
     """Which engine? By the run in DIR, for what is needed, and how surely."""
+    from plumbline.harness.findings.selection import Wish, choose, read_preset
+    from plumbline.harness.findings.selection.preset import merged
+
     store = opened(folder)
     base = read_preset(preset).wish() if preset else Wish()
     wish = merged(
@@ -85,7 +90,9 @@ def select(
         _print(store, answer, preset)
 
 
-def _print_evidence(answer: Answer, as_json: bool) -> None:
+def _print_evidence(answer: "Answer", as_json: bool) -> None:
+    from plumbline.harness.findings.selection import listing
+
     rows = listing.rows(answer)
     if as_json:
         print_json(rows)
@@ -93,7 +100,9 @@ def _print_evidence(answer: Answer, as_json: bool) -> None:
         print_table("evidence", headings(listing.SHOWN), [[column.cell(row) for column in listing.SHOWN] for row in rows])
 
 
-def _known(store: Store, need: tuple[str, ...]) -> tuple[str, ...]:
+def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
+    from plumbline.harness.findings.selection import Wish
+
     cases = {str(case) for case in store.trials["case"]}
     about = store.catalogue.get("cases", {})
     families = {case: str(about.get(case, {}).get("family") or case.partition("_")[0]) for case in cases}
@@ -104,7 +113,7 @@ def _known(store: Store, need: tuple[str, ...]) -> tuple[str, ...]:
     return need
 
 
-def _rows(answer: Answer) -> list[dict[str, Any]]:
+def _rows(answer: "Answer") -> list[dict[str, Any]]:
     """One an engine: its place, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
     rows: list[dict[str, Any]] = []
     for place in answer.rank.places if answer.rank is not None else ():
@@ -117,21 +126,29 @@ def _rows(answer: Answer) -> list[dict[str, Any]]:
                 "low": place.low,
                 "high": place.high,
                 "track": answer.evidence.tracks[place.engine],
-                **{criterion: place.by_criterion.get(criterion) for criterion in CRITERIA},
+                **{criterion: place.by_criterion.get(criterion) for criterion in _criteria()},
                 "alone": answer.alone or None,
                 "left_out": None,
                 "case": None,
                 "trial": None,
             }
         )
-    blank = dict.fromkeys(rows[0] if rows else ("place", "first", "score", "low", "high", "track", *CRITERIA, "alone"))
+    blank = dict.fromkeys(rows[0] if rows else ("place", "first", "score", "low", "high", "track", *_criteria(), "alone"))
     for drop in answer.dropped:
         why = f"{drop.requirement}: {drop.value}"
         rows.append({**blank, "engine": drop.engine, "left_out": why, "case": drop.case or None, "trial": drop.trial or None})
     return rows
 
 
-def _print(store: Store, answer: Answer, preset: str) -> None:
+def _criteria() -> tuple[str, ...]:
+    from plumbline.harness.findings.selection import CRITERIA
+
+    return tuple(CRITERIA)
+
+
+def _print(store: "Store", answer: "Answer", preset: str) -> None:
+    from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
+
     titles = store.titles
 
     def called(name: str) -> str:
@@ -159,9 +176,9 @@ def _print(store: Store, answer: Answer, preset: str) -> None:
     _print_gaps(answer)
 
 
-def _print_gaps(answer: Answer) -> None:
+def _print_gaps(answer: "Answer") -> None:
     """What there is no evidence of, so that nobody takes silence for a good mark."""
-    without = [name for name in CRITERIA if answer.rank is not None and name not in answer.rank.counted]
+    without = [name for name in _criteria() if answer.rank is not None and name not in answer.rank.counted]
     if without:
         say(f"Nothing in this run says anything of {', '.join(without)}.")
     bounds = {case for (_, case, _), datum in answer.evidence.table.items() if datum.bounded}

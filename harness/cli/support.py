@@ -1,21 +1,24 @@
 """What each engine can express of the scenes of a run, as a line an engine, before the run begins."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from plumbline.harness.adapter import Adapter
-from plumbline.harness.adapter.features import features_of
-from plumbline.harness.case import Case
-from plumbline.harness.case.undropped import KINDS
-from plumbline.harness.study.plugins import version_of
+if TYPE_CHECKING:
+    from plumbline.harness.adapter import Adapter
+    from plumbline.harness.case import Case
 
 
-def support_lines(cases: Mapping[str, Case], adapters: Mapping[str, Adapter], droppable: bool = False) -> list[str]:
+def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]", droppable: bool = False) -> list[str]:
     """By the features that scenes use and adapters claim; building one may still be refused, which is then its outcome.
 
     Reasons stand once, with the number of cases that each keeps from running.
 
     Args: droppable: is the one scene of a robot's file, of which `--drop` can leave out what an engine lacks?
     """
+    from plumbline.harness.adapter.features import features_of
+    from plumbline.harness.case.undropped import KINDS
+    from plumbline.harness.study.plugins import version_of
+
     used = {name: features_of(case.scene(case.parameters)) for name, case in cases.items()}
     lines = []
     for name, adapter in adapters.items():

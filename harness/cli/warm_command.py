@@ -2,13 +2,14 @@
 
 import os
 import time
+from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.harness.adapter import Adapter, Unavailable
 from plumbline.harness.cli.guard import MACHINE, say, stop
-from plumbline.harness.run.warm_up import warm_up
-from plumbline.harness.study import plugins
+
+if TYPE_CHECKING:
+    from plumbline.harness.adapter import Adapter
 
 _MOST = 8
 """Processes, unless more are asked for: each works out anew what functions share."""
@@ -25,6 +26,8 @@ _MOST = 8
 @click.option("--first", is_flag=True, help="Only what most scenes need; the quick study needs no more.")
 def warm(workers: int, first: bool) -> None:
     """Compile the functions that engines would compile in the first trials that need them; compiled ones are stored."""
+    from plumbline.harness.study import plugins
+
     failures = [
         f"{name}: {failure}" for name, adapter in plugins.adapters().items() for failure in _warm(adapter, workers, first)
     ]
@@ -34,8 +37,11 @@ def warm(workers: int, first: bool) -> None:
         stop(MACHINE, f"{len(failures)} could not be compiled; trials will try again")
 
 
-def _warm(adapter: Adapter, workers: int, first: bool) -> list[str]:
+def _warm(adapter: "Adapter", workers: int, first: bool) -> list[str]:
     """Compile what one engine lacks. Returns: what could not be compiled, with the reasons."""
+    from plumbline.harness.adapter import Unavailable
+    from plumbline.harness.run.warm_up import warm_up
+
     begun = time.monotonic()
     try:
         kernels = adapter.kernels()

@@ -46,7 +46,7 @@ def _commit() -> str:
         return ""
 
     def git(*words: str) -> str:
-        command = ["git", "--no-optional-locks", "-C", str(root), *words]
+        command = ["git", "-C", str(root), *words]
         return subprocess.run(command, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
 
     try:

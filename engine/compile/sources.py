@@ -70,7 +70,7 @@ def _imported(path: str) -> tuple[str, ...]:
     for package, names, plain in _IMPORT.findall(_content(path)):
         module = (package or plain).decode()
         inner = [f"{module}.{name.decode()}" for name in re.findall(rb"\w+", names)]
-        rooms = [module[:place] for place, letter in enumerate(module) if letter == "." and place >= len(_PACKAGE)]
+        rooms = [module[:place] for place, letter in enumerate(module) if letter == "." and place > len(_PACKAGE)]
         found |= dict.fromkeys(known[one] for one in (module, *inner, *rooms) if one in known)
     return tuple(found)
 

@@ -32,7 +32,7 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, colour: int, lane: int, lan
         sweep(bodies, contacts, end, soft, aim, first)
 
 
-@template
+@kernel
 def as_found(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts, soft: Softness, aim: int) -> None:
     """Do what `aim` says to all contacts, in rising rows."""
     n = ints_of(ints, at.COUNT)[0, at.MANIFOLDS]

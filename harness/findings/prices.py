@@ -219,20 +219,20 @@ class Prices:
             deployable = [engine for engine in reached if engine not in self._ours]
             cheapest = min(deployable, key=lambda engine: reached[engine], default="")
             for engine, costs in lists.items():
-                asked: dict[str, Any] = {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
-                asked |= {"cheapest": engine == cheapest, **searched[engine]}
+                fields: dict[str, Any] = {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
+                fields |= {"cheapest": engine == cheapest, **searched[engine]}
                 if costs.best is None:
-                    yield Price(**asked, **lacking[engine])
+                    yield Price(**fields, **lacking[engine])
                     continue
-                asked["best_error"] = costs.best.error
+                fields["best_error"] = costs.best.error
                 if engine not in reached:
-                    yield Price(**asked, **_unreached(of_engine[engine], costs.best, target))
+                    yield Price(**fields, **_unreached(of_engine[engine], costs.best, target))
                     continue
                 under, over = costs.beside(k, target)
                 verdict: Verdict = "priced" if over is not None else "at most"
                 low, high = interval(costs.drawn[:, k])
                 price = Price(
-                    **asked,
+                    **fields,
                     verdict="within the truth's error" if target < under.off else verdict,
                     cost=reached[engine],
                     low=low,

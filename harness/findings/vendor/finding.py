@@ -96,11 +96,11 @@ def read_finding(path: Path) -> Finding:
         raise FindingError(f"{path}: tool.finding.{where}: {first['msg']}, not {first['input']!r}") from None
     if table.engine != path.parent.name:
         raise FindingError(f"{path}: tool.finding.engine: '{table.engine}', in the folder of '{path.parent.name}'")
-    said: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table}
+    fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table}
     return Finding(
         name=f"{table.engine}/{path.stem}",
         requires=tuple(head.get("dependencies", ())),
         script=path,
         text=text,
-        **said,
+        **fields,
     )

@@ -80,7 +80,7 @@ import sys
 for module in sys.argv[1:]:
     for name in [name for name in sys.modules if f"{name}.".startswith("plumbline.engine.")]:
         del sys.modules[name]
-    from plumbline import engine
+    __import__("plumbline.engine")
     before = set(sys.modules)
     __import__(module)
     print(*sorted(set(sys.modules) - before))

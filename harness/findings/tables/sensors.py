@@ -27,9 +27,9 @@ COLUMNS = _columns()
 
 
 def _rows(store: Store) -> list[dict[str, Any]]:
-    kept = [name for name in COLUMNS if name != "substeps"]
+    columns = [name for name in COLUMNS if name != "substeps"]
     flat = [
-        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in kept} for finding in findings(store)
+        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in columns} for finding in findings(store)
     ]
     return with_substeps(store, flat)
 

@@ -51,7 +51,7 @@ world.step(240)
 print(world.state().tobytes().hex(), sum(world._step.stats.cache_hits.values()))
 """
 """As TUMBLE, of two heaps, each on a thread."""
-KICK = "g = load3(setting, 0, GRAVITY)"
+KICK = "g = load3(setting, 0, at.GRAVITY)"
 MADE = {
     "__init__.py": "",
     "pull.py": """

@@ -100,7 +100,9 @@ class BulletSimulation:
             try:
                 efforts = actuation.efforts(self._port, number)
             except np.linalg.LinAlgError as error:
-                raise Diverged(f"what drives can move is singular ({error}): the machine has flown apart") from error
+                raise Diverged(
+                    f"the linear system of the drives has no solution ({error}): the machine has flown apart"
+                ) from error
             if links:
                 p.setJointMotorControlArray(number, links, p.TORQUE_CONTROL, forces=efforts, physicsClientId=client)
             if actuation.motors:

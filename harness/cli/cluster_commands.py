@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.harness.cli.guard import GATE, gate, say, stop
+from plumbline.harness.cli.guard import GATE, fail_for, say, stop
 from plumbline.harness.cli.publish import publish
 
 if TYPE_CHECKING:
@@ -45,4 +45,4 @@ def merge(folders: tuple[Path, ...], out: Path) -> None:
         say(note, err=True)
     report = publish(store, bool(store.study.get("recordings", True)))
     say(str(report.index))
-    gate(report.sentences())
+    fail_for(report.sentences())

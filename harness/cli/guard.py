@@ -34,7 +34,7 @@ def say(sentence: str, err: bool = False) -> None:
     click.echo(one_line(sentence), err=err)
 
 
-def gate(sentences: Sequence[str]) -> None:
+def fail_for(sentences: Sequence[str]) -> None:
     """Say these on standard error; end the process with exit code `GATE` if there are any."""
     for sentence in sentences:
         say(sentence, err=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.harness.cli.guard import GATE, MACHINE, gate, say, stop
+from plumbline.harness.cli.guard import GATE, MACHINE, fail_for, say, stop
 from plumbline.harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
@@ -45,24 +45,17 @@ def show(folder: Path, table: str, form: str) -> None:
     """Print a table of the run folder DIR."""
     store = opened(folder)
     worked_out = None if table in _TABLES else tables.table(table)
+    if worked_out is not None and form in ("markdown", "latex"):
+        _print_for_paper(store, form, worked_out.printed(store, lambda: titles_of(store)))
+        return
     rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.columns)
     if form == "json":
         print_json(rows)
     elif form == "csv":
         print_csv(columns, rows)
     elif form in ("markdown", "latex"):
-        if worked_out is not None:
-            printed = worked_out.printed(store, rows, lambda: titles_of(store))
-        elif table == "trials":
-            printed = paper_trials(store, rows)
-        else:
-            printed = list(columns), [[row[name] for name in columns] for row in rows]
-        if form == "markdown":
-            print_markdown(*printed)
-        else:
-            from plumbline.reports.words.citation import citation
-
-            print_latex(*printed, citation(store))
+        whole = list(columns), [[row[name] for name in columns] for row in rows]
+        _print_for_paper(store, form, paper_trials(store, rows) if table == "trials" else whole)
     elif worked_out is not None:
         print_table(table, headings(worked_out.shown), [worked_out.brief(row) for row in rows])
         for sentence in worked_out.sentences(rows):
@@ -70,6 +63,16 @@ def show(folder: Path, table: str, form: str) -> None:
     else:
         shown = _shown_trials(rows) if table == "trials" else [Column(name, _short(name)) for name in columns]
         print_table(table, headings(shown), [[column.cell(row) for column in shown] for row in rows])
+
+
+def _print_for_paper(store: "Store", form: str, printed: tuple[list[str], list[list[object]]]) -> None:
+    """Headings and cells as Markdown, or as LaTeX with where they come from."""
+    if form == "markdown":
+        print_markdown(*printed)
+    else:
+        from plumbline.reports.words.citation import citation
+
+        print_latex(*printed, citation(store))
 
 
 def _short(name: str) -> "Callable[[Row], object]":
@@ -109,7 +112,7 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
         say(str(print_report(folder)))
     if show_it:
         click.launch(str(index))
-    gate([] if written is None else written.sentences())
+    fail_for([] if written is None else written.sentences())
 
 
 def _trends(folder: Path) -> Path:

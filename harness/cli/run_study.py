@@ -11,7 +11,7 @@ import click
 from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.cluster_commands import at_work
 from plumbline.harness.cli.gate import failures
-from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, gate, say, stop
+from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, fail_for, say, stop
 from plumbline.harness.cli.installed import left_out
 from plumbline.harness.cli.options import limited
 from plumbline.harness.cli.own_import import refuse_two_frictions, scene_to_run
@@ -39,7 +39,7 @@ def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str
 
 def _once(name: str, given: "Sequence[str]") -> None:
     """Refuse an option's value that is given twice."""
-    from plumbline.harness.study.study import twice
+    from plumbline.harness.study.roll_call import twice
 
     if double := twice(given):
         raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
@@ -62,7 +62,8 @@ def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str
     from fnmatch import fnmatchcase
 
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.study import call_roll, load_study
+    from plumbline.harness.study.roll_call import call_roll
+    from plumbline.harness.study.study import load_study
 
     study = load_study(name)
     _once("--case", globs)
@@ -186,6 +187,6 @@ def run(
         say(sentence, err=True)
     if own:
         _propose(store, next(iter(chosen.values())))
-    gate(report.sentences())
+    fail_for(report.sentences())
     if failed:
         sys.exit(GATE)

@@ -41,8 +41,8 @@ class Titles(NamedTuple):
 class Column(NamedTuple):
     """What stands under a heading.
 
-    Terms: value: the name of a field, or what makes a cell of a row. form: the format of a number, with which None leaves the
-    cell empty; unit: behind the number.
+    Terms: value: the name of a field, or what makes a cell of a row. form: the format of a number; None makes an empty
+    cell then. unit: what follows the number.
     """
 
     heading: str
@@ -92,12 +92,10 @@ class Table:
         """The cells of a flat row for a terminal."""
         return [column.cell(row) for column in self.shown]
 
-    def printed(
-        self, store: "Store", rows: Sequence[Row], titles: Callable[[], Titles]
-    ) -> tuple[list[str], list[list[object]]]:
-        """Headings and cells for a paper: the table's own, or what a terminal shows of these rows."""
+    def printed(self, store: "Store", titles: Callable[[], Titles]) -> tuple[list[str], list[list[object]]]:
+        """Headings and cells for a paper: the table's own, or what a terminal shows."""
         if not self.paper:
-            return headings(self.shown), list(map(self.brief, rows))
+            return headings(self.shown), list(map(self.brief, self.rows(store)))
         return headings(self.paper), cells(self.paper, self.objects(store), titles())
 
 

@@ -10,5 +10,5 @@ T = TypeVar("T")
 
 
 def once(read: Callable[[Store], Iterable[T]]) -> Callable[[Store], tuple[T, ...]]:
-    """All that is read of a store as a tuple, which is kept until another store is asked of."""
+    """What a function reads of a store, as a tuple that is kept until it is called with another store."""
     return wraps(read)(lru_cache(maxsize=1)(lambda store: tuple(read(store))))

@@ -99,7 +99,9 @@ class RemainingTime:
 
     def clocked(self, trial: Trial, now: float) -> None:
         """A timing has come; those of all trials that were clocked side by side come with it."""
-        beside = [other for other in self._to_clock.values() if together(other) == together(trial)]
+        beside = []
+        if trial.trial in self._to_clock:
+            beside = [other for other in self._to_clock.values() if together(other) == together(trial)]
         self._clock_foreseen += sum(self._clock(other) for other in beside)
         self._clock_taken += now - self._last_clock
         self._last_clock = now

@@ -107,10 +107,8 @@ def _lost(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None
     assert case.hard.lost is not None
     metric = next(metric for metric in case.metrics if metric.name == case.headline)
     granted = (check for check in case.checks if check.metric is metric and check.start == 0 and check.end is None)
-    value, bounds = (
-        metric(scene, actual, truth),
-        [case.hard.lost * case.scale, *(check.bound(actual.dt, case.parameters) for check in granted)],
-    )
+    value = metric(scene, actual, truth)
+    bounds = [case.hard.lost * case.scale, *(check.bound(actual.dt, case.parameters) for check in granted)]
     within = value >= min(bounds) if metric.better == "higher" else abs(value) <= max(bounds)
     return not (np.isfinite(value) and within)
 

@@ -85,7 +85,8 @@ def test_every_import_contract_holds() -> None:
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
     """Imports for types alone count too."""
-    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    graph = grimp.build_graph("plumbline", cache_dir=None)
+    assert graph.count_imports() > len(graph.modules) > sum(map(len, map(texts_of, PACKAGES))) / 2
     TopologicalSorter({name: graph.find_modules_directly_imported_by(name) for name in graph.modules}).prepare()
 
 

@@ -17,7 +17,8 @@ from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store, write_tables
 from plumbline.harness.study import plugins
-from plumbline.harness.study.study import Experiment, Trial
+from plumbline.harness.study.experiment import Experiment
+from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import run_trial
 from tests.planted_faults.planting import plant
 

@@ -74,7 +74,12 @@ def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:
         "plumbline.harness.scene.scene",
     } <= modules
     assert (
-        not {"plumbline.cases.impact_cradle", "plumbline.harness.store.journal", "plumbline.harness.metrics.stack", "engine"}
+        not {
+            "plumbline.cases.impact_cradle",
+            "plumbline.harness.store.journal",
+            "plumbline.harness.metrics.stack",
+            "plumbline.engine",
+        }
         & modules
     )
 
@@ -82,7 +87,7 @@ def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:
 def test_our_adapter_rests_on_the_whole_engine_and_another_on_none_of_it() -> None:
     files = {path.relative_to(ROOT).as_posix() for path in (ROOT / "engine").rglob("*.py")}
     assert files <= set(sources.file_digests(sources.closure(["plumbline.adapters.reference"])))
-    assert not any(module.startswith("engine") for module in sources.closure(["plumbline.adapters.mujoco"]))
+    assert not any(module.startswith("plumbline.engine") for module in sources.closure(["plumbline.adapters.mujoco"]))
 
 
 def test_what_finds_and_keeps_is_not_among_what_answers() -> None:

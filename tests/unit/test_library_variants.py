@@ -14,7 +14,7 @@ from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.fork_servers import context, end_varied, start_apart
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.store.store import Store
-from plumbline.harness.study import library_variants, plugins, study
+from plumbline.harness.study import expansion, library_variants, plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.library_variants import LIBRARY_VARIANTS, LibraryVariant, obstacle
 from plumbline.harness.study.study import Study, load_study
@@ -137,7 +137,7 @@ def test_a_row_says_whether_bits_survive_a_variable(tmp_path: Path, monkeypatch:
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("SWAYED_TOO", "of the user")
     variants = tuple(LibraryVariant(name, (variable,), (), str) for name, variable in STAND_INS.items())
-    monkeypatch.setattr(study, "LIBRARY_VARIANTS", variants)
+    monkeypatch.setattr(expansion, "LIBRARY_VARIANTS", variants)
     monkeypatch.setattr(campaign, "run_isolated", run_isolated)  # other tests of this process may have it run in place
     rows = carried_out(tmp_path)
     assert {way: rows[way].verdict for way in STAND_INS} == {

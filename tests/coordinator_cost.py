@@ -13,7 +13,7 @@ from pathlib import Path
 from plumbline.harness.run.cluster.cells import Answered
 from plumbline.harness.run.cluster.workplace import Workplace
 from plumbline.harness.store.journal import Journal
-from plumbline.harness.store.store import write_tables
+from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.provenance import sources_of
@@ -50,7 +50,7 @@ def main(cells: int) -> None:
         cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
         journal.close()
         tables = time.process_time()
-        write_tables(Path(scratch))
+        write_tables(Path(scratch), in_order(journal.records.values()))
         tables = time.process_time() - tables
         size = (Path(scratch) / "journal.jsonl").stat().st_size
     print(f"{cells} cells: {1e3 * cpu / cells:.2f} ms of CPU and {1e3 * wall / cells:.2f} ms each")

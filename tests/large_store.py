@@ -14,22 +14,29 @@ import resource
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, replace
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import tomli_w
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
+from plumbline.harness.run.campaign import plain_study
 from plumbline.harness.search import first_break, front
+from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, read_journal
-from plumbline.harness.store.machine_fingerprint import fingerprint
+from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint
 from plumbline.harness.store.record import Measurement, Record, Sample, Status
 from plumbline.harness.store.seal import sealed_json, sealed_toml
-from plumbline.harness.store.store import write_json, write_tables
+from plumbline.harness.store.store import write_json
+from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.catalogue import describe_case, describe_engine
+from plumbline.harness.study.provenance import files_of, sources_of
 from plumbline.harness.study.study import Study, load_study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
@@ -103,14 +110,18 @@ def _answer(trial: Trial, case: Case) -> Record:
 def _trials(
     study: Study, cases: Mapping[str, Case], adapters: Mapping[str, Adapter], records: Mapping[str, Record], most: int
 ) -> Iterator[list[Trial]]:
-    """The trials of a study, then those of its searches round by round, until there are enough or no search goes on."""
+    """The trials of a study, those of its searches round by round, then more and more iterations, until there are enough."""
     versions = {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()}
-    known = [trial for trial in study.trials(cases, adapters, versions) if not trial.experiment.determinism]
-    batch = known + [
-        trial.probing(cases[trial.case], track="few", base="tuned", settings=replace(trial.settings, iterations=7))
-        for trial in known
-        if trial.experiment.name == "ladder" and trial.track == "tuned"
-    ]
+    known = list(study.trials(cases, adapters, versions, sources_of))
+    ladder = [trial for trial in known if trial.experiment.name == "ladder" and trial.track == "tuned"]
+
+    def with_iterations(track: str, iterations: int) -> list[Trial]:
+        return [
+            trial.probing(cases[trial.case], track=track, base="tuned", settings=replace(trial.settings, iterations=iterations))
+            for trial in ladder
+        ]
+
+    batch = known + with_iterations("few", 7)
     while batch and len(records) < most:
         yield batch[: most - len(records)]
         searched = dict(records)
@@ -118,12 +129,25 @@ def _trials(
             trial for go_on in (front.next_trials, first_break.next_trials) for trial in go_on(known, searched, cases, adapters)
         ]
         known = known + batch
+    for iterations in count(8):
+        if len(records) >= most:
+            return
+        yield with_iterations(f"tuned, iterations {iterations}", iterations)[: most - len(records)]
+
+
+@contextmanager
+def unsynchronised() -> Iterator[None]:
+    """What is written is not waited for: a folder that is made for a measurement need not outlive a power cut."""
+    with patch.object(disk.Calls, "sync", lambda _calls, _descriptor: None):
+        yield
 
 
 def write_large_store(folder: Path, most: int = TRIALS) -> int:
     """Write the run folder; returns how many trials it holds."""
     adapters = {name: plugins.adapter(name) for name in ENGINES}
-    cases, study = dict(plugins.cases()), load_study("nightly")
+    cases, whole = dict(plugins.cases()), load_study("nightly")
+    # Repetitions are compared by their trajectories, of which there are none.
+    study = replace(whole, experiments=tuple(each for each in whole.experiments if not each.determinism))
     folder.mkdir(parents=True, exist_ok=True)
     journal = Journal(folder)
     try:
@@ -131,16 +155,27 @@ def write_large_store(folder: Path, most: int = TRIALS) -> int:
             for trial in batch:
                 if trial.trial not in journal.records:
                     journal.append(_answer(trial, cases[trial.case]))
-        count = len(journal.records)
+        stored = len(journal.records)
+        engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
+        described = {"cases": {name: describe_case(case) for name, case in cases.items()}, "engines": engines}
+        catalogue = sealed_json("catalogue.json", described)
+        journal.begin(
+            {
+                "study": plain_study(study),
+                "machine": circumstances(fingerprint()),
+                "engines": {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()},
+                "files": files_of(set(cases), adapters),
+                "catalogue": hashlib.sha256(catalogue).hexdigest(),
+                "trials": sorted(journal.records),
+            }
+        )
     finally:
         journal.close()
-    engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
-    catalogue = {"cases": {name: describe_case(case) for name, case in cases.items()}, "engines": engines}
-    plain = {name: value for name, value in asdict(study).items() if name in ("name", "title", "purpose")}
-    (folder / "study.toml").write_bytes(sealed_toml("study.toml", tomli_w.dumps(plain)))
-    (folder / "catalogue.json").write_bytes(sealed_json("catalogue.json", catalogue))
-    write_json(folder / "machine.json", fingerprint() | {"complete": True, "tables": write_tables(folder)})
-    return count
+    (folder / "study.toml").write_bytes(sealed_toml("study.toml", tomli_w.dumps(plain_study(study))))
+    (folder / "catalogue.json").write_bytes(catalogue)
+    ended = {"journal": journal.written.reached, "tables": write_tables(folder, in_order(journal.records.values()))}
+    write_json(folder / "machine.json", fingerprint() | {"complete": True} | ended)
+    return stored
 
 
 READABLE = """() => {
@@ -194,11 +229,16 @@ if __name__ == "__main__":
     parser.add_argument(
         "--browser", action="store_true", help="Open the front page in Chromium, and print how soon it is there."
     )
+    parser.add_argument("--no-report", action="store_true", help="Write the folder alone.")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         folder = given.of or given.keep or Path(scratch) / "run"
-        front = print_report(
-            folder, len(read_journal(folder / "journal.jsonl")) if given.of else write_large_store(folder, given.trials)
-        )
-        if given.browser:
-            print_readable(front)
+        if given.of:
+            stored = len(read_journal(folder / "journal.jsonl"))
+        else:
+            with unsynchronised():
+                stored = write_large_store(folder, given.trials)
+        if not given.no_report:
+            front = print_report(folder, stored)
+            if given.browser:
+                print_readable(front)

@@ -7,11 +7,14 @@ import csv
 import json
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from plumbline.harness.findings.columns import Span
 from plumbline.harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
+
+MOST_ROWS = 5000
+"""That a table for people shows: each costs a millisecond."""
 
 
 def print_json(rows: Sequence[dict[str, Any]]) -> None:
@@ -30,8 +33,13 @@ def print_json(rows: Sequence[dict[str, Any]]) -> None:
     print(text.replace("\x7f", "\\u007f"))
 
 
-def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """A table with a title, as wide as the terminal or 160 characters."""
+def print_table(
+    title: str, columns: Sequence[str], rows: Sequence[Any], cells: Callable[[Any], Sequence[object]] = list
+) -> None:
+    """A table with a title, as wide as the terminal or 160 characters; of a long one the first `MOST_ROWS` rows.
+
+    cells: what is shown of a row.
+    """
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -42,10 +50,12 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[obje
     table = Table(title=plain(title), title_justify="left", header_style="bold")
     for column in columns:
         table.add_column(plain(column), overflow="fold")
-    for row in rows:
-        table.add_row(*map(plain, row))
+    for row in rows[:MOST_ROWS]:
+        table.add_row(*map(plain, cells(row)))
     width = None if sys.stdout.isatty() else 160
     Console(width=width).print(table)
+    if len(rows) > MOST_ROWS:
+        print(f"and {len(rows) - MOST_ROWS} more rows; --format json prints all {len(rows)}")
 
 
 def print_csv(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:

@@ -27,11 +27,10 @@ _TABLES = ("trials", "measurements", "samples")
 
 def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
     """The rows of a stored table and its columns."""
+    from plumbline.harness.store.rows import records
+
     frame = getattr(store, table)
-    rows = [
-        {str(name): None if value != value or str(value) == "<NA>" else value for name, value in row.items()}
-        for row in frame.to_dict(orient="records")
-    ]
+    rows = [{name: None if value != value else value for name, value in row.items()} for row in records(frame)]
     return rows, [str(name) for name in frame.columns]
 
 
@@ -57,12 +56,12 @@ def show(folder: Path, table: str, form: str) -> None:
         whole = list(columns), [[row[name] for name in columns] for row in rows]
         _print_for_paper(store, form, paper_trials(store, rows) if table == "trials" else whole)
     elif worked_out is not None:
-        print_table(table, headings(worked_out.shown), [worked_out.brief(row) for row in rows])
+        print_table(table, headings(worked_out.shown), rows, worked_out.brief)
         for sentence in worked_out.sentences(rows):
             say(sentence)
     else:
         shown = _shown_trials(rows) if table == "trials" else [Column(name, _short(name)) for name in columns]
-        print_table(table, headings(shown), [[column.cell(row) for column in shown] for row in rows])
+        print_table(table, headings(shown), rows, lambda row: [column.cell(row) for column in shown])
 
 
 def _print_for_paper(store: "Store", form: str, printed: tuple[list[str], list[list[object]]]) -> None:

@@ -19,7 +19,8 @@ from plumbline.harness.history.night_readings import Answers, Numbers, answers_o
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.seal import sealed_json
-from plumbline.harness.store.store import TABLES, Store, read_plain
+from plumbline.harness.store.store import Store, read_plain
+from plumbline.harness.store.stored_tables import TABLES
 
 FOLDER = "readings"
 """Of a history; what it holds may be deleted at any time."""

@@ -33,7 +33,8 @@ from plumbline.harness.store.journal import FolderTaken, Journal, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
 from plumbline.harness.store.record import Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
-from plumbline.harness.store.store import Store, read_plain, write_json, write_tables
+from plumbline.harness.store.store import Store, read_plain, write_json
+from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study.catalogue import describe_case, describe_engine
 from plumbline.harness.study.experiment import StudyError
 from plumbline.harness.study.plugins import version_of
@@ -51,7 +52,9 @@ Shard = tuple[int, int]
 _TIMED = ("passed", "failed")
 
 
-def _plain_study(study: Study) -> dict[str, Any]:
+def plain_study(study: Study) -> dict[str, Any]:
+    """As a session and study.toml have it."""
+
     def without_none(value: Any) -> Any:
         """Without what is left open: TOML has no word for nothing."""
         if isinstance(value, dict):
@@ -253,12 +256,12 @@ def carry_out(
     disk.make_folder(folder)
     engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
     # Who clocks is the machine of a run: prices are read with it, answers name theirs one by one.
-    plain, machine = _plain_study(study), fingerprint()
+    plain, machine = plain_study(study), fingerprint()
     machine |= {} if cluster is None else circumstances(cluster.machine)
     here = machine_digest(machine)
     journal = Journal(folder)
     try:
-        other = another_study(journal, plain)
+        other = another_study(journal.written, plain)
         if other and resume != "merge":
             raise FolderTaken(f"{folder}: holds {other}; choose another --out, or keep both in it with --resume=merge")
         clear_drafts(folder)
@@ -283,7 +286,7 @@ def carry_out(
         whole = merged([session["study"] for session in journal.written.sessions])
         disk.write_atomically(folder / "study.toml", sealed_toml("study.toml", tomli_w.dumps(whole)))
         disk.write_atomically(folder / "catalogue.json", catalogue)
-        write_json(folder / "machine.json", machine | {"journal": _reached(journal), "complete": False})
+        write_json(folder / "machine.json", machine | {"journal": journal.written.reached, "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
         expect(preloads({case.name: case for case in cases.values() if case.name in chosen}, adapters))
         run = _Run(
@@ -309,16 +312,10 @@ def carry_out(
         complete = True
     finally:
         journal.close()
-        digests = write_tables(folder)
+        digests = write_tables(folder, in_order(journal.records.values()))
         ended = {"finished": datetime.now(UTC).isoformat(timespec="seconds"), "complete": complete}
-        write_json(folder / "machine.json", machine | ended | {"journal": _reached(journal), "tables": digests})
+        write_json(folder / "machine.json", machine | ended | {"journal": journal.written.reached, "tables": digests})
     return Store(folder)
-
-
-def _reached(journal: Journal) -> dict[str, Any]:
-    """How far a journal has come, so that lines which go missing at its end are noticed."""
-    checksums = journal.written.checksums
-    return {"lines": len(checksums), "checksum": checksums[-1] if checksums else ""}
 
 
 def _catalogue(folder: Path, cases: Mapping[str, Any], engines: Mapping[str, Any]) -> bytes:

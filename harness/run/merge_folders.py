@@ -15,11 +15,13 @@ import tomli_w
 
 from plumbline.harness.run.resume import another_study, merged
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import FolderTaken, Journal, Written, read_written
+from plumbline.harness.store.journal import FolderTaken, Writer
+from plumbline.harness.store.journal_index import Entry, Index, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
 from plumbline.harness.store.record import Record, Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
-from plumbline.harness.store.store import Store, read_plain, write_json, write_tables
+from plumbline.harness.store.store import Store, read_plain, write_json
+from plumbline.harness.store.stored_tables import write_tables
 
 _CARRIED = ("trajectories", "truths", "scenes", "logs")
 _TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("trial", "note"))
@@ -27,24 +29,23 @@ _TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("tri
 
 def conflicts(folders: Sequence[Path]) -> list[str]:
     """In sentences, the trials that two folders answer differently. Raises: StoreError."""
-    known: dict[str, tuple[Path, Record]] = {}
+    known: dict[str, tuple[Path, Entry]] = {}
     sentences = []
-    for folder, written in _read(folders):
-        for name, record in written.records.items():
-            if name not in known:
-                known[name] = folder, record
-            elif known[name][1].answer != record.answer or known[name][1].status != record.status:
-                where, other = known[name]
+    for index in _read(folders):
+        folder = index.path.parent
+        for name, entry in index.entries.items():
+            where, other = known.setdefault(name, (folder, entry))
+            if (other.answer, other.status) != (entry.answer, entry.status):
+                case, track, engine = entry.order[2], *entry.order[5:7]
                 sentences.append(
-                    f"trial {name} ({record.case} on {record.engine}/{record.track}): {other.status} {other.trajectory_hash} "
-                    f"in {where}, {record.status} {record.trajectory_hash} in {folder}"
+                    f"trial {name} ({case} on {engine}/{track}): {other.status} {other.trajectory_hash} "
+                    f"in {where}, {entry.status} {entry.trajectory_hash} in {folder}"
                 )
     return sentences
 
 
-def _read(folders: Sequence[Path]) -> Iterator[tuple[Path, Written]]:
-    for folder in folders:
-        yield Store(folder).folder, read_written(folder / "journal.jsonl")
+def _read(folders: Sequence[Path]) -> Iterator[Index]:
+    return (read_index(Store(folder).folder / "journal.jsonl") for folder in folders)
 
 
 def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]:
@@ -55,44 +56,36 @@ def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]
     if (out / "journal.jsonl").exists():
         raise FolderTaken(f"{out}: holds a run already; choose another --out")
     sides = list(_read(folders))
+    entries = (entry for index in reversed(sides) for entry in index.entries.values())
+    machines = {entry.question: entry.machine for entry in entries if entry.machine is not None}
     disk.make_folder(out)
-    journal = Journal(out)
+    journal = Writer(Index(out / "journal.jsonl"))
+    notes: Counter[str] = Counter()
     try:
-        for folder, written in sides:
-            for session in written.sessions:
-                if other := another_study(journal, session["study"]):
-                    raise FolderTaken(f"{folder}: is of another study than those before it, which hold {other}")
+        for index in sides:
+            for session in index.sessions:
+                if other := another_study(journal.written, session["study"]):
+                    raise FolderTaken(f"{index.path.parent}: is of another study than those before it, which hold {other}")
                 journal.begin(session)
-            _carry(folder, out)
-            for record in written.records.values():
-                if record.trial not in journal.records:
+            _carry(index.path.parent, out)
+            for record in index.records():
+                if not journal.written.holds(record.trial):
                     journal.append(_unclocked(record))
-        machines = {_question(record): record.clocked_on for _, written in reversed(sides) for record in _clocked(written)}
-        notes: Counter[str] = Counter()
-        for folder, written in sides:
-            for record in _clocked(written):
-                if machines[_question(record)] != record.clocked_on:
-                    notes[f"{folder}: leaves out {{}} timings: another machine clocked the same question"] += 1
-                elif record.trial not in journal.timings:
+                if (machine := index.clocked_on(record.trial)) is None:
+                    continue
+                if machines[index.entries[record.trial].question] != machine:
+                    notes[f"{index.path.parent}: leaves out {{}} timings: another machine clocked the same question"] += 1
+                elif journal.written.clocked_on(record.trial) is None:
                     timed = {name: getattr(record, name) for name in _TIMED}
                     journal.append(Timing(trial=record.trial, note=record.timing_note, **timed))
         _describe(sides, journal, out)
         complete = all(read_plain(folder / "machine.json").get("complete", False) for folder in folders)
-        machine = read_plain(folders[-1] / "machine.json")
+        machine_of_last = read_plain(folders[-1] / "machine.json")
     finally:
         journal.close()
-    reached = {"lines": len(journal.written.checksums), "checksum": journal.written.checksums[-1]}
-    write_json(out / "machine.json", machine | {"complete": complete, "journal": reached, "tables": write_tables(out)})
+    ended = {"complete": complete, "journal": journal.written.reached, "tables": write_tables(out, journal.written.records())}
+    write_json(out / "machine.json", machine_of_last | ended)
     return Store(out), [sentence.format(count) for sentence, count in notes.items()]
-
-
-def _question(record: Record) -> str:
-    """What is clocked side by side: a case at its parameters, whatever the engine."""
-    return repr((record.experiment, record.case, sorted(record.parameters.items(), key=str)))
-
-
-def _clocked(written: Written) -> Iterator[Record]:
-    return (record for record in written.records.values() if record.trial in written.clocked)
 
 
 def _unclocked(record: Record) -> Record:
@@ -115,18 +108,18 @@ def _carry(folder: Path, out: Path) -> None:
             disk.write_atomically(place, disk.read(path))
 
 
-def _describe(sides: Sequence[tuple[Path, Written]], journal: Journal, out: Path) -> None:
+def _describe(sides: Sequence[Index], journal: Writer[Index], out: Path) -> None:
     """Study and catalogue of all, and a session that says what the whole is made of. Raises: StoreError, OSError."""
     catalogue: dict[str, dict[str, Any]] = {"cases": {}, "engines": {}}
-    for folder, _ in sides:
-        kept = read_plain(folder / "catalogue.json")
+    for index in sides:
+        kept = read_plain(index.path.parent / "catalogue.json")
         catalogue = {kind: rows | kept.get(kind, {}) for kind, rows in catalogue.items()}
     content = sealed_json("catalogue.json", catalogue)
     disk.write_atomically(out / "catalogue.json", content)
-    sessions = [session for _, written in sides for session in written.sessions]
+    sessions = [session for index in sides for session in index.sessions]
     whole = {
         **sessions[-1],
-        "machine": circumstances(read_plain(sides[-1][0] / "machine.json")),
+        "machine": circumstances(read_plain(sides[-1].path.parent / "machine.json")),
         "catalogue": hashlib.sha256(content).hexdigest(),
         "trials": sorted({trial for session in sessions for trial in session["trials"]}),
         "engines": _joined(sessions, "engines"),

@@ -16,11 +16,13 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
 from plumbline.harness.store.imported_scenes import FOLDER as SCENES
 from plumbline.harness.store.imported_scenes import MINIMAL, unsound
-from plumbline.harness.store.journal import DamagedFile, StoreError, Written, read_written
+from plumbline.harness.store.journal import DamagedFile, StoreError
+from plumbline.harness.store.journal_index import Index, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
-from plumbline.harness.store.record import parts_of_runs
+from plumbline.harness.store.record import Record, parts_of_runs
 from plumbline.harness.store.seal import Damaged, check_seal, require_seal
-from plumbline.harness.store.store import TABLES, Store, ends_early, parquet, read_plain, tables_of
+from plumbline.harness.store.store import Store, ends_early, read_plain
+from plumbline.harness.store.stored_tables import COLUMNS, in_parquet
 from plumbline.harness.store.trajectory_file import kept_hash
 
 _ANEW = "--resume makes it anew"
@@ -53,50 +55,44 @@ def problems(folder: Path) -> Iterator[Problem]:
         yield Problem(journal, "missing", "restore it; the tables beside it can still be read, and not be checked")
         return
     try:
-        written = read_written(journal)
+        index = read_index(journal)
     except DamagedFile as error:
         yield Problem(journal, error.what, error.cure)
         return
-    if written.torn:
-        yield Problem(journal, f"its last line is torn: {written.torn} bytes", "--resume drops them and runs that trial anew")
-    yield from _plain_files(store.folder, written)
-    yield from _tables(store.folder, written)
-    yield from _clocked(store, written)
-    yield from _trajectories(store.folder, written)
+    if index.torn:
+        yield Problem(journal, f"its last line is torn: {index.torn} bytes", "--resume drops them and runs that trial anew")
+    yield from _plain_files(store.folder, index)
+    yield from _rows(store, index)
+    yield from _trajectories(store.folder, index)
     yield from _truths(store.folder)
     yield from _imports(store.folder)
-    yield from _summaries(store, written)
-    yield from _strangers(store.folder, written)
+    yield from _summaries(store, index)
+    yield from _strangers(store.folder, index)
 
 
 def notices(folder: Path) -> Iterator[str]:
     """What is worth knowing of a run folder and is not wrong."""
     try:
-        records = read_written(folder / "journal.jsonl").records.values()
+        entries = read_index(folder / "journal.jsonl").entries.values()
     except (StoreError, OSError):  # a problem, and told as one
         return
-    if older := sum(bool(record.samples) and not record.clocked for record in records):
+    if older := sum(entry.machine is not None and not entry.clocked for entry in entries):
         yield f"{folder}: {older} timings of an older version, which do not say whether they are of whole runs"
 
 
-def _clocked(store: Store, written: Written) -> Iterator[Problem]:
-    """Timings over anything but whole runs, by what the catalogue says that a run is."""
-    try:
-        cases: Mapping[str, Any] = store.catalogue.get("cases", {})
-    except StoreError:  # named already
-        cases = {}
-    for record in written.records.values():
-        case, due = cases.get(record.case, {}), None
-        if record.clocks in ("work", "reading") and record.unit != "ray" and "steady" in case:
-            due = max(1, round(case["duration"] / record.dt) - round((case["steady"] or 0.0) / record.dt))
-        others = [sample for sample in record.samples if record.clocked and due not in (None, sample.run)]
-        if wrong := parts_of_runs(record.clocked, record.samples) or others:
-            whole = wrong[0].run if due is None else due
-            what = f"trial {record.trial} was clocked over {wrong[0].steps} steps, expected whole runs of {whole}"
-            yield Problem(written.path, what, "its price is of a part of the motion; clock it anew in a new folder")
+def _clocked(cases: Mapping[str, Any], path: Path, record: Record) -> Iterator[Problem]:
+    """A timing over anything but whole runs, by what the catalogue says that a run is."""
+    case, due = cases.get(record.case, {}), None
+    if record.clocks in ("work", "reading") and record.unit != "ray" and "steady" in case:
+        due = max(1, round(case["duration"] / record.dt) - round((case["steady"] or 0.0) / record.dt))
+    others = [sample for sample in record.samples if record.clocked and due not in (None, sample.run)]
+    if wrong := parts_of_runs(record.clocked, record.samples) or others:
+        whole = wrong[0].run if due is None else due
+        what = f"trial {record.trial} was clocked over {wrong[0].steps} steps, expected whole runs of {whole}"
+        yield Problem(path, what, "its price is of a part of the motion; clock it anew in a new folder")
 
 
-def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
+def _plain_files(folder: Path, index: Index) -> Iterator[Problem]:
     documents: dict[str, Mapping[str, Any]] = {}
     for name in _KEPT:
         path = folder / name
@@ -104,19 +100,19 @@ def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
             yield Problem(path, "missing", _ANEW)
             continue
         try:
-            if not check_seal(path, disk.read(path)) and written.sessions:
+            if not check_seal(path, disk.read(path)) and index.sessions:
                 raise Damaged("it has no checksum")
             documents[name] = read_plain(path)
         except Damaged as error:
             yield Problem(path, str(error), _ANEW)
         except DamagedFile as error:
             yield Problem(path, error.what, _ANEW)
-    if early := ends_early(written, documents.get("machine.json", {})):
-        yield Problem(written.path, early, "restore it, or --resume runs their trials anew")
-    if not written.sessions:
+    if early := ends_early(index, documents.get("machine.json", {})):
+        yield Problem(index.path, early, "restore it, or --resume runs their trials anew")
+    if not index.sessions:
         return
-    last = written.sessions[-1]
-    if "study.toml" in documents and documents["study.toml"] != merged([session["study"] for session in written.sessions]):
+    last = index.sessions[-1]
+    if "study.toml" in documents and documents["study.toml"] != merged([session["study"] for session in index.sessions]):
         yield Problem(folder / "study.toml", "is not the study of this run", _ANEW)
     if "catalogue.json" in documents and hashlib.sha256(disk.read(folder / "catalogue.json")).hexdigest() != last["catalogue"]:
         yield Problem(folder / "catalogue.json", "is not the catalogue of this run", _ANEW)
@@ -126,45 +122,56 @@ def _plain_files(folder: Path, written: Written) -> Iterator[Problem]:
             yield Problem(folder / "machine.json", "is not the machine of this run", _ANEW)
         if not machine.get("complete"):
             yield Problem(folder / "machine.json", "the run did not come to its end", "--resume goes on with it")
-    missing = sum(trial not in written.records for trial in last["trials"])
+    missing = sum(trial not in index.entries for trial in last["trials"])
     if missing:
         what = f"{missing} of {len(last['trials'])} trials have no record"
-        yield Problem(written.path, what, "--resume runs them")
+        yield Problem(index.path, what, "--resume runs them")
 
 
-def _tables(folder: Path, written: Written) -> Iterator[Problem]:
+def _rows(store: Store, index: Index) -> Iterator[Problem]:
+    """The tables beside the journal's records, and what each of these was clocked over."""
     try:
-        known = read_plain(folder / "machine.json").get("tables", {})
+        cases: Mapping[str, Any] = store.catalogue.get("cases", {})
+    except StoreError:  # named already
+        cases = {}
+    clocked: list[Problem] = []
+
+    def looked_at(record: Record) -> Record:
+        clocked.extend(_clocked(cases, index.path, record))
+        return record
+
+    try:
+        known = read_plain(store.folder / "machine.json").get("tables", {})
     except StoreError:
         known = {}
-    for name, frame in tables_of(written.records).items():
-        path = folder / f"{name}.parquet"
+    for name, due in in_parquet(map(looked_at, index.records())).items():
+        path = store.folder / f"{name}.parquet"
         if not path.is_file():
             yield Problem(path, "missing", _ANEW)
             continue
         content = disk.read(path)
         # Another version of Parquet's library writes other bytes: then the file has to be the one that was written.
-        same = content == parquet(frame) or (
-            known.get(name, "") in ("", hashlib.sha256(content).hexdigest()) and _equal(content, frame)
-        )
-        if not same:
+        as_written = known.get(name, "") in ("", hashlib.sha256(content).hexdigest())
+        if content != due and not (as_written and _equal(content, due)):
             yield Problem(path, "differs from the journal", _ANEW)
+    yield from clocked
 
 
-def _equal(content: bytes, frame: pd.DataFrame) -> bool:
+def _equal(content: bytes, due: bytes) -> bool:
+    """Do two files hold the same table, but for columns that an older version did not write?"""
     try:
-        kept = pd.read_parquet(io.BytesIO(content))
+        stored, today = pd.read_parquet(io.BytesIO(content)), pd.read_parquet(io.BytesIO(due))
     except Exception:  # damage may break the reader anywhere
         return False
-    names = [name for name in frame.columns if name in kept.columns]
-    return set(kept.columns) <= set(frame.columns) and bool(kept[names].equals(frame[names].astype(kept[names].dtypes)))
+    names = [name for name in today.columns if name in stored.columns]
+    return set(stored.columns) <= set(today.columns) and bool(stored[names].equals(today[names].astype(stored[names].dtypes)))
 
 
-def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
+def _trajectories(folder: Path, index: Index) -> Iterator[Problem]:
     directory = folder / "trajectories"
-    named = {record.trajectory_hash for record in written.records.values()} - {None}
-    idle = {record.trajectory_hash for record in written.lost.values()}
-    kept = {record.trajectory_hash for record in written.records.values() if record.trajectory_kept} - {None}
+    named = {record.trajectory_hash for record in index.entries.values()} - {None}
+    idle = {record.trajectory_hash for record in index.lost.values()}
+    kept = {record.trajectory_hash for record in index.entries.values() if record.trajectory_kept} - {None}
     for name in sorted(str(entry) for entry in kept):
         if not (directory / f"{name}.npz").is_file():
             yield Problem(directory / f"{name}.npz", "missing", _ANEW)
@@ -196,8 +203,8 @@ def _imports(folder: Path) -> Iterator[Problem]:
         yield Problem(path, what, "run the robot's file again into this folder with --resume")
 
 
-def _summaries(store: Store, written: Written) -> Iterator[Problem]:
-    if not written.sessions:
+def _summaries(store: Store, index: Index) -> Iterator[Problem]:
+    if not index.sessions:
         return
     try:
         due = summaries(store)
@@ -211,10 +218,10 @@ def _summaries(store: Store, written: Written) -> Iterator[Problem]:
             yield Problem(path, "differs from the journal", _ANEW)
 
 
-def _strangers(folder: Path, written: Written) -> Iterator[Problem]:
-    known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in TABLES)}
+def _strangers(folder: Path, index: Index) -> Iterator[Problem]:
+    known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in COLUMNS)}
     known |= {*_SHOWN, *_OF_A_NIGHT, SCENES, "trajectories", "truths", "logs"}
-    trials = {*written.records, *written.lost, *(trial for session in written.sessions for trial in session["trials"])}
+    trials = {*index.entries, *index.lost, *(trial for session in index.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
     drafts = (folder / "recordings").glob(".*")
     for path in sorted({*(path for path in folder.iterdir() if path.name not in known), *logs, *drafts}):

@@ -4,11 +4,12 @@ Every call that the store makes to the system goes through `calls`, one method e
 forget what was never synchronised.
 """
 
+import hashlib
 import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import BinaryIO, TypeVar
 
 Made = TypeVar("Made")
 
@@ -47,6 +48,10 @@ class Calls:
     def read(self, path: Path) -> bytes:
         """All of a file."""
         return path.read_bytes()
+
+    def reader(self, path: Path) -> BinaryIO:
+        """A file to be read from its beginning on."""
+        return path.open("rb")
 
     def filled(self, make: Callable[[], Made]) -> Made:
         """What takes memory of the size of a file."""
@@ -118,6 +123,12 @@ def remove(path: Path) -> None:
 def read(path: Path) -> bytes:
     """All of a file. Raises: OSError."""
     return calls.filled(lambda: calls.read(path))
+
+
+def digest(path: Path) -> str:
+    """The SHA-256 of a file's bytes. Raises: OSError."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 class Appended:

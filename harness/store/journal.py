@@ -12,7 +12,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 from plumbline.harness.intake.mendable import LiesIn, Mendable
 from plumbline.harness.store import disk
@@ -52,27 +52,28 @@ class FolderTaken(StoreError):
 
 
 @dataclass(slots=True)
-class Written:
-    """What a journal says.
+class Chain:
+    """The lines of a journal so far, whatever is kept of what they say.
 
     Terms:
-        records: by trial, each with its timing where there is one, without the withdrawn. clocked: by trial that has a timing,
-        the machine of it. withdrawn, lost: by trial that has no record any more, why, and the record that it had.
-        sessions: the circumstances of each, in order; made_in: by trial, the number of its session, -1 where none had begun.
+        sessions: the circumstances of each, in order. withdrawn: by trial that has no record any more, why.
         checksums: of all lines.
-        end: bytes of whole lines. torn: bytes behind them, what a kill left of a line.
+        end: bytes of whole lines; content: the digest of them, under way. torn: bytes behind them, what a kill left of a line.
     """
 
     path: Path
-    records: dict[str, Record] = field(default_factory=dict)
-    clocked: dict[str, str] = field(default_factory=dict)
-    withdrawn: dict[str, str] = field(default_factory=dict)
-    lost: dict[str, Record] = field(default_factory=dict)
     sessions: list[Mapping[str, Any]] = field(default_factory=list)
-    made_in: dict[str, int] = field(default_factory=dict)
+    withdrawn: dict[str, str] = field(default_factory=dict)
     checksums: list[str] = field(default_factory=list)
     end: int = 0
+    content: "hashlib._Hash" = field(default_factory=hashlib.sha256)
     torn: int = 0
+
+    @property
+    def reached(self) -> dict[str, Any]:
+        """How far it has come, for the folder's machine.json: so lines that go missing at its end are noticed."""
+        last = self.checksums[-1] if self.checksums else ""
+        return {"lines": len(self.checksums), "checksum": last, "content": self.content.hexdigest()}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -82,40 +83,114 @@ class Written:
         line = len(self.checksums) + 1
         return (f"{self.path}: line {line}, the last, is torn, as a kill leaves it: {self.torn} bytes are dropped",)
 
+    def follow(self, checksum: str, line: bytes) -> None:
+        """Count a whole line in."""
+        self.checksums.append(checksum)
+        self.end += len(line)
+        self.content.update(line)
+
     def take(self, kind: Kind, content: Mapping[str, Any]) -> None:
-        """Take in one line. Raises: ValueError, where it cannot follow the others."""
+        """Take in what one line says, which begins at `end`. Raises: ValueError, where it cannot follow the others."""
+        trials: Sequence[str] = content.get("trials", ())
         if kind == "session":
             self.sessions.append(content)
         elif kind == "withdrawn":
-            for trial in content["trials"]:
-                if trial not in self.records:
+            for trial in trials:
+                if not self.holds(trial):
                     raise ValueError(f"withdraws trial {trial}, which has no record")
-                self.lost[trial], self.withdrawn[trial] = self.records.pop(trial), content["because"]
-                self.clocked.pop(trial, None)
+                self.withdraw(trial)
+                self.withdrawn[trial] = content["because"]
         elif kind == "restored":
-            for trial in content["trials"]:
-                if trial not in self.lost:
+            for trial in trials:
+                if trial not in self.withdrawn:
                     raise ValueError(f"brings back trial {trial}, which was not withdrawn")
-                self._put(self.lost[trial])
+                self.restore(trial)
+                del self.withdrawn[trial]
         elif kind == "accuracy":
-            record = Record.from_plain(content)
-            if record.trial in self.records:
-                raise ValueError(f"holds trial {record.trial} a second time")
-            self.made_in[record.trial] = len(self.sessions) - 1
-            self._put(record)
+            if self.holds(content["trial"]):
+                raise ValueError(f"holds trial {content['trial']} a second time")
+            self.answer(content)
+            self.withdrawn.pop(content["trial"], None)
         else:
-            timing = Timing.from_plain(content)
-            if timing.trial not in self.records:
-                raise ValueError(f"clocks trial {timing.trial}, which has no record")
-            if self.clocked.get(timing.trial) == timing.clocked_on:
-                raise ValueError(f"holds the timing of trial {timing.trial} a second time")
-            self.records[timing.trial] = self.records[timing.trial].timed(timing)
-            self.clocked[timing.trial] = timing.clocked_on
+            trial = content["trial"]
+            if not self.holds(trial):
+                raise ValueError(f"clocks trial {trial}, which has no record")
+            if self.clocked_on(trial) == content.get("clocked_on", ""):
+                raise ValueError(f"holds the timing of trial {trial} a second time")
+            self.time(content)
+
+    def holds(self, trial: str) -> bool:
+        """Has it a record of this trial?"""
+        raise NotImplementedError
+
+    def clocked_on(self, trial: str) -> str | None:
+        """The machine of its timing; None without one."""
+        raise NotImplementedError
+
+    def answer(self, content: Mapping[str, Any]) -> None:
+        """A record in plain values."""
+        raise NotImplementedError
+
+    def time(self, content: Mapping[str, Any]) -> None:
+        """A timing in plain values."""
+        raise NotImplementedError
+
+    def withdraw(self, trial: str) -> None:
+        """Take a record out."""
+        raise NotImplementedError
+
+    def restore(self, trial: str) -> None:
+        """Bring a withdrawn record back."""
+        raise NotImplementedError
+
+
+@dataclass(slots=True)
+class Written(Chain):
+    """All that a journal says.
+
+    Terms:
+        records: by trial, each with its timing where there is one, without the withdrawn. clocked: by trial that has a timing,
+        the machine of it. lost: by withdrawn trial, the record that it had. made_in: by trial, the number of its session, -1
+        where none had begun.
+    """
+
+    records: dict[str, Record] = field(default_factory=dict)
+    clocked: dict[str, str] = field(default_factory=dict)
+    lost: dict[str, Record] = field(default_factory=dict)
+    made_in: dict[str, int] = field(default_factory=dict)
+
+    def holds(self, trial: str) -> bool:
+        """Has it a record of this trial?"""
+        return trial in self.records
+
+    def clocked_on(self, trial: str) -> str | None:
+        """The machine of its timing; None without one."""
+        return self.clocked.get(trial)
+
+    def answer(self, content: Mapping[str, Any]) -> None:
+        """A record in plain values."""
+        record = Record.from_plain(content)
+        self.made_in[record.trial] = len(self.sessions) - 1
+        self._put(record)
+
+    def time(self, content: Mapping[str, Any]) -> None:
+        """A timing in plain values."""
+        timing = Timing.from_plain(content)
+        self.records[timing.trial] = self.records[timing.trial].timed(timing)
+        self.clocked[timing.trial] = timing.clocked_on
+
+    def withdraw(self, trial: str) -> None:
+        """Take a record out."""
+        self.lost[trial] = self.records.pop(trial)
+        self.clocked.pop(trial, None)
+
+    def restore(self, trial: str) -> None:
+        """Bring a withdrawn record back."""
+        self._put(self.lost[trial])
 
     def _put(self, record: Record) -> None:
         self.records[record.trial] = record
         self.lost.pop(record.trial, None)
-        self.withdrawn.pop(record.trial, None)
         if record.samples:
             self.clocked[record.trial] = record.clocked_on
 
@@ -133,7 +208,7 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
     return checksum, b"%b %b\n" % (checksum.encode(), text)
 
 
-def _amiss(written: Written, entry: Mapping[str, Any]) -> str:
+def _amiss(written: Chain, entry: Mapping[str, Any]) -> str:
     """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
     number = entry["number"]
@@ -154,41 +229,58 @@ def check_schema(path: Path, schema: int, where: str = "") -> None:
         raise DamagedFile(path, what, "run the study again into a new folder")
 
 
-def read_written(path: Path) -> Written:
-    """All that a journal says; nothing of one that is not there.
+Lines = TypeVar("Lines", bound=Chain)
+
+
+def read_lines(chain: Lines) -> Lines:
+    """Take all lines of the journal at `chain.path` in, one after the other; nothing of one that is not there.
 
     Raises:
         DamagedFile: for a corrupt line, one that is missing, doubled or moved, or another schema than this program's.
     """
-    written = Written(path)
-    if not path.exists():
-        return written
-    *lines, rest = disk.read(path).split(b"\n")
-    for number, line in enumerate(lines, start=1):
-        checksum, _, text = line.partition(b" ")
-        last = number == len(lines) and not rest
-        if _checksum(text).encode() != checksum:
-            if last and b"\0" in line:  # blocks that never reached the disk before the power went
-                written.torn = len(line) + 1
-                return written
-            cure = "restore it, or delete that line and let --resume run its trial anew" if last else "restore it"
-            what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
-            raise DamagedFile(path, what, f"{cure}, or start a new folder")
-        entry = json.loads(text)
-        check_schema(path, entry["schema"], f"line {number} ")
-        amiss = _amiss(written, entry)
-        try:
-            if amiss:
-                raise ValueError(amiss)
-            written.take(entry["kind"], entry["content"])
-        except ValueError as error:
-            raise DamagedFile(path, f"line {number} {error}", "restore the file or start a new folder") from error
-        written.checksums.append(checksum.decode())
-        written.end += len(line) + 1
-    if _checksum(rest[:-1].partition(b" ")[2]).encode() == rest.partition(b" ")[0]:
-        raise DamagedFile(path, f"line {len(lines) + 1}, the last, ends in another byte than was written", "restore the file")
-    written.torn = len(rest)
-    return written
+    if not chain.path.exists():
+        return chain
+    with disk.calls.reader(chain.path) as file:
+        number, line = 1, file.readline()
+        while line:
+            following = file.readline()
+            if not _take(chain, number, line, last=not following):
+                break
+            number, line = number + 1, following
+    return chain
+
+
+def _take(chain: Chain, number: int, line: bytes, *, last: bool) -> bool:
+    """Take one line in; False for the rest that a kill left of one. Raises: DamagedFile."""
+    path = chain.path
+    checksum, _, text = line.removesuffix(b"\n").partition(b" ")
+    if not line.endswith(b"\n"):
+        if _checksum(text[:-1]).encode() == checksum:
+            raise DamagedFile(path, f"line {number}, the last, ends in another byte than was written", "restore the file")
+        chain.torn = len(line)
+        return False
+    if _checksum(text).encode() != checksum:
+        if last and b"\0" in line:  # blocks that never reached the disk before the power went
+            chain.torn = len(line)
+            return False
+        cure = "restore it, or delete that line and let --resume run its trial anew" if last else "restore it"
+        what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
+        raise DamagedFile(path, what, f"{cure}, or start a new folder")
+    entry = json.loads(text)
+    check_schema(path, entry["schema"], f"line {number} ")
+    try:
+        if amiss := _amiss(chain, entry):
+            raise ValueError(amiss)
+        chain.take(entry["kind"], entry["content"])
+    except ValueError as error:
+        raise DamagedFile(path, f"line {number} {error}", "restore the file or start a new folder") from error
+    chain.follow(checksum.decode(), line)
+    return True
+
+
+def read_written(path: Path) -> Written:
+    """All that a journal says; nothing of one that is not there. Raises: DamagedFile, as `read_lines` does."""
+    return read_lines(Written(path))
 
 
 def read_journal(path: Path) -> dict[str, Record]:
@@ -196,20 +288,20 @@ def read_journal(path: Path) -> dict[str, Record]:
     return read_written(path).records
 
 
-class Journal:
+class Writer(Generic[Lines]):
     """A journal that is open for writing; the folder is locked against a second writer until it is closed."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, chain: Lines) -> None:
         """Open or create. A torn last line, as a kill leaves it, is dropped and counted in `dropped`.
 
         Raises:
             StoreError: where another process writes to this folder, or the journal is corrupt. OSError.
         """
-        self.path = folder / "journal.jsonl"
+        self.path = chain.path
         self._file = disk.Appended(self.path)
         try:
             fcntl.flock(self._file.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self.written = read_written(self.path)
+            self.written = read_lines(chain)
             self.dropped, self.notes = self.written.torn, self.written.notes
             self._file.size = self.written.end
             if self.dropped:
@@ -217,20 +309,11 @@ class Journal:
                 self.written.torn = 0
         except BlockingIOError as error:
             self._file.close()
-            raise StoreError(f"{folder}: another run writes to this folder; wait for it or choose another --out") from error
+            where = self.path.parent
+            raise StoreError(f"{where}: another run writes to this folder; wait for it or choose another --out") from error
         except BaseException:
             self._file.close()
             raise
-
-    @property
-    def records(self) -> Mapping[str, Record]:
-        """By trial, each with its timing where there is one."""
-        return self.written.records
-
-    @property
-    def timings(self) -> Mapping[str, str]:
-        """By trial, the machine that it was clocked on."""
-        return self.written.clocked
 
     def begin(self, circumstances: Mapping[str, Any]) -> None:
         """Say what a session begins under, unless that is what the last one began under. Raises: OSError."""
@@ -250,8 +333,9 @@ class Journal:
 
     def append(self, entry: Record | Timing) -> None:
         """Write one entry through to the disk. Raises: StoreError, where it is there already; OSError."""
-        again = self.timings.get(entry.trial) == entry.clocked_on if isinstance(entry, Timing) else entry.trial in self.records
-        if again:
+        held = self.written.holds(entry.trial)
+        timed = isinstance(entry, Timing)
+        if (held and self.written.clocked_on(entry.trial) == entry.clocked_on) if timed else held:
             raise StoreError(f"{self.path}: trial {entry.trial} is already there")
         assert not parts_of_runs(entry.clocked, entry.samples), f"trial {entry.trial}: clocked over parts of runs"
         self._append("accuracy" if isinstance(entry, Record) else "timing", entry.plain())
@@ -261,10 +345,27 @@ class Journal:
         number, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
         checksum, line = disk.calls.filled(lambda: _line(number, before, kind, content))
         self._file.append(line)
-        written.checksums.append(checksum)
-        written.end += len(line)
         written.take(kind, content)
+        written.follow(checksum, line)
 
     def close(self) -> None:
         """Let the folder go; may be called twice."""
         self._file.close()
+
+
+class Journal(Writer[Written]):
+    """That of a run, with all that it says."""
+
+    def __init__(self, folder: Path) -> None:
+        """Open or create, as a `Writer` does."""
+        super().__init__(Written(folder / "journal.jsonl"))
+
+    @property
+    def records(self) -> Mapping[str, Record]:
+        """By trial, each with its timing where there is one."""
+        return self.written.records
+
+    @property
+    def timings(self) -> Mapping[str, str]:
+        """By trial, the machine that it was clocked on."""
+        return self.written.clocked

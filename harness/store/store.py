@@ -1,11 +1,8 @@
-"""A run folder read back as tables, trajectories and catalogue; and its Parquet tables made from the journal."""
+"""A run folder read back as tables, trajectories and catalogue."""
 
-import dataclasses
-import hashlib
 import json
-import math
 import tomllib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -15,98 +12,11 @@ from numpy.typing import NDArray
 
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
-from plumbline.harness.store.journal import DamagedFile, NoRun, NotKept, StoreError, Written, read_journal, read_written
+from plumbline.harness.store.journal import Chain, DamagedFile, NoRun, NotKept, StoreError, Written, read_written
 from plumbline.harness.store.notices import StoredNotice, notice_of
-from plumbline.harness.store.record import Measurement, Record, Sample
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
-from plumbline.harness.store.stored_tables import read_tables
-
-_JSON = json.JSONEncoder(sort_keys=True)
-_JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
-TABLES = ("trials", "measurements", "samples")
-TRIAL_COLUMNS = tuple(f.name for f in dataclasses.fields(Record) if f.name not in {"base", "idle", "measurements", "samples"})
-_MEASUREMENT_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Measurement)))
-_SAMPLE_COLUMNS = ("trial", *(f.name for f in dataclasses.fields(Sample)))
-_NUMBERS = ("dt", "sim_seconds", "cpu_per_sim_s", "cpu_low", "cpu_high", "wall_per_sim_s", "realtime_factor")
-_PRICES = ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "substep", "emulated")
-_TRIAL_TYPES = dict.fromkeys((*_NUMBERS, *_PRICES), "float64") | {
-    "unstable_timing": "boolean",
-    "seed": "int64",
-    "steps": "int64",
-}
-_MEASUREMENT_TYPES = {"value": "float64", "at_most": "float64", "passed": "boolean"}
-
-
-Table = Callable[[Sequence[Mapping[str, Any]], Sequence[str], Mapping[str, str]], pd.DataFrame]
-"""A table of these rows and columns, some of which have their types by name."""
-
-
-def _in_arrow(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], types: Mapping[str, str]) -> pd.DataFrame:
-    """A table as pandas makes it, to be written. Most columns have their types: what has is left alone, since each change costs
-    as much as the table."""
-    frame = pd.DataFrame(rows, columns=list(columns))
-    for name, kind in types.items():
-        if frame[name].dtype != kind:
-            frame[name] = frame[name].astype(kind)
-    return frame
-
-
-def tables_of(records: Mapping[str, Record], table: Table = _in_arrow) -> dict[str, pd.DataFrame]:
-    """The tables `TABLES` by name."""
-    trials, measurements, samples = [], [], []
-    for record in sorted(
-        records.values(), key=lambda r: (r.study, r.experiment, r.case, -r.dt, r.seed, r.track, r.engine, r.trial)
-    ):
-        row = {name: getattr(record, name) for name in TRIAL_COLUMNS}
-        row["warnings"] = [str(notice) for notice in record.warnings]
-        row |= {name: _JSON.encode(row[name]) for name in _JSON_COLUMNS}
-        trials.append(row)
-        measurements += [{"trial": record.trial, **_plain(m, _MEASUREMENT_COLUMNS)} for m in record.measurements]
-        samples += [{"trial": record.trial, **_plain(s, _SAMPLE_COLUMNS)} for s in record.samples]
-    return {
-        "trials": table(trials, TRIAL_COLUMNS, _TRIAL_TYPES),
-        "measurements": table(measurements, _MEASUREMENT_COLUMNS, _MEASUREMENT_TYPES),
-        "samples": table(samples, _SAMPLE_COLUMNS, {"emulated": "float64"}),
-    }
-
-
-def _plain(row: Measurement | Sample, columns: Sequence[str]) -> dict[str, Any]:
-    """The fields of a row, all of which are numbers and texts; the first column is not its own."""
-    return {name: getattr(row, name) for name in columns[1:]}
-
-
-def _in_python(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], types: Mapping[str, str]) -> pd.DataFrame:
-    """A table with words as Python's own strings: reports take rows and cells out of it by the ten thousand, and each string
-    that Arrow keeps is made anew whenever it is looked at."""
-    index = pd.RangeIndex(len(rows))
-    return pd.DataFrame({name: _column([row[name] for row in rows], index, types.get(name)) for name in columns}, index)
-
-
-def _column(values: list[Any], index: pd.Index, kind: str | None) -> "list[Any] | pd.Series[Any]":
-    """Of that type; or words with nan for none, as the type of words has it, and nothing at all; or what pandas makes of
-    numbers."""
-    if kind is not None:
-        return pd.Series(values, index, kind)
-    if values and not any(isinstance(value, str) for value in values):
-        return values
-    return pd.Series([math.nan if value is None else value for value in values], index, object)
-
-
-def parquet(frame: pd.DataFrame) -> bytes:
-    """The bytes of a table's file; equal tables have equal bytes."""
-    made: bytes = disk.calls.filled(lambda: frame.to_parquet(index=False))
-    return made
-
-
-def write_tables(folder: Path) -> dict[str, str]:
-    """Make the Parquet tables from the journal, and give the digest of each file's bytes. Raises: StoreError, OSError."""
-    digests = {}
-    for name, frame in tables_of(read_journal(folder / "journal.jsonl")).items():
-        content = parquet(frame)
-        disk.write_atomically(folder / f"{name}.parquet", content)
-        digests[name] = hashlib.sha256(content).hexdigest()
-    return digests
+from plumbline.harness.store.stored_tables import BESIDE, COLUMNS, read_tables, tables_of
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
@@ -129,7 +39,7 @@ def read_plain(path: Path) -> dict[str, Any]:
     return table
 
 
-def ends_early(written: Written, machine: Mapping[str, Any]) -> str:
+def ends_early(written: Chain, machine: Mapping[str, Any]) -> str:
     """How a journal ends before the line that it had when its folder's machine.json was written; '' where it does not."""
     known = machine.get("journal", {"lines": 0, "checksum": ""})
     lines, checksum = known["lines"], known["checksum"]
@@ -141,7 +51,7 @@ def ends_early(written: Written, machine: Mapping[str, Any]) -> str:
 
 
 class Store:
-    """A run folder, read only. Tables come from the journal where there is one, so a killed run reads as well as a whole one.
+    """A run folder, read only. Tables older than the journal are made of it: a killed run reads as well as a whole one.
 
     Terms:
         trials, measurements, samples: tables with the columns of `harness.store.record`; parameters, settings, resolved
@@ -156,10 +66,9 @@ class Store:
             raise NoRun(f"{self.folder}: no run folder (neither journal.jsonl nor trials.parquet); give the --out of a run")
 
     def part(self, only: Collection[tuple[str, str]]) -> "Store":
-        """The same folder with these experiments and cases alone; its journal is not read again."""
+        """The same folder with these experiments and cases alone; its tables are not read again."""
         other = Store(self.folder, only)
-        if (self.folder / "journal.jsonl").is_file():
-            other.__dict__["_written"] = self._written
+        other.__dict__["_whole"] = self._whole
         return other
 
     @cached_property
@@ -169,48 +78,70 @@ class Store:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader has to know of how the folder came down: what was dropped, what is missing. Raises: StoreError."""
+        if self._up_to_date:
+            return ()
         written = self._written
         early = ends_early(written, self.machine)
         return (*written.notes, *([f"{written.path}: {early}"] if early else []))
 
     @cached_property
-    def _read(self) -> dict[str, pd.DataFrame]:
-        journal = self.folder / "journal.jsonl"
-        if journal.is_file():
-            records, only = self._written.records, self._only
-            if only is not None:
-                records = {name: record for name, record in records.items() if (record.experiment, record.case) in only}
-            return tables_of(records, _in_python)
-        needed = {"trials": TRIAL_COLUMNS, "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
-        return read_tables(self.folder, needed, _JSON_COLUMNS)
+    def _up_to_date(self) -> bool:
+        """Were the tables written of the journal that is there, and are they as they were written?"""
+        try:
+            ended, tables = self.machine.get("journal", {}).get("content"), self.machine.get("tables", {})
+        except StoreError:  # told by whoever needs the machine
+            return False
+        files = {self.folder / "journal.jsonl": ended} | {self.folder / f"{name}.parquet": tables.get(name) for name in COLUMNS}
+        return bool(ended) and all(path.is_file() and disk.digest(path) == due for path, due in files.items())
 
-    @property
+    @cached_property
+    def _whole(self) -> dict[str, pd.DataFrame]:
+        """The tables with all their rows, those of a journal without reading it where they are up to date."""
+        journal = self.folder / "journal.jsonl"
+        made_anew = journal.is_file() and not self._up_to_date
+        return tables_of(self._written.records.values()) if made_anew else read_tables(self.folder)
+
+    @cached_property
+    def _read(self) -> dict[str, pd.DataFrame]:
+        tables, only = self._whole, self._only
+        if only is not None:
+            trials = tables["trials"]
+            chosen = [pair in only for pair in zip(trials["experiment"], trials["case"], strict=True)]
+            names = frozenset(trials["trial"][chosen])
+            tables = {name: table[table["trial"].isin(names)].reset_index(drop=True) for name, table in tables.items()}
+        return tables
+
+    @cached_property
     def trials(self) -> pd.DataFrame:
         """One row a trial."""
-        return self._read["trials"]
+        return self._read["trials"].drop(columns=list(BESIDE), errors="ignore")
+
+    def _beside(self, column: str) -> Iterator[tuple[str, Any]]:
+        """By trial, what the table of trials holds beside what is shown; nothing where another program wrote it."""
+        trials = self._whole["trials"]
+        return zip(trials["trial"], trials[column], strict=True) if column in trials else iter(())
 
     @cached_property
     def notices(self) -> Mapping[str, tuple[StoredNotice, ...]]:
         """What the engine of each trial, its adapter or the harness said, by trial."""
-        if (self.folder / "journal.jsonl").is_file():
-            return {trial: record.warnings for trial, record in self._written.records.items()}
+        if "notices" in self._whole["trials"]:
+            read = {text: tuple(StoredNotice(**each) for each in json.loads(text)) for _, text in self._beside("notices")}
+            return {trial: read[text] for trial, text in self._beside("notices")}
         sentences = zip(self.trials["trial"], self.trials["warnings"], strict=True)
         return {str(trial): tuple(map(notice_of, json.loads(text))) for trial, text in sentences}
 
     @cached_property
     def bases(self) -> Mapping[str, str]:
         """The track that the settings of each trial descend from, by trial."""
-        if (self.folder / "journal.jsonl").is_file():
-            return {trial: record.base for trial, record in self._written.records.items()}
         tracks = zip(self.trials["trial"], self.trials["track"], strict=True)
-        return {str(trial): str(track).partition(",")[0] for trial, track in tracks}  # what was turned stands behind a comma
+        turned = {str(trial): str(track).partition(",")[0] for trial, track in tracks}  # what was turned stands behind a comma
+        return dict(self._beside("base")) or turned
 
     @cached_property
     def idle(self) -> Mapping[str, tuple[tuple[str, Any], ...]]:
         """By trial, the knobs and values that change nothing from there; of trials that were asked for them alone."""
-        if not (self.folder / "journal.jsonl").is_file():
-            return {}
-        return {trial: record.idle for trial, record in self._written.records.items() if record.idle}
+        stored = ((trial, json.loads(text)) for trial, text in self._beside("idle") if text != "[]")
+        return {trial: tuple((knob, value) for knob, value in turns) for trial, turns in stored}
 
     @cached_property
     def asked(self) -> pd.DataFrame:

@@ -1,40 +1,173 @@
-"""The Parquet tables of a run folder without a journal, which another program may have written: looked at, then read."""
+"""The tables of a run folder: made from the journal, written as Parquet, and read back."""
 
+import dataclasses
+import hashlib
+import io
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
 from plumbline.harness.intake.documents import InputError, regular
+from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.record import Measurement, Record, Sample
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
+BESIDE = ("base", "idle", "notices")
+"""What the file of the trials holds beside the columns that people are shown; `idle` and `notices` as JSON."""
+COLUMNS = {
+    "trials": tuple(f.name for f in dataclasses.fields(Record) if f.name not in {*BESIDE, "measurements", "samples"}),
+    "measurements": ("trial", *(f.name for f in dataclasses.fields(Measurement))),
+    "samples": ("trial", *(f.name for f in dataclasses.fields(Sample))),
+}
+"""Of each table."""
+TABLES = tuple(COLUMNS)
 MOST_ROWS = 20_000_000
 MOST_BYTES = 2 * 2**30
 """What a table may take once it is unpacked."""
+BATCH = 5000
+"""Trials of a row group."""
+_NUMBERS: dict[Any, str] = {float: "float64", float | None: "float64", int: "int64", bool: "bool", bool | None: "boolean"}
+_TYPES = {
+    f.name: _NUMBERS[f.type] for table in (Measurement, Sample, Record) for f in dataclasses.fields(table) if f.type in _NUMBERS
+}
+"""Of the columns that hold numbers; all others hold words."""
+_JSON = json.JSONEncoder(sort_keys=True)
+
+Rows = dict[str, list[dict[str, Any]]]
 
 
-def read_tables(folder: Path, needed: Mapping[str, Sequence[str]], texts: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """The tables by name, each with at least these columns; `texts` are columns of the first table that hold JSON.
+Order = tuple[str, str, str, float, int, str, str, str]
 
-    Raises: StoreError.
-    """
-    tables = {name: _table(folder / f"{name}.parquet", columns) for name, columns in needed.items()}
-    first, trials = next(iter(tables.items()))
-    for column in (column for column in texts if column in trials):
-        for text in dict.fromkeys(trials[column]):
+
+def order_of(plain: Mapping[str, Any]) -> Order:
+    """How rows of tables stand, of a record in plain values: by study, experiment, case, the coarsest time step first, ..."""
+    study, experiment, case, dt, seed, track, engine, trial = (plain[name] for name in _ORDER)
+    return study, experiment, case, -dt, seed, track, engine, trial
+
+
+_ORDER = ("study", "experiment", "case", "dt", "seed", "track", "engine", "trial")
+
+
+def in_order(records: Iterable[Record]) -> list[Record]:
+    """As rows of tables stand."""
+    return sorted(records, key=lambda record: order_of({name: getattr(record, name) for name in _ORDER}))
+
+
+def _rows(records: Iterable[Record]) -> Rows:
+    """The rows of the tables by name."""
+    rows: Rows = {name: [] for name in COLUMNS}
+    for record in records:
+        row = {name: getattr(record, name) for name in COLUMNS["trials"]}
+        row["warnings"] = [str(notice) for notice in record.warnings]
+        row |= {name: _JSON.encode(row[name]) for name in JSON_COLUMNS}
+        row |= {"base": record.base, "idle": _JSON.encode(record.idle)}
+        row["notices"] = _JSON.encode([dataclasses.asdict(notice) for notice in record.warnings])
+        rows["trials"].append(row)
+        for name, parts in (("measurements", record.measurements), ("samples", record.samples)):
+            rows[name] += [{"trial": record.trial} | {f: getattr(part, f) for f in COLUMNS[name][1:]} for part in parts]
+    return rows
+
+
+def _columns(name: str) -> tuple[str, ...]:
+    """Those of a table's file."""
+    return COLUMNS[name] + (BESIDE if name == "trials" else ())
+
+
+def tables_of(records: Iterable[Record]) -> dict[str, pd.DataFrame]:
+    """The tables by name, as `read_tables` reads what `write_tables` writes."""
+    return {
+        name: pd.DataFrame({column: _in_python([row[column] for row in rows], column) for column in _columns(name)})
+        for name, rows in _rows(in_order(records)).items()
+    }
+
+
+def _in_python(values: list[Any], column: str) -> "pd.Series[Any]":
+    """Numbers in their types, and words as Python's own strings, nan for none: reports take rows and cells out of tables by the
+    ten thousand, and each string that Arrow keeps is made anew whenever it is looked at."""
+    if column in _TYPES:
+        return pd.Series(values, dtype=_TYPES[column])
+    if all(value is None for value in values):
+        return pd.Series(values, dtype=object)
+    return pd.Series([math.nan if value is None else value for value in values], dtype=object)
+
+
+def _in_arrow(name: str, rows: Sequence[Mapping[str, Any]]) -> "pa.Table":
+    import pyarrow as pa
+
+    kinds = {"float64": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "boolean": pa.bool_(), "": pa.string()}
+    return pa.table(
+        {
+            column: pa.array([row[column] for row in rows], kinds[_TYPES.get(column, "")], from_pandas=True)
+            for column in _columns(name)
+        }
+    )
+
+
+def _batches(records: Iterable[Record]) -> Iterator[dict[str, "pa.Table"]]:
+    """What the tables hold of each `BATCH` of records, by name; one without rows where there are none."""
+    remaining = iter(records)
+    batch = list(islice(remaining, BATCH))
+    while True:
+        yield {name: _in_arrow(name, rows) for name, rows in _rows(batch).items()}
+        batch = list(islice(remaining, BATCH))
+        if not batch:
+            return
+
+
+def in_parquet(records: Iterable[Record]) -> dict[str, bytes]:
+    """The files of the tables by name, of records in order; equal records have equal bytes."""
+    from pyarrow.parquet import ParquetWriter  # late: it takes a while
+
+    files = {name: io.BytesIO() for name in COLUMNS}
+    writers: dict[str, ParquetWriter] = {}
+    for batch in _batches(records):
+        for name, table in batch.items():
+            if name not in writers:
+                writers[name] = ParquetWriter(files[name], table.schema)
+            writers[name].write_table(table)
+    for writer in writers.values():
+        writer.close()
+    return {name: file.getvalue() for name, file in files.items()}
+
+
+def write_tables(folder: Path, records: Iterable[Record]) -> dict[str, str]:
+    """Write the tables of these records, which are in order, and give the digest of each file's bytes. Raises: OSError."""
+    digests = {}
+    for name, content in disk.calls.filled(lambda: in_parquet(records)).items():
+        disk.write_atomically(folder / f"{name}.parquet", content)
+        digests[name] = hashlib.sha256(content).hexdigest()
+    return digests
+
+
+def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
+    """The tables by name, which another program may have written: looked at, then read. Raises: StoreError."""
+    tables = {name: _table(folder / f"{name}.parquet", needed) for name, needed in _NEEDED.items()}
+    for column in (column for column in JSON_COLUMNS if column in tables["trials"]):
+        for text in dict.fromkeys(tables["trials"][column]):
             try:
                 whole = isinstance(json.loads(text), dict | list)
             except (TypeError, ValueError, RecursionError):
                 whole = False
             if not whole:
-                raise StoreError(f"{folder / f'{first}.parquet'}: column {column}: got {str(text)[:80]!r}, expected JSON")
+                raise StoreError(f"{folder / 'trials.parquet'}: column {column}: got {str(text)[:80]!r}, expected JSON")
     return tables
 
 
+_NEEDED = {"trials": COLUMNS["trials"], "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+
+
 def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
-    """With words as Python's own strings, as the tables of a journal have them."""
-    from pyarrow.parquet import ParquetFile  # late: it takes a while
+    from pyarrow.parquet import ParquetFile
 
     try:
         regular(path)
@@ -46,9 +179,21 @@ def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:
             raise StoreError(f"{path}: {rows} rows in {size} bytes, expected at most {MOST_ROWS} in {MOST_BYTES}")
         if missing:
             raise StoreError(f"{path}: has no column {', '.join(missing)}; expected the tables of a run")
-        read: pd.DataFrame = file.read().to_pandas()
+        arrow = file.read()
+        return pd.DataFrame({name: _read(name, arrow[name]) for name in arrow.column_names})
     except InputError as error:
         raise StoreError(str(error)) from None
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise StoreError(f"{path}: not readable: {' '.join(str(error).split())[:300]}") from error
-    return read.astype({name: object for name, kind in read.dtypes.items() if isinstance(kind, pd.StringDtype)})
+
+
+def _read(name: str, column: "pa.ChunkedArray") -> "pd.Series[Any]":
+    """As `_in_python` has it; equal words are one string."""
+    import pyarrow as pa
+
+    if not (pa.types.is_string(column.type) or pa.types.is_large_string(column.type)):
+        values: pd.Series[Any] = column.to_pandas()
+        return values.astype(_TYPES.get(name, values.dtype))
+    coded = column.combine_chunks().dictionary_encode()
+    words = np.array([*coded.dictionary.to_pylist(), None if coded.null_count == len(coded) else math.nan], dtype=object)
+    return pd.Series(words[coded.indices.fill_null(len(words) - 1).to_numpy(zero_copy_only=False)], dtype=object)

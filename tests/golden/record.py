@@ -28,7 +28,8 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.summary import summaries
 from plumbline.harness.scene.file import dump_json, parse
-from plumbline.harness.store.store import TABLES, Store
+from plumbline.harness.store.store import Store
+from plumbline.harness.store.stored_tables import TABLES
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import Contacts, Trajectory
 from plumbline.harness.trial.accuracy import judge

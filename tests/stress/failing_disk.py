@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from plumbline.harness.store.disk import Calls
 
@@ -65,6 +65,10 @@ class Counting(Calls):
     def read(self, path: Path) -> bytes:
         self.before("read")
         return super().read(path)
+
+    def reader(self, path: Path) -> BinaryIO:
+        self.before("read")
+        return super().reader(path)
 
     def filled(self, make: Callable[[], Any]) -> Any:
         self.before("allocation")

@@ -12,7 +12,8 @@ import pytest
 from plumbline.harness.findings.summary import write_summary
 from plumbline.harness.run import campaign
 from plumbline.harness.store.record import Sample, Timing
-from plumbline.harness.store.store import TABLES, Store
+from plumbline.harness.store.store import Store
+from plumbline.harness.store.stored_tables import TABLES
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study

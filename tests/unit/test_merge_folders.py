@@ -13,7 +13,8 @@ from plumbline.harness.run.merge_folders import conflicts, merge_folders
 from plumbline.harness.run.verify import problems
 from plumbline.harness.store.journal import FolderTaken, Journal, read_written
 from plumbline.harness.store.record import Record, Timing
-from plumbline.harness.store.store import Store, write_json, write_tables
+from plumbline.harness.store.store import Store, write_json
+from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study
@@ -51,7 +52,7 @@ def _retold(part: Path, out: Path, records: Sequence[Record], timings: Sequence[
         journal.append(entry)
     journal.close()
     write_json(out / "machine.json", {**Store(part).machine, "journal": {"lines": 0, "checksum": ""}})
-    write_tables(out)
+    write_tables(out, in_order(journal.records.values()))
     return out
 
 

@@ -15,7 +15,8 @@ from plumbline.harness.scene import Body, Effect, Scene
 from plumbline.harness.store.journal import Journal, read_journal
 from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.store import Store, write_tables
+from plumbline.harness.store.store import Store
+from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial
@@ -56,7 +57,7 @@ def test_a_table_without_its_journal_says_the_same(tmp_path: Path) -> None:
     journal = Journal(tmp_path)
     journal.append(record("a", TYPED))
     journal.close()
-    write_tables(tmp_path)
+    write_tables(tmp_path, in_order(read_journal(tmp_path / "journal.jsonl").values()))
     (tmp_path / "journal.jsonl").unlink()
     assert Store(tmp_path).notices == {"a": TYPED}
 

@@ -12,7 +12,8 @@ from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.store import journal
 from plumbline.harness.store.journal import Journal, read_written
 from plumbline.harness.store.record import Clocked, Timing
-from plumbline.harness.store.store import Store, write_json, write_tables
+from plumbline.harness.store.store import Store, write_json
+from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study
@@ -51,7 +52,6 @@ def _written_anew(source: Path, out: Path, clocked: Clocked = "whole runs", **ch
             samples = tuple(replace(sample, **changes) for sample in record.samples)
             timing = replace(timing, clocked=clocked, samples=samples)
         book.append(timing)
-    reached = {"lines": len(book.written.checksums), "checksum": book.written.checksums[-1]}
     book.close()
     for name in ("study.toml", "catalogue.json"):
         for path in source.glob(f"{name}*"):
@@ -60,7 +60,8 @@ def _written_anew(source: Path, out: Path, clocked: Clocked = "whole runs", **ch
         for path in (source / folder).glob("*"):
             (out / folder).mkdir(exist_ok=True)
             (out / folder / path.name).write_bytes(path.read_bytes())
-    write_json(out / "machine.json", {**Store(source).machine, "journal": reached, "tables": write_tables(out)})
+    ended = {"journal": book.written.reached, "tables": write_tables(out, in_order(book.records.values()))}
+    write_json(out / "machine.json", {**Store(source).machine, **ended})
     return _summarised(out)
 
 

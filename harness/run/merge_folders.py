@@ -59,7 +59,7 @@ def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]
     entries = (entry for index in reversed(sides) for entry in index.entries.values())
     machines = {entry.question: entry.machine for entry in entries if entry.machine is not None}
     disk.make_folder(out)
-    journal = Writer(Index(out / "journal.jsonl"))
+    journal = Writer(Index(out / "journal.jsonl"), waits=False)
     notes: Counter[str] = Counter()
     try:
         for index in sides:

@@ -134,12 +134,14 @@ def digest(path: Path) -> str:
 class Appended:
     """A file that grows at its end only, by whole pieces.
 
-    Terms: size: bytes that are on the disk. Where a piece fails, what came of it is cut off again; where that cannot be done
+    Terms: size: bytes that are on the disk. waits: each piece is on the disk before the next; else all are once it is closed.
+    Where a piece fails, what came of it is cut off again; where that cannot be done
     either, nothing more is taken, since a piece behind half a piece could not be told apart from it.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, waits: bool = True) -> None:
         """Open or create. Raises: OSError."""
+        self.waits = waits
         new = not path.exists()
         self.descriptor = calls.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         self.size = os.fstat(self.descriptor).st_size
@@ -163,7 +165,8 @@ class Appended:
             raise OSError("an earlier piece could not be written, nor taken back; open the file anew")
         try:
             _write(self.descriptor, piece)
-            calls.sync(self.descriptor)
+            if self.waits:
+                calls.sync(self.descriptor)
         except BaseException:
             self._broken = True
             self.cut(self.size)
@@ -172,7 +175,9 @@ class Appended:
         self.size += len(piece)
 
     def close(self) -> None:
-        """May be called twice."""
+        """May be called twice. Raises: OSError."""
         if self.descriptor >= 0:
+            if not self.waits:
+                calls.sync(self.descriptor)
             os.close(self.descriptor)
             self.descriptor = -1

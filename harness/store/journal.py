@@ -291,14 +291,15 @@ def read_journal(path: Path) -> dict[str, Record]:
 class Writer(Generic[Lines]):
     """A journal that is open for writing; the folder is locked against a second writer until it is closed."""
 
-    def __init__(self, chain: Lines) -> None:
+    def __init__(self, chain: Lines, *, waits: bool = True) -> None:
         """Open or create. A torn last line, as a kill leaves it, is dropped and counted in `dropped`.
 
+        waits: each line is on the disk before the next is written; else all are once the journal is closed.
         Raises:
             StoreError: where another process writes to this folder, or the journal is corrupt. OSError.
         """
         self.path = chain.path
-        self._file = disk.Appended(self.path)
+        self._file = disk.Appended(self.path, waits=waits)
         try:
             fcntl.flock(self._file.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self.written = read_lines(chain)

@@ -115,9 +115,15 @@ def _trials(
     known = list(study.trials(cases, adapters, versions, sources_of))
     ladder = [trial for trial in known if trial.experiment.name == "ladder" and trial.track == "tuned"]
 
-    def with_iterations(track: str, iterations: int) -> list[Trial]:
+    def with_iterations(track: str, iterations: int, search_round: int = 0) -> list[Trial]:
         return [
-            trial.probing(cases[trial.case], track=track, base="tuned", settings=replace(trial.settings, iterations=iterations))
+            trial.probing(
+                cases[trial.case],
+                track=track,
+                base="tuned",
+                settings=replace(trial.settings, iterations=iterations),
+                round=search_round,
+            )
             for trial in ladder
         ]
 
@@ -132,7 +138,7 @@ def _trials(
     for iterations in count(8):
         if len(records) >= most:
             return
-        yield with_iterations(f"tuned, iterations {iterations}", iterations)[: most - len(records)]
+        yield with_iterations(f"tuned, iterations {iterations}", iterations, search_round=8)[: most - len(records)]
 
 
 @contextmanager

@@ -130,12 +130,14 @@ def write_report(folder: Path) -> WrittenReport:
     report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
     texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}
     texts["style/vega.js"] = vega_bundle()
-    texts |= {name: guarded(text) for name, text in texts.items() if isinstance(text, str) and name.endswith(".html")}
     try:
         for name, text in texts.items():
             path = draft / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", errors="backslashreplace"))
+            if isinstance(text, str):
+                page = guarded(text) if name.endswith(".html") else text
+                text = page.encode("utf-8", errors="backslashreplace")
+            path.write_bytes(text)
         if report.exists():
             report.rename(old)
         put_in_place(draft, report)

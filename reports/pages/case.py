@@ -25,7 +25,7 @@ from plumbline.reports.tables.price_list import price_list
 from plumbline.reports.tables.priced_scenes import scenes
 from plumbline.reports.tables.reference_leads import leads
 from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
+from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, listed, measured_of, metrics_of, trial
 from plumbline.reports.tables.verdicts import verdicts
 from plumbline.reports.words.altered_parameters import departures
 from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
@@ -55,10 +55,11 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
         measured = measured_of(store, name)
         plain = slug(name)
         priced = [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
-        listed = [line for line in prices if line.case == name]
+        lines = [line for line in prices if line.case == name]
+        shown = listed(mine, {entry.price.trial for line in lines for entry in line.entries.values()})
         recording = store.folder / "recordings" / file_name(name)
         yield from ((figure.path, figure) for figure in priced)
-        yield f"trials/{plain}.csv", as_csv(mine, measured)
+        yield f"trials/{plain}.csv", as_csv(mine, measured).encode("utf-8", errors="backslashreplace")
         page = fill(
             "case.html",
             store,
@@ -70,8 +71,8 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
             figures=[*([steps[name]] if name in steps else []), *priced],
             seen=sight(store, name),
             thumbs=thumbnails(store),
-            prices=listed,
-            several=len({line.title for line in listed}) > 1,
+            prices=lines,
+            several=len({line.title for line in lines}) > 1,
             known_findings=of_case(store, name),
             laws=laws_of_case(store, case),
             leads=[lead for (of, _), lead in leads(store).items() if of == name],
@@ -84,8 +85,9 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
             disputes=told(store, name),
             verdicts={(engine, track): cells[name, engine, track] for engine, track in sides if (name, engine, track) in cells},
             metrics=list(dict.fromkeys([case["headline"], *metrics_of(measured)])) if measured else [],
-            trials=[trial(store, row, measured.get(row["trial"], {})) for row in records(mine)],
-            departures=departures(mine),
+            trials=[trial(store, row, measured.get(row["trial"], {})) for row in records(shown)],
+            departures=departures(shown),
+            trials_in_all=len(mine),
             setting_of=partial(setting_words, store),
             shown=outcome,
             csv=f"trials/{plain}.csv",

@@ -11,7 +11,8 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.camera_pictures import shots
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.words.catalogue import titled, titles
+from plumbline.reports.tables.trial_rows import rows_shown
+from plumbline.reports.words.catalogue import TRACK_ORDER, titled, titles
 
 
 def concerns(store: Store) -> bool:
@@ -23,6 +24,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its charts and its table as CSV."""
     measured, rows = findings(store), sensors_table.TABLE.rows(store)
     errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)
+    listed = [measured[index] for index in rows_shown([finding.track not in TRACK_ORDER for finding in measured])]
     page = fill(
         "sensors.html",
         store,
@@ -32,10 +34,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
         noises=noises,
         rays=rays,
         shots=shots(store, measured),
-        found=measured,
-        names=[
-            named(store, finding) if finding.channel else titled(store, finding.case, finding.where) for finding in measured
-        ],
+        found=listed,
+        found_in_all=len(measured),
+        names=[named(store, finding) if finding.channel else titled(store, finding.case, finding.where) for finding in listed],
     )
     figures = [*errors, *noises, *([rays] if rays is not None else [])]
     sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}

@@ -4,13 +4,14 @@ import csv
 import io
 import shlex
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.intake.safe_text import csv_cell
 from plumbline.harness.store.store import Store
+from plumbline.reports.words.catalogue import TRACK_ORDER
 from plumbline.reports.words.reasons import notices
 
 
@@ -43,6 +44,21 @@ def in_order(rows: pd.DataFrame, sides: list[tuple[str, str]]) -> pd.DataFrame:
         .sort_values(["side", "dt", "seed"], ascending=[True, False, True], kind="stable")
         .drop(columns="side")
     )
+
+
+MOST_ROWS = 200
+"""That a page lists of a long table: a trial takes 3 to 8 kB."""
+
+
+def rows_shown(ranks: Sequence[int]) -> list[int]:
+    """The indices, in order, of the `MOST_ROWS` rows with the least ranks."""
+    return sorted(sorted(range(len(ranks)), key=ranks.__getitem__)[:MOST_ROWS])
+
+
+def listed(rows: pd.DataFrame, priced: Collection[str]) -> pd.DataFrame:
+    """The trials that a page lists: of default and tuned first, then those that a price rests on (`priced`)."""
+    sides = zip(rows["trial"], rows["track"], strict=True)
+    return rows.iloc[rows_shown([0 if track in TRACK_ORDER else 1 + (trial not in priced) for trial, track in sides])]
 
 
 def is_file(path: Any) -> bool:

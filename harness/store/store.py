@@ -2,7 +2,7 @@
 
 import json
 import tomllib
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -109,24 +109,26 @@ class Store:
             chosen = [pair in only for pair in zip(trials["experiment"], trials["case"], strict=True)]
             names = frozenset(trials["trial"][chosen])
             tables = {name: table[table["trial"].isin(names)].reset_index(drop=True) for name, table in tables.items()}
-        return tables
+        trials = tables["trials"]
+        beside = trials[[name for name in BESIDE if name in trials]]
+        return tables | {"trials": trials.drop(columns=list(beside)), "beside": beside}
 
-    @cached_property
+    @property
     def trials(self) -> pd.DataFrame:
         """One row a trial."""
-        return self._read["trials"].drop(columns=list(BESIDE), errors="ignore")
+        return self._read["trials"]
 
-    def _beside(self, column: str) -> Iterator[tuple[str, Any]]:
-        """By trial, what the table of trials holds beside what is shown; nothing where another program wrote it."""
-        trials = self._whole["trials"]
-        return zip(trials["trial"], trials[column], strict=True) if column in trials else iter(())
+    def _beside(self, column: str) -> Mapping[str, str]:
+        """By trial, what its table holds beside what is shown; nothing where another program wrote it."""
+        beside = self._read.get("beside", {})
+        return dict(zip(self.trials["trial"], beside[column], strict=True)) if column in beside else {}
 
     @cached_property
     def notices(self) -> Mapping[str, tuple[StoredNotice, ...]]:
         """What the engine of each trial, its adapter or the harness said, by trial."""
-        if "notices" in self._whole["trials"]:
-            read = {text: tuple(StoredNotice(**each) for each in json.loads(text)) for _, text in self._beside("notices")}
-            return {trial: read[text] for trial, text in self._beside("notices")}
+        if texts := self._beside("notices"):
+            read = {text: tuple(StoredNotice(**each) for each in json.loads(text)) for text in set(texts.values())}
+            return {trial: read[text] for trial, text in texts.items()}
         sentences = zip(self.trials["trial"], self.trials["warnings"], strict=True)
         return {str(trial): tuple(map(notice_of, json.loads(text))) for trial, text in sentences}
 
@@ -135,12 +137,12 @@ class Store:
         """The track that the settings of each trial descend from, by trial."""
         tracks = zip(self.trials["trial"], self.trials["track"], strict=True)
         turned = {str(trial): str(track).partition(",")[0] for trial, track in tracks}  # what was turned stands behind a comma
-        return dict(self._beside("base")) or turned
+        return self._beside("base") or turned
 
     @cached_property
     def idle(self) -> Mapping[str, tuple[tuple[str, Any], ...]]:
         """By trial, the knobs and values that change nothing from there; of trials that were asked for them alone."""
-        stored = ((trial, json.loads(text)) for trial, text in self._beside("idle") if text != "[]")
+        stored = ((trial, json.loads(text)) for trial, text in self._beside("idle").items() if text != "[]")
         return {trial: tuple((knob, value) for knob, value in turns) for trial, turns in stored}
 
     @cached_property

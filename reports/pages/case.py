@@ -59,7 +59,7 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
         shown = listed(mine, {entry.price.trial for line in lines for entry in line.entries.values()})
         recording = store.folder / "recordings" / file_name(name)
         yield from ((figure.path, figure) for figure in priced)
-        yield f"trials/{plain}.csv", as_csv(mine, measured).encode("utf-8", errors="backslashreplace")
+        yield f"trials/{plain}.csv", as_csv(mine, measured)
         page = fill(
             "case.html",
             store,

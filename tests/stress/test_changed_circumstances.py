@@ -193,7 +193,7 @@ def test_another_study_is_refused_and_merged_where_that_is_asked(other: Any, whe
 def test_a_study_that_was_written_before_it_had_a_list_for_something_is_the_same_study(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
 ) -> None:
-    today = campaign._plain_study
+    today = campaign.plain_study
 
     def older(study: Study) -> dict[str, Any]:
         written = today(study)
@@ -202,7 +202,7 @@ def test_a_study_that_was_written_before_it_had_a_list_for_something_is_the_same
         return written
 
     with monkeypatch.context() as patch:
-        patch.setattr(campaign, "_plain_study", older)
+        patch.setattr(campaign, "plain_study", older)
         first = carry_out(tmp_path / "run").trials
     assert list(carry_out(tmp_path / "run").trials["trial"]) == list(first["trial"])
     ledger.survived(FAMILY, "a study without a list that is empty today", "run anew 0")

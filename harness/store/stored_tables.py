@@ -73,8 +73,10 @@ def _rows(records: Iterable[Record]) -> Rows:
         row |= {"base": record.base, "idle": _JSON.encode(record.idle)}
         row["notices"] = _JSON.encode([dataclasses.asdict(notice) for notice in record.warnings])
         rows["trials"].append(row)
-        for name, parts in (("measurements", record.measurements), ("samples", record.samples)):
-            rows[name] += [{"trial": record.trial} | {f: getattr(part, f) for f in COLUMNS[name][1:]} for part in parts]
+        for name, values in (("measurements", record.measurements), ("samples", record.samples)):
+            rows[name] += [
+                {"trial": record.trial} | {field: getattr(value, field) for field in COLUMNS[name][1:]} for value in values
+            ]
     return rows
 
 

@@ -81,7 +81,7 @@ def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int)
 
 
 @kernel
-def write_mobilities(bodies: Bodies, contacts: Contacts, touched: Touched, manifolds: int) -> None:
+def write_mobilities(bodies: Bodies, contacts: Contacts, touched: Touched) -> None:
     """The blocks of M of all manifolds, by the responses at hand."""
-    for m in range(manifolds):
-        write_mobility(bodies, contacts, touched, m)
+    for rank in range(len(contacts.order)):
+        write_mobility(bodies, contacts, touched, contacts.order[rank, 0])

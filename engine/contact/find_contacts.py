@@ -61,4 +61,6 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     out = Points(new.point, new.point_key, floats_of(floats, ints, at.CLIP), ints_of(ints, at.CLIP_KEY))
     build_manifolds(bodies, shapes, rules, pairs, new, old, out)
     keep_rest(state, kind, rest, count[0, at.BODIES])
+    for m in range(count[0, at.MANIFOLDS]):
+        new.order[m, 0] = m
     return DONE

@@ -121,6 +121,7 @@ def resting_contacts_of(floats: Floats, ints: Ints) -> Contacts:
         floats_of(floats, ints, at.RESTING_POINT),
         ints_of(ints, at.RESTING_KEY),
         ints_of(ints, at.RESTING_POINT_KEY),
+        ints_of(ints, at.MANIFOLD_ORDER)[:0],
     )
 
 

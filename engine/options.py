@@ -7,10 +7,10 @@ from plumbline.engine.describe.check import not_negative, positive, whole
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
     "explicit_euler": "plumbline.engine.integrate.explicit_euler",
-    "velocity_verlet": "plumbline.engine.integrate.velocity_verlet",
+    "velocity_verlet": "plumbline.engine.integrate.composition",
     "implicit_midpoint": "plumbline.engine.integrate.implicit_midpoint",
-    "splitting_4": "plumbline.engine.integrate.splitting",
-    "splitting_8": "plumbline.engine.integrate.splitting",
+    "splitting_4": "plumbline.engine.integrate.composition",
+    "splitting_8": "plumbline.engine.integrate.composition",
     ADAPTIVE: "plumbline.engine.integrate.dormand_prince",
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""

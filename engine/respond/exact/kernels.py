@@ -3,15 +3,15 @@
 from plumbline.engine.compile.jit import entry
 from plumbline.engine.contact.find_contacts import find_contacts
 from plumbline.engine.integrate import all_bodies
-from plumbline.engine.integrate.finite_state import is_finite
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.status import DIVERGED, DONE
+from plumbline.engine.memory.status import DONE
 from plumbline.engine.memory.tables import bodies_of, joints_of, present_contacts, shapes_of
 from plumbline.engine.respond.arms import refresh
 from plumbline.engine.respond.softness import slow_approach
 from plumbline.engine.respond.substep import approach, sum_impulses
+from plumbline.engine.steps.count_step import count_step
 
 
 @entry
@@ -47,7 +47,4 @@ def drift_touched(floats: Floats, ints: Ints, h: float, last: int) -> int:
     all_bodies.drift_all(bodies, all_bodies.touched_of(ints), count, h)
     refresh(bodies.state, shapes_of(floats, ints), contacts)
     sum_impulses(contacts)
-    if last == 1:
-        count[0, at.STEPS] += 1
-        return DONE if is_finite(bodies.state, count[0, at.BODIES]) else DIVERGED
-    return DONE
+    return int(count_step(bodies.state, count)) if last == 1 else DONE

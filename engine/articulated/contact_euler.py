@@ -269,27 +269,23 @@ def touching_substep(
     if touches:
         times = start_contacts(mechanisms, setting, count, sums, h, substep)
     start_laws(tables)
-    breaks, turns = write_laws(tables, joints, h, PRESSED), 1
-    if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
-        return False
-    if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
-        return False
-    take_changes(tables, joints, h, reactions)
-    if touches and breaks == 0:
-        answer_given(mechanisms, h, reactions)
-    if stands(tables, h):
-        bend_links(tables, bodies, h)
-    else:
-        close_bends(tables, bodies, joints, h, reactions)
-    while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
-        turns += 1
-        start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)
+    breaks = write_laws(tables, joints, h, PRESSED)
+    for turn in range(MOST_TURNS if breaks > 0 else 1):
+        if turn > 0:
+            if are_settled(tables, joints, h):
+                break
+            start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)
         if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
             return False
         if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
             return False
         take_changes(tables, joints, h, reactions)
-        close_bends(tables, bodies, joints, h, reactions)
+        if touches and breaks == 0:
+            answer_given(mechanisms, h, reactions)
+        if turn == 0 and stands(tables, h):
+            bend_links(tables, bodies, h)
+        else:
+            close_bends(tables, bodies, joints, h, reactions)
     drift_coordinates(tables, h)
     carry_bases(tables, bodies, h)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=True)

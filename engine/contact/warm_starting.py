@@ -87,8 +87,9 @@ def copy_contact(contacts: Contacts, m: int, target: Contacts, to: int) -> None:
 
 
 @kernel
-def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) -> None:
+def start_anew(state: Floats, contacts: Contacts, first: int, end: int) -> None:
     """Begin a step with the manifolds first..end - 1 as they are; `refresh` has put their points where the bodies are now."""
+    point, key = contacts.point, contacts.key
     for m in range(first, end):
         pa = load3(state, key[m, at.BODY_A], at.P)
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):

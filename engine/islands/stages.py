@@ -42,11 +42,12 @@ def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
 @kernel
 def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
-    state, body, rest = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY), floats_of(floats, ints, at.REST)
-    setting, point = floats_of(floats, ints, at.SETTING), floats_of(floats, ints, at.POINT)
-    kind, count, key = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.MANIFOLD_KEY)
-    tally, sleeps = ints_of(ints, at.TALLY), floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0
-    searching = not keeping or not keep_contacts(state, body, kind, rest, setting, count, key, point)
+    count, tally, sleeps = (
+        ints_of(ints, at.COUNT),
+        ints_of(ints, at.TALLY),
+        floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0,
+    )
+    searching = not keeping or not keep_contacts(floats, ints)
     while True:
         if searching:
             if count[0, at.BROAD] == 1 and tally[0, at.SEARCHED] == 0:

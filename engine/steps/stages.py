@@ -18,9 +18,9 @@ from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
 from plumbline.engine.integrate.all_bodies import drift_all, kick_all
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.carve import ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, bodies_of, contacts_of
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows
 from plumbline.engine.respond.share_loads import share_loads
 from plumbline.engine.respond.softness import (
     FRESH,
@@ -53,11 +53,7 @@ class Group(NamedTuple):
 @kernel
 def meet(floats: Floats, ints: Ints) -> int:
     """Keep the contacts of the last step where all bodies are still, else find those of this one. Returns: a status."""
-    bodies, contacts, rest = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.REST)
-    setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
-    if keep_contacts(bodies.state, bodies.body, bodies.kind, rest, setting, count, contacts.key, contacts.point):
-        return DONE
-    return find_contacts(floats, ints)
+    return DONE if keep_contacts(floats, ints) else int(find_contacts(floats, ints))
 
 
 @kernel

@@ -102,9 +102,9 @@ class Options:
         positive("options", "dt", self.dt, "s")
         for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0), ("threads", 1)):
             whole("options", name, getattr(self, name), least)
-        for name, known in CHOICES.items():
-            if getattr(self, name) not in known:
-                expected = ", ".join(one for one in known if one is not None)
+        for name, choices in CHOICES.items():
+            if getattr(self, name) not in choices:
+                expected = ", ".join(one for one in choices if one is not None)
                 raise ValueError(f"options: {name} {getattr(self, name)!r}, expected one of {expected}")
         if self.step_tolerance is not None:
             if self.integrator != ADAPTIVE:

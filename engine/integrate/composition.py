@@ -119,9 +119,9 @@ def compose(
         # A constant acceleration is kicked and drifted exactly, whatever the composition.
         p, v = axpy(0.5 * h * h, law.a, axpy(h, v, p)), axpy(h, law.a, v)
     q, m = to_principal(state, principal, b)
-    free, found = law.d == 0.0 and law.tau == (0.0, 0.0, 0.0), True
+    free, solved = law.d == 0.0 and law.tau == (0.0, 0.0, 0.0), True
     if free and gyroscopic == 1:
-        q, m, found = rotor(q, m, law.moments, weights, h)
+        q, m, solved = rotor(q, m, law.moments, weights, h)
     elif free:
         q = turned_by(q, velocities_of(m, law.moments), h)
     for k in range(len(weights)):
@@ -133,15 +133,15 @@ def compose(
         if not free:
             m = kicked_spin(q, m, law, 0.5 * g)
             if gyroscopic == 1:
-                q, m, one = rotor(q, m, law.moments, weights[k : k + 1], h)
-                found = found and one
+                q, m, turned = rotor(q, m, law.moments, weights[k : k + 1], h)
+                solved = solved and turned
             else:
                 q = turned_by(q, velocities_of(m, law.moments), g)
             m = kicked_spin(q, m, law, 0.5 * g)
     store3(state, b, at.P, p)
     store3(state, b, at.V, v)
     from_principal(state, principal, b, q, m)
-    return found
+    return solved
 
 
 @entry

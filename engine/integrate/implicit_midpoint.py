@@ -48,14 +48,14 @@ def middle_momentum(m: Vec, moments: Vec, h: float) -> tuple[Vec, bool]:
 @kernel
 def midpoint_rotor(q: Quat, m: Vec, moments: Vec, weights: Floats, h: float) -> tuple[Quat, Vec, bool]:
     """Steps without load. Args, Returns: as of `composition.Rotor`."""
-    found = True
+    every = True
     for k in range(len(weights)):
-        x, one = middle_momentum(m, moments, weights[k] * h)
+        x, solved = middle_momentum(m, moments, weights[k] * h)
         half = scale(0.5 * weights[k] * h, velocities_of(x, moments))
         s = 1.0 / math.sqrt(1.0 + dot(half, half))
         q, m = quat_mul(q, (s, s * half[0], s * half[1], s * half[2])), axpy(2.0, x, scale(-1.0, m))
-        found = found and one
-    return q, m, found
+        every = every and solved
+    return q, m, every
 
 
 @kernel

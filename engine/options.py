@@ -7,10 +7,10 @@ from plumbline.engine.describe.check import not_negative, positive, whole
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
     "explicit_euler": "plumbline.engine.integrate.explicit_euler",
-    "velocity_verlet": "plumbline.engine.integrate.velocity_verlet",
+    "velocity_verlet": "plumbline.engine.integrate.composition",
     "implicit_midpoint": "plumbline.engine.integrate.implicit_midpoint",
-    "splitting_4": "plumbline.engine.integrate.splitting",
-    "splitting_8": "plumbline.engine.integrate.splitting",
+    "splitting_4": "plumbline.engine.integrate.composition",
+    "splitting_8": "plumbline.engine.integrate.composition",
     ADAPTIVE: "plumbline.engine.integrate.dormand_prince",
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
@@ -24,6 +24,16 @@ COORDINATES = (MAXIMAL, JOINT, AUTOMATIC)
 GAUSS_SEIDEL, COLOURED, JACOBI = "gauss_seidel", "coloured", "jacobi"
 SWEEPS = (GAUSS_SEIDEL, COLOURED, JACOBI)
 LEVELS = ("sphere", "box", "hull", "decomposition", "mesh")
+CHOICES: dict[str, tuple[str | None, ...]] = {
+    "integrator": INTEGRATORS,
+    "broad_phase": (*BROAD_PHASES, None),
+    "bounding_volume": BOUNDING_VOLUMES,
+    "level_of_detail": (*LEVELS, None),
+    "solver": SOLVERS,
+    "sweeps": SWEEPS,
+    "continuous": CONTINUOUS,
+    "coordinates": (*COORDINATES, None),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,8 +102,10 @@ class Options:
         positive("options", "dt", self.dt, "s")
         for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0), ("threads", 1)):
             whole("options", name, getattr(self, name), least)
-        if self.integrator not in INTEGRATORS:
-            raise ValueError(f"options: integrator '{self.integrator}', expected one of {', '.join(INTEGRATORS)}")
+        for name, choices in CHOICES.items():
+            if getattr(self, name) not in choices:
+                expected = ", ".join(one for one in choices if one is not None)
+                raise ValueError(f"options: {name} {getattr(self, name)!r}, expected one of {expected}")
         if self.step_tolerance is not None:
             if self.integrator != ADAPTIVE:
                 raise ValueError(
@@ -102,22 +114,6 @@ class Options:
             # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
             if not 1e-14 <= self.step_tolerance <= 1e-2:
                 raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
-        if self.broad_phase is not None and self.broad_phase not in BROAD_PHASES:
-            raise ValueError(f"options: broad_phase '{self.broad_phase}', expected one of {', '.join(BROAD_PHASES)}")
-        if self.bounding_volume not in BOUNDING_VOLUMES:
-            raise ValueError(
-                f"options: bounding_volume '{self.bounding_volume}', expected one of {', '.join(BOUNDING_VOLUMES)}"
-            )
-        if self.level_of_detail is not None and self.level_of_detail not in LEVELS:
-            raise ValueError(f"options: level_of_detail '{self.level_of_detail}', expected one of {', '.join(LEVELS)}")
-        if self.solver not in SOLVERS:
-            raise ValueError(f"options: solver '{self.solver}', expected one of {', '.join(SOLVERS)}")
-        if self.sweeps not in SWEEPS:
-            raise ValueError(f"options: sweeps {self.sweeps!r}, expected one of {', '.join(SWEEPS)}")
-        if self.continuous not in CONTINUOUS:
-            raise ValueError(f"options: continuous {self.continuous!r}, expected one of {', '.join(CONTINUOUS)}")
-        if self.coordinates is not None and self.coordinates not in COORDINATES:
-            raise ValueError(f"options: coordinates {self.coordinates!r}, expected one of {', '.join(COORDINATES)}")
         positive("options", "tolerance", self.tolerance, "")
         positive("options", "effort", self.effort, "ms")
         if self.contact_hertz is not None:

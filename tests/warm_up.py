@@ -32,9 +32,9 @@ def _of_tests() -> tuple[KernelGroup, ...]:
     exact = "respond.exact.joint_kernels"
     return (
         step("contacts", "steps.islands.step_islands"),
-        step("contacts", "steps.contact_coloured.step_contact_coloured"),
-        step("contacts", "steps.contact_jacobi.step_contact_jacobi"),
-        step("contacts", "steps.spheres_coloured.step_spheres_coloured"),
+        step("contacts", "steps.shared_sweeps.step_contact_coloured"),
+        step("contacts", "steps.shared_sweeps.step_contact_jacobi"),
+        step("contacts", "steps.shared_sweeps.step_spheres_coloured"),
         group("contacts", (f"{exact}.write_joint_rows", f"{exact}.look_at_joints"), _exact_jointed),
         stage("contacts", "contact.colours.sort_pairs"),
         step("joint coordinates", f"{held}_touching_and_closing"),

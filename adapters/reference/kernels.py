@@ -111,7 +111,7 @@ EXACT = (
     *(f"respond.exact.assembly.{name}" for name in ("write_closing", "write_frames", "write_problem", "give_impulses")),
     "respond.exact.certificate.largest_breach",
     "respond.exact.finish.finish_from",
-    "respond.exact.scaling.write_scaled",
+    "respond.exact.scaled.write_scaled",
     "respond.exact.look.look_at",
 )
 IMAGES = (

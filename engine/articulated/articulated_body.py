@@ -194,8 +194,13 @@ def transmitted(tables: Tables, i: int) -> tuple[Vec, Vec]:
 
     The links without mass between the columns hand it on as it is: so it is I a + p of the innermost, as `inwards` left them.
     """
-    body = tables.body
     a_w, a_v = before_joint(tables, i)
+    return needed_by(tables.body, i, a_w, a_v)
+
+
+@kernel
+def needed_by(body: Floats, i: int, a_w: Vec, a_v: Vec) -> tuple[Vec, Vec]:
+    """I a + p of link i: torque and force for an acceleration."""
     rotation, coupling = load6(body, i, tree.ROTATION), load9(body, i, tree.COUPLING)
     torque = add(sym_vec(rotation, a_w), mat_vec(coupling, a_v))
     force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, tree.TRANSLATION), a_v))

@@ -10,14 +10,14 @@ Computers Ops Res. 21, 1994; Cottle, Pang, Stone, The Linear Complementarity Pro
 from typing import Final
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.articulated_body import accelerations
+from plumbline.engine.articulated.articulated_body import accelerations, needed_by
 from plumbline.engine.articulated.forces import weigh_links
 from plumbline.engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, write_laws
 from plumbline.engine.articulated.momenta import load_momenta, press_links
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, load3, load6, load9
-from plumbline.engine.maths.vec import add, dot, mat_vec, sym_vec, tmat_vec
+from plumbline.engine.maths.rows import Floats, load3
+from plumbline.engine.maths.vec import add, dot, scale
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Joints
 
@@ -31,17 +31,13 @@ ROUNDS: Final = 50
 @kernel
 def needed_force(tables: Tables, i: int, armature: float) -> float:
     """The force of the law of the one column of link i that gives the change which is prescribed there."""
-    body, k = tables.body, tables.kind[i, tree.FIRST]
+    k = tables.kind[i, tree.FIRST]
     a_w, a_v = load3(tables.motion, i, tree.ACCELERATION), load3(tables.motion, i, tree.ACCELERATION + 3)
     change = tables.column[k, tree.CHANGE]
     turning, sliding = load3(tables.column, k, tree.AXIS_W), load3(tables.column, k, tree.AXIS_W + 3)
     # The force has taken in what the change needs, so that the acceleration counts without it.
-    a_w = add(a_w, (-change * turning[0], -change * turning[1], -change * turning[2]))
-    a_v = add(a_v, (-change * sliding[0], -change * sliding[1], -change * sliding[2]))
-    coupling = load9(body, i, tree.COUPLING)
-    torque = add(sym_vec(load6(body, i, tree.ROTATION), a_w), mat_vec(coupling, a_v))
-    force = add(tmat_vec(coupling, a_w), sym_vec(load6(body, i, tree.TRANSLATION), a_v))
-    torque, force = add(torque, load3(body, i, tree.FORCE)), add(force, load3(body, i, tree.FORCE + 3))
+    a_w, a_v = add(a_w, scale(-change, turning)), add(a_v, scale(-change, sliding))
+    torque, force = needed_by(tables.body, i, a_w, a_v)
     return float(dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, tree.BESIDE])
 
 

@@ -149,12 +149,12 @@ def answer_given(mechanisms: Mechanisms, h: float, reactions: bool) -> None:
 
 
 @kernel
-def sweep_all(mechanisms: Mechanisms, count: Ints, soft: Softness, aim: int, sweeps: int, reactions: bool) -> None:
+def sweep_all(mechanisms: Mechanisms, soft: Softness, aim: int, sweeps: int, reactions: bool) -> None:
     """Sweep over the contacts so often, and close the loops after each; once where there are loops alone."""
-    joints, touched, n = mechanisms.joints, mechanisms.touched, count[0, at.MANIFOLDS]
+    joints, touched = mechanisms.joints, mechanisms.touched
     state, loops = mechanisms.bodies.state, count_loop_rows(mechanisms.tables, joints)
-    for _ in range(sweeps if n > 0 else 1):
-        sweep_trees(state, mechanisms.contacts, touched, n, soft, mechanisms.firm, aim)
+    for _ in range(sweeps if len(mechanisms.contacts.order) > 0 else 1):
+        sweep_trees(state, mechanisms.contacts, touched, soft, mechanisms.firm, aim)
         if loops > 0:
             hold_loops(state, joints, touched, mechanisms.rows, loops, 1.0 if aim == PRESS else 0.0, reactions)
 
@@ -180,12 +180,12 @@ def settle_contacts(
     for _ in range(ROUNDS):
         if not are_answered(tables):
             write_responses(tables, touched)
-            write_mobilities(bodies, mechanisms.contacts, touched, count[0, at.MANIFOLDS])
+            write_mobilities(bodies, mechanisms.contacts, touched)
             write_loop_matrix(bodies, touched, rows, count_loop_rows(tables, joints))
             for k in range(tables.stage_rate.shape[0]):
                 tables.stage_rate[k, tree.ANSWERED] = tables.law[k, tree.SEGMENT]
         show_velocities(mechanisms, (0.0, 0.0, 0.0), soft.h)
-        sweep_all(mechanisms, count, soft, PRESS, count[0, at.ITERATIONS] * times, reactions)
+        sweep_all(mechanisms, soft, PRESS, count[0, at.ITERATIONS] * times, reactions)
         if breaks == 0:
             break
         press_by_given(mechanisms)
@@ -200,29 +200,27 @@ def settle_contacts(
 def relax(mechanisms: Mechanisms, count: Ints, sums: Floats, soft: Softness, times: int, reactions: bool) -> None:
     """Take the correction of positions out of the velocities, let what was struck rebound, and choose friction's mode."""
     bodies, contacts = mechanisms.bodies, mechanisms.contacts
-    n = count[0, at.MANIFOLDS]
     place_links(mechanisms)
     write_free_responses(bodies, mechanisms.touched)
-    refresh(bodies.state, mechanisms.shapes, contacts, n)
-    share_loads(bodies, contacts, n, sums)
+    refresh(bodies.state, mechanisms.shapes, contacts)
+    share_loads(bodies, contacts, sums)
     show_velocities(mechanisms, (0.0, 0.0, 0.0), 0.0)
-    sweep_all(mechanisms, count, soft, RELAX, count[0, at.RELAXATIONS] * times, reactions)
-    if bounce(contacts, n):
-        sweep_all(mechanisms, count, soft, REBOUND, FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS]), reactions)
-    friction_mode(bodies, contacts, n)
-    end_substep(contacts, n)
+    sweep_all(mechanisms, soft, RELAX, count[0, at.RELAXATIONS] * times, reactions)
+    if bounce(contacts):
+        sweep_all(mechanisms, soft, REBOUND, FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS]), reactions)
+    friction_mode(bodies, contacts)
+    end_substep(contacts)
 
 
 @kernel
 def start_contacts(mechanisms: Mechanisms, setting: Floats, count: Ints, sums: Floats, h: float, substep: int) -> int:
     """Note what strikes, and press the links by the impulses of the last sub-step. Returns: times as many sweeps."""
     bodies, contacts, touched = mechanisms.bodies, mechanisms.contacts, mechanisms.touched
-    n = count[0, at.MANIFOLDS]
     write_free_responses(bodies, touched)
     show_velocities(mechanisms, scale(h, load3(setting, 0, at.GRAVITY)), 0.0)
-    strikes = approach(bodies, contacts, n, setting, h, slow_approach(setting, h))
-    share_loads(bodies, contacts, n, sums)
-    start_warm(bodies.state, contacts, touched, n)
+    strikes = approach(bodies, contacts, setting, h, slow_approach(setting, h))
+    share_loads(bodies, contacts, sums)
+    start_warm(bodies.state, contacts, touched)
     press_by_given(mechanisms)
     return FRESH if strikes > 0 or (substep == 0 and count[0, at.NEW] > 0) else 1
 
@@ -271,27 +269,23 @@ def touching_substep(
     if touches:
         times = start_contacts(mechanisms, setting, count, sums, h, substep)
     start_laws(tables)
-    breaks, turns = write_laws(tables, joints, h, PRESSED), 1
-    if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
-        return False
-    if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
-        return False
-    take_changes(tables, joints, h, reactions)
-    if touches and breaks == 0:
-        answer_given(mechanisms, h, reactions)
-    if stands(tables, h):
-        bend_links(tables, bodies, h)
-    else:
-        close_bends(tables, bodies, joints, h, reactions)
-    while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
-        turns += 1
-        start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)
+    breaks = write_laws(tables, joints, h, PRESSED)
+    for turn in range(MOST_TURNS if breaks > 0 else 1):
+        if turn > 0:
+            if are_settled(tables, joints, h):
+                break
+            start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)
         if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
             return False
         if touches and not settle_contacts(mechanisms, setting, count, soft, breaks, times, reactions):
             return False
         take_changes(tables, joints, h, reactions)
-        close_bends(tables, bodies, joints, h, reactions)
+        if touches and breaks == 0:
+            answer_given(mechanisms, h, reactions)
+        if turn == 0 and stands(tables, h):
+            bend_links(tables, bodies, h)
+        else:
+            close_bends(tables, bodies, joints, h, reactions)
     drift_coordinates(tables, h)
     carry_bases(tables, bodies, h)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=True)

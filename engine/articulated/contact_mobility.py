@@ -17,7 +17,7 @@ from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
 from plumbline.engine.respond.centre import Centre, centre_of, relative_motion
-from plumbline.engine.respond.mobility import effective_masses, write_stop
+from plumbline.engine.respond.mobility import write_masses
 from plumbline.engine.respond.pair import Motion
 
 SHARE: Final = 1e-6
@@ -63,25 +63,19 @@ def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int)
     _, x3 = answer(touched, a, b, centre, still, UNIT[2])
     shift, turn = own_mobility(bodies.body, key[m, at.BODY_A], key[m, at.BODY_B])
     s, t = SHARE * shift, SHARE * turn
-    normals = (v3[2] + s, x1[0] + t, x2[1] + t, w3[0], w3[1], x1[1])
-    tangents = (v1[0] + s, v2[1] + s, x3[2] + t, v1[1], w1[2], w2[2])
-    store6(manifold, m, at.NORMAL_BLOCK, normals)
-    store6(manifold, m, at.TANGENT_BLOCK, tangents)
+    store6(manifold, m, at.NORMAL_BLOCK, (v3[2] + s, x1[0] + t, x2[1] + t, w3[0], w3[1], x1[1]))
+    store6(manifold, m, at.TANGENT_BLOCK, (v1[0] + s, v2[1] + s, x3[2] + t, v1[1], w1[2], w2[2]))
     # Rows V1, V2, W3 by the forces along V3, W1 and W2; M is symmetric.
     store9(manifold, m, at.COUPLING, (v1[2], w1[0], w1[1], v2[2], w2[0], w2[1], w3[2], x3[0], x3[1]))
+    write_masses(contacts, m)
     for i in range(4 * m, 4 * m + key[m, at.POINTS]):
         x, y = point[i, at.SPREAD], point[i, at.SPREAD + 1]
-        point[i, at.NORMAL_MASS], point[i, at.TANGENT_MASS] = effective_masses(normals, tangents, x, y)
         if point[i, at.NORMAL_MASS] * (s + t * (x * x + y * y)) > 0.5:
             point[i, at.NORMAL_MASS] = 0.0
-    write_stop(manifold, m, key, point)
-    if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
-        manifold[m, at.SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
-        manifold[m, at.SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
 
 
 @kernel
-def write_mobilities(bodies: Bodies, contacts: Contacts, touched: Touched, manifolds: int) -> None:
+def write_mobilities(bodies: Bodies, contacts: Contacts, touched: Touched) -> None:
     """The blocks of M of all manifolds, by the responses at hand."""
-    for m in range(manifolds):
-        write_mobility(bodies, contacts, touched, m)
+    for rank in range(len(contacts.order)):
+        write_mobility(bodies, contacts, touched, contacts.order[rank, 0])

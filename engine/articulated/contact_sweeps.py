@@ -62,22 +62,22 @@ def give_pair(touched: Touched, state: Floats, bodies: tuple[int, int], centre: 
 
 
 @kernel
-def start_warm(state: Floats, contacts: Contacts, touched: Touched, manifolds: int) -> None:
+def start_warm(state: Floats, contacts: Contacts, touched: Touched) -> None:
     """Apply the impulses of the last sub-step."""
     key = contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         centre = centre_of(contacts.manifold, m)
         force, moment = kept_impulse(contacts, m, centre.frame)
         give_pair(touched, state, (key[m, at.BODY_A], key[m, at.BODY_B]), centre, force, moment)
 
 
 @kernel
-def sweep_trees(
-    state: Floats, contacts: Contacts, touched: Touched, manifolds: int, soft: Softness, firm: Softness, aim: int
-) -> None:
+def sweep_trees(state: Floats, contacts: Contacts, touched: Touched, soft: Softness, firm: Softness, aim: int) -> None:
     """One sweep over all manifolds. Args: as `engine.respond.soft.sweep`; firm: the softness of contacts under links."""
     manifold, key = contacts.manifold, contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         centre = centre_of(manifold, m)
         v, w = relative_motion(centre, motion_of(state, a, b))

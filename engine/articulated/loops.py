@@ -57,11 +57,9 @@ def write_loops(tables: Tables, bodies: Bodies, joints: Joints, rows: Rows | Non
         return
     r = 0
     for c in range(tables.closing.shape[0]):
-        j = tables.closing[c, 0]
         rest = Rows(rows.row[r:], rows.body[r:], rows.reach, rows.matrix, rows.factor, rows.vector)
-        n = equality_rows(bodies.state, Joints(joints.joint[j : j + 1], joints.kind[j : j + 1]), rest)
+        n = equality_rows(bodies.state, Joints(joints.joint, joints.kind, tables.closing[c : c + 1]), rest)
         for k in range(r, r + n):
-            rows.body[k, at.JOINT_OF] = j
             rows.row[k, at.BIAS] = rows.row[k, at.GAP] / h
         r += n
 

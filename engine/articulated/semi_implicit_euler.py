@@ -61,14 +61,12 @@ def semi_implicit_euler(
     move_links(tables, bodies.state)
     go_on_bending(tables)
     start_laws(tables)
-    breaks, turns = write_laws(tables, joints, h, ALL), 1
-    if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, ALL, breaks):
-        return False
-    take_changes(tables, joints, h, reactions)
-    close_bends(tables, bodies, joints, h, reactions)
-    while breaks > 0 and turns < MOST_TURNS and not are_settled(tables, joints, h):
-        turns += 1
-        start_again(tables, bodies, joints, setting, h, gyroscopic, ALL, reactions)
+    breaks = write_laws(tables, joints, h, ALL)
+    for turn in range(MOST_TURNS if breaks > 0 else 1):
+        if turn > 0:
+            if are_settled(tables, joints, h):
+                break
+            start_again(tables, bodies, joints, setting, h, gyroscopic, ALL, reactions)
         if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, ALL, breaks):
             return False
         take_changes(tables, joints, h, reactions)

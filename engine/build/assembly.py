@@ -128,7 +128,7 @@ def assemble_world(
         Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
         **_sweep_sizes(n, near, options, spheres),
         **_convex_sizes([polyhedron for _, polyhedron in polyhedra], pairs if convex else 0, convex, options.continuous),
-        **_island_sizes(n, nj, pairs, options, islands),
+        **_island_sizes(n, pairs, options, islands),
     }  # fmt: skip
     floats, ints = at.new_arena(shapes_of(FLOATS, sizes), shapes_of(INTS, sizes))
     _write_bodies(floats, ints, bodies)
@@ -148,6 +148,7 @@ def assemble_world(
         at.int_table(ints, at.ORDER)[s, 0] = s
         at.int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
     _write_polyhedra(floats, ints, polyhedra)
+    at.int_table(ints, at.JOINT_ORDER)[:, 0] = np.arange(nj)
     for j, joint in enumerate(joints):
         _write_joint(floats, ints, j, joint, index, bodies)
     for (one, two), law in surfaces.items():
@@ -236,15 +237,12 @@ def _sweep_sizes(bodies: int, pairs: int, options: Options, spheres: bool) -> di
     }
 
 
-def _island_sizes(bodies: int, joints: int, pairs: int, options: Options, wanted: bool) -> dict[Per, int]:
+def _island_sizes(bodies: int, pairs: int, options: Options, wanted: bool) -> dict[Per, int]:
     """How many rows the tables of islands and of sleep have, none where a world needs none."""
     rests = pairs if options.sleeping else 0
     return {
         Per.MEMBER: bodies + 1 if wanted else 0,
-        Per.SPAN: bodies + 2 if wanted else 0,
-        Per.LINK: pairs if wanted else 0,
-        Per.TIE: joints if wanted else 0,
-        Per.LOCAL: bodies + 1 + pairs + 2 * joints if wanted else 0,
+        Per.SPAN: bodies + 3 if wanted else 0,
         Per.SLEEPER: bodies + 1 if options.sleeping else 0,
         Per.RESTING_PAIR: rests,
         Per.RESTING_POINT: 4 * rests,

@@ -128,7 +128,8 @@ def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float
     Returns: the number of rows, equality rows included.
     """
     r = first
-    for j in range(joints.joint.shape[0]):
+    for rank in range(len(joints.order)):
+        j = joints.order[rank, 0]
         has = joints.kind[j, at.HAS]
         if has != 0:
             r = rows_of_joint(state, joints, j, has, rows, r, h)
@@ -139,7 +140,8 @@ def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float
 def implicit_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float) -> int:
     """As `bounded_rows`, of limits and of those springs and drives alone that are marked as implicit."""
     r = first
-    for j in range(joints.joint.shape[0]):
+    for rank in range(len(joints.order)):
+        j = joints.order[rank, 0]
         has = joints.kind[j, at.HAS] & (joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS)
         if has != 0:
             r = rows_of_joint(state, joints, j, has, rows, r, h)

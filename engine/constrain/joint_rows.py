@@ -74,7 +74,8 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
     r = 0
     joint = joints.joint
     zero = (0.0, 0.0, 0.0)
-    for j in range(joint.shape[0]):
+    for rank in range(len(joints.order)):
+        j = joints.order[rank, 0]
         kind, a, b = joints.kind[j, at.JOINT_TYPE], joints.kind[j, at.PARENT], joints.kind[j, at.CHILD]
         ra, rb, d = anchors(state, joint, j, a, b)
         turn_a, turn_b = quat_mat(load4(state, a, at.Q)), quat_mat(load4(state, b, at.Q))

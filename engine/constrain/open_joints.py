@@ -80,9 +80,10 @@ def widest_joint(floats: Floats, ints: Ints, state: Floats, share: float, moving
     rows = Rows(every.row[spare:], every.body[spare:], every.reach, every.matrix, every.factor, every.vector)
     h = setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS]
     widest, furthest, gap = -1, 1.0, 0.0
-    for j in range(joint.shape[0]):
+    for rank in range(len(joints.order)):
+        j = joints.order[rank, 0]
         a, b = kind[j, at.PARENT], kind[j, at.CHILD]
-        n = equality_rows(state, Joints(joint[j : j + 1], kind[j : j + 1]), rows)
+        n = equality_rows(state, Joints(joint, kind, joints.order[rank : rank + 1]), rows)
         ra, rb, d = anchors(state, joint, j, a, b)
         wa, wb = norm(load3(state, a, at.W)), norm(load3(state, b, at.W))
         way = h * (norm(load3(state, a, at.V)) + norm(load3(state, b, at.V)) + wa * norm(ra) + wb * norm(rb))

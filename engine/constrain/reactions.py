@@ -15,7 +15,8 @@ ANGULAR_B = at.JACOBIAN + 9
 @kernel
 def clear_reactions(joints: Joints) -> None:
     """Begin a step in which no joint has carried anything yet."""
-    for j in range(joints.joint.shape[0]):
+    for rank in range(len(joints.order)):
+        j = joints.order[rank, 0]
         for c in range(at.REACTION, at.REACTION + 6):
             joints.joint[j, c] = 0.0
 

@@ -20,13 +20,12 @@ from plumbline.engine.narrow.point import Points
 
 
 @kernel
-def keep_contacts(
-    state: Floats, body: Floats, kind: Ints, rest: Floats, setting: Floats, count: Ints, key: Ints, point: Floats
-) -> bool:
+def keep_contacts(floats: Floats, ints: Ints) -> bool:
     """Keep the contacts of the last step for this one, where all bodies are still. Returns: whether they are."""
-    if not mark_still(state, body, kind, rest, count[0, at.BODIES], setting[0, at.DT], setting[0, at.MARGIN]):
+    bodies, count, rest = bodies_of(floats, ints), ints_of(ints, at.COUNT), floats_of(floats, ints, at.REST)
+    if not mark_still(bodies, rest, floats_of(floats, ints, at.SETTING), count[0, at.BODIES]):
         return False
-    start_anew(state, 0, count[0, at.MANIFOLDS], key, point)
+    start_anew(bodies.state, contacts_of(floats, ints), 0, count[0, at.MANIFOLDS])
     count[0, at.NEW] = 0
     return True
 
@@ -42,7 +41,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     pairs, new, old = pairs_of(floats, ints), contacts_of(floats, ints), old_contacts_of(floats, ints)
     bounds, rest = floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.REST)
     state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
-    mark_still(state, bodies.body, kind, rest, count[0, at.BODIES], setting[0, at.DT], setting[0, at.MARGIN])
+    mark_still(bodies, rest, setting, count[0, at.BODIES])
     if count[0, at.BROAD] == 0:
         place_shapes(floats, ints)
         count[0, at.PAIRS] = brute_force(
@@ -61,4 +60,6 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     out = Points(new.point, new.point_key, floats_of(floats, ints, at.CLIP), ints_of(ints, at.CLIP_KEY))
     build_manifolds(bodies, shapes, rules, pairs, new, old, out)
     keep_rest(state, kind, rest, count[0, at.BODIES])
+    for m in range(count[0, at.MANIFOLDS]):
+        new.order[m, 0] = m
     return DONE

@@ -97,7 +97,7 @@ def build_manifolds(
         i, j, m = shape_kind[a, at.OWNER], shape_kind[b, at.OWNER], last_manifold(old, a, b)
         if m >= 0 and kind[i, at.STILL] == 1 and kind[j, at.STILL] == 1:
             take_over(new, row, old, m)
-            start_anew(state, row, row + 1, new.key, new.point)
+            start_anew(state, new, row, row + 1)
             kind[i, at.TOUCHED] = 1
             kind[j, at.TOUCHED] = 1
             row += 1

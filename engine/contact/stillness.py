@@ -12,6 +12,7 @@ from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Ints, load3, load4, store3, store4
 from plumbline.engine.maths.vec import norm, sub
 from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
 
 SHARE = 0.01
 """Share of the margin, or of the body's own extent where that is less [1], by which a still body may have moved.
@@ -21,13 +22,13 @@ Far less than the margin, by which contacts are made ahead: no pair that was too
 
 
 @kernel
-def mark_still(state: Floats, body: Floats, kind: Ints, rest: Floats, bodies: int, dt: float, margin: float) -> bool:
+def mark_still(bodies: Bodies, rest: Floats, setting: Floats, count: int) -> bool:
     """Mark the bodies of which no point moved further than the tolerance since `keep_rest`, nor will in this step.
 
     Returns: whether all are still.
     """
-    every = True
-    for b in range(bodies):
+    state, body, kind, every = bodies.state, bodies.body, bodies.kind, True
+    for b in range(count):
         if kind[b, at.MOTION] == at.STATIC:
             kind[b, at.STILL] = 1
             continue
@@ -37,8 +38,8 @@ def mark_still(state: Floats, body: Floats, kind: Ints, rest: Floats, bodies: in
             apart = state[b, at.Q + c] - rest[b, 3 + c]
             turned += apart * apart
         way = norm(sub(load3(state, b, at.P), load3(rest, b, 0))) + 2.0 * extent * math.sqrt(turned)
-        way += dt * (norm(load3(state, b, at.V)) + extent * norm(load3(state, b, at.W)))
-        kind[b, at.STILL] = 1 if way < SHARE * min(margin, extent) else 0
+        way += setting[0, at.DT] * (norm(load3(state, b, at.V)) + extent * norm(load3(state, b, at.W)))
+        kind[b, at.STILL] = 1 if way < SHARE * min(setting[0, at.MARGIN], extent) else 0
         every = every and kind[b, at.STILL] == 1
     return every
 

@@ -68,20 +68,28 @@ def matching_point(new: Contacts, i: int, old: OldContacts, m: int, near: float)
 @kernel
 def take_over(new: Contacts, row: int, old: OldContacts, m: int) -> None:
     """Take old manifold m over as it was."""
-    for c in range(old.manifold.shape[1]):
-        new.manifold[row, c] = old.manifold[m, c]
-    for c in range(old.key.shape[1]):
-        new.key[row, c] = old.key[m, c]
-    for k in range(old.key[m, at.POINTS]):
-        for c in range(old.point.shape[1]):
-            new.point[4 * row + k, c] = old.point[4 * m + k, c]
-        new.point_key[4 * row + k, 0] = old.point_key[4 * m + k, 0]
+    copy_contact(Contacts(old.manifold, old.point, old.key, old.point_key, new.order), m, new, row)
     old.key[m, at.POINTS] = 0
 
 
 @kernel
-def start_anew(state: Floats, first: int, end: int, key: Ints, point: Floats) -> None:
+def copy_contact(contacts: Contacts, m: int, target: Contacts, to: int) -> None:
+    """Copy manifold m with its points to row `to` of other tables, or of the same."""
+    for c in range(target.manifold.shape[1]):
+        target.manifold[to, c] = contacts.manifold[m, c]
+    for c in range(target.key.shape[1]):
+        target.key[to, c] = contacts.key[m, c]
+    for k in range(contacts.key[m, at.POINTS]):
+        for c in range(target.point.shape[1]):
+            target.point[4 * to + k, c] = contacts.point[4 * m + k, c]
+        for c in range(target.point_key.shape[1]):
+            target.point_key[4 * to + k, c] = contacts.point_key[4 * m + k, c]
+
+
+@kernel
+def start_anew(state: Floats, contacts: Contacts, first: int, end: int) -> None:
     """Begin a step with the manifolds first..end - 1 as they are; `refresh` has put their points where the bodies are now."""
+    point, key = contacts.point, contacts.key
     for m in range(first, end):
         pa = load3(state, key[m, at.BODY_A], at.P)
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):

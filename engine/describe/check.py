@@ -54,6 +54,14 @@ def not_negative(element: str, field: str, value: float, unit: str) -> float:
     return float(value)
 
 
+def direction(element: str, field: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The vector (3,). Raises: ValueError if it has no direction."""
+    array = finite(element, field, value, (3,), "1")
+    if float(norm(array)) < 1e-12:
+        raise ValueError(f"{element}: {field} {tuple(value)}, expected a direction")
+    return array
+
+
 def unit_quaternion(element: str, field: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """The quaternion divided by its length. Raises: ValueError if it is zero or not finite."""
     array = finite(element, field, value, (4,), "1")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plumbline.engine.describe.check import finite, not_negative, number
+from plumbline.engine.describe.check import direction, finite, not_negative, number
 from plumbline.engine.maths.arrays import norm
 
 WORLD = "world"
@@ -159,15 +159,9 @@ def _check_coordinate(joint: Revolute | Prismatic) -> None:
     """Raises: ValueError if a number of a joint with one coordinate is none, or out of its range."""
     label = f"joint '{joint.name}'"
     finite(label, "anchor_W", joint.anchor_W, (3,), "m")
-    _axis(joint.name, joint.axis_W)
+    direction(label, "axis_W", joint.axis_W)
     finite(label, "position", joint.position, (), "rad or m")
     not_negative(label, "armature", joint.armature, "kg m2 or kg")
     not_negative(label, "friction_loss", joint.friction_loss, "N m or N")
     if not number(label, "speed_limit", joint.speed_limit) > 0:
         raise ValueError(f"{label}: speed_limit {joint.speed_limit}, expected above 0")
-
-
-def _axis(name: str, axis_W: Sequence[float]) -> None:
-    """Raises: ValueError if the axis is not a direction."""
-    if float(norm(finite(f"joint '{name}'", "axis_W", axis_W, (3,), "1"))) < 1e-12:
-        raise ValueError(f"joint '{name}': axis_W {tuple(axis_W)}, expected a direction")

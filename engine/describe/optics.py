@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plumbline.engine.describe.check import finite, not_negative, number
-from plumbline.engine.maths.arrays import norm
+from plumbline.engine.describe.check import direction, finite, not_negative, number
 
 
 def _share(label: str, field: str, value: float) -> None:
@@ -51,8 +50,6 @@ class Sun:
     sky: float = 0.5
 
     def __post_init__(self) -> None:
-        towards = finite("sun", "towards_W", self.towards_W, (3,), "1")
-        if float(norm(towards)) < 1e-12:
-            raise ValueError(f"sun: towards_W {tuple(self.towards_W)}, expected a direction")
+        direction("sun", "towards_W", self.towards_W)
         not_negative("sun", "irradiance", self.irradiance, "")
         not_negative("sun", "sky", self.sky, "")

@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 
-from plumbline.engine.describe.check import finite, positive
+from plumbline.engine.describe.check import direction, finite, positive
 from plumbline.engine.maths.arrays import norm
 
 FLAT = 1e-12
@@ -78,9 +78,7 @@ class Plane:
     normal: Sequence[float] = (0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:
-        finite("plane", "normal", self.normal, (3,), "1")
-        if float(norm(np.asarray(self.normal, float))) < 1e-12:
-            raise ValueError(f"plane: normal {tuple(self.normal)}, expected a direction")
+        direction("plane", "normal", self.normal)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,10 +17,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from plumbline.engine.compile.jit import entry, kernel
-from plumbline.engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
+from plumbline.engine.integrate.free_body import Law, from_principal, is_pushed, law_of, spin_rates, to_principal
 from plumbline.engine.integrate.free_steps import advance_free
 from plumbline.engine.maths.elementary import fifth_root
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.rows import Floats, Ints, load3, load4, store3, store4
 from plumbline.engine.maths.vec import axpy
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies
@@ -48,21 +48,6 @@ LENGTH: Final = 13
 MOST_TRIALS = 100_000
 
 
-class Law(NamedTuple):
-    """What moves a body, with the letters of the other integrators.
-
-    Terms: a [m/s2], c [1/s]: acceleration and damping; moments [kg m2], tau [N m], d [1/s]: of inertia, torque and damping of
-    its spin; gyroscopic: 1 where the gyroscopic effect is on.
-    """
-
-    a: Vec
-    c: float
-    moments: Vec
-    tau: Vec
-    d: float
-    gyroscopic: int
-
-
 class Trial(NamedTuple):
     """What a trial step works on, LENGTH columns each: y (1 row), the new y (1 row), and the rates k (STAGES rows)."""
 
@@ -75,7 +60,7 @@ class Trial(NamedTuple):
 def rates(y: Floats, k: Floats, i: int, law: Law) -> None:
     """Write f(y) into row i of k: p' = v, v' = a - c v, and the rates of the spin."""
     v = load3(y, 0, Y_V)
-    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), law.moments, law.tau, law.d, law.gyroscopic)
+    q1, m1 = spin_rates(load4(y, 0, Y_Q), load3(y, 0, Y_M), law)
     store3(k, i, Y_P, v)
     store3(k, i, Y_V, axpy(-law.c, v, law.a))
     store4(k, i, Y_Q, q1)
@@ -103,12 +88,10 @@ def dormand_prince(
     bodies: Bodies, principal: Floats, setting: Floats, b: int, end: float, gyroscopic: int, trial: Trial
 ) -> bool:
     """Advance body b by `end` seconds in as many steps as its tolerance asks for. Returns: whether they sufficed."""
-    state, body, load = bodies.state, bodies.body, bodies.load
+    state = bodies.state
     if not is_pushed(state, bodies.kind, b, end):
         return True
-    a = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY))
-    tau, d, moments = load3(load, b, 3), body[b, at.ANGULAR_DAMPING], load3(principal, b, at.MOMENTS)
-    law = Law(a, body[b, at.LINEAR_DAMPING], moments, tau, d, gyroscopic)
+    law = law_of(bodies, principal, setting, b, gyroscopic)
     y, new, k = trial.y, trial.new, trial.k
     tolerance = setting[0, at.STEP_TOLERANCE]
     q, m = to_principal(state, principal, b)

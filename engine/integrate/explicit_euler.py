@@ -7,7 +7,7 @@ Equations I, section I.7.
 """
 
 from plumbline.engine.compile.jit import entry, kernel
-from plumbline.engine.integrate.free_body import from_principal, is_pushed, spin_rates, to_principal
+from plumbline.engine.integrate.free_body import from_principal, is_pushed, law_of, spin_rates, to_principal
 from plumbline.engine.integrate.free_steps import advance_free
 from plumbline.engine.integrate.runge_kutta import quat_axpy
 from plumbline.engine.maths.rows import Floats, Ints, load3, store3
@@ -19,14 +19,14 @@ from plumbline.engine.memory.tables import Bodies
 @kernel
 def explicit_euler(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int) -> bool:
     """Advance body b by h. Returns: True."""
-    state, body, load = bodies.state, bodies.body, bodies.load
+    state = bodies.state
     if not is_pushed(state, bodies.kind, b, h):
         return True
-    v, a = load3(state, b, at.V), axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY))
+    law, v = law_of(bodies, principal, setting, b, gyroscopic), load3(state, b, at.V)
     store3(state, b, at.P, axpy(h, v, load3(state, b, at.P)))
-    store3(state, b, at.V, axpy(h, axpy(-body[b, at.LINEAR_DAMPING], v, a), v))
+    store3(state, b, at.V, axpy(h, axpy(-law.c, v, law.a), v))
     q, m = to_principal(state, principal, b)
-    q1, m1 = spin_rates(q, m, load3(principal, b, at.MOMENTS), load3(load, b, 3), body[b, at.ANGULAR_DAMPING], gyroscopic)
+    q1, m1 = spin_rates(q, m, law)
     from_principal(state, principal, b, quat_axpy(h, q1, q), axpy(h, m1, m))
     return True
 

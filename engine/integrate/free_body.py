@@ -8,6 +8,7 @@ Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Eule
 """
 
 import math
+from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.elementary import cos_sin, exp, expm1
@@ -27,6 +28,30 @@ from plumbline.engine.maths.vec import (
     tmat_vec,
 )
 from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Bodies
+
+
+class Law(NamedTuple):
+    """What moves a body.
+
+    Terms: a [m/s2], c [1/s]: acceleration and damping; moments [kg m2], tau [N m], d [1/s]: of inertia, torque and damping of
+    its spin; gyroscopic: 1 where the gyroscopic effect is on.
+    """
+
+    a: Vec
+    c: float
+    moments: Vec
+    tau: Vec
+    d: float
+    gyroscopic: int
+
+
+@kernel
+def law_of(bodies: Bodies, principal: Floats, setting: Floats, b: int, gyroscopic: int) -> Law:
+    """The law of body b."""
+    a = axpy(bodies.body[b, at.INV_MASS], load3(bodies.load, b, 0), load3(setting, 0, at.GRAVITY))
+    c, d = bodies.body[b, at.LINEAR_DAMPING], bodies.body[b, at.ANGULAR_DAMPING]
+    return Law(a, c, load3(principal, b, at.MOMENTS), load3(bodies.load, b, 3), d, gyroscopic)
 
 
 @kernel
@@ -82,11 +107,11 @@ def turned_by(q: Quat, w: Vec, h: float) -> Quat:
 
 
 @kernel
-def spin_rates(q: Quat, m: Vec, moments: Vec, tau: Vec, d: float, gyroscopic: int) -> tuple[Quat, Vec]:
-    """q' and m' under the torque tau [N m] in W and angular damping d [1/s]."""
-    w = velocities_of(m, moments)
-    slope = axpy(-d, m, tmat_vec(quat_mat(q), tau))
-    if gyroscopic == 1:
+def spin_rates(q: Quat, m: Vec, law: Law) -> tuple[Quat, Vec]:
+    """q' and m'."""
+    w = velocities_of(m, law.moments)
+    slope = axpy(-law.d, m, tmat_vec(quat_mat(q), law.tau))
+    if law.gyroscopic == 1:
         slope = add(slope, cross(m, w))
     return quat_mul(q, (0.0, 0.5 * w[0], 0.5 * w[1], 0.5 * w[2])), slope
 
@@ -104,6 +129,6 @@ def kicked_velocity(v: Vec, a: Vec, c: float, h: float) -> Vec:
 
 
 @kernel
-def kicked_spin(q: Quat, m: Vec, tau: Vec, d: float, h: float) -> Vec:
+def kicked_spin(q: Quat, m: Vec, law: Law, h: float) -> Vec:
     """The exact solution of m' = R^T tau - d m after h seconds at a fixed orientation."""
-    return axpy(damped_time(d, h), tmat_vec(quat_mat(q), tau), scale(exp(-d * h), m))
+    return axpy(damped_time(law.d, h), tmat_vec(quat_mat(q), law.tau), scale(exp(-law.d * h), m))

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from typing import Any
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.integrate.finite_state import is_finite
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
 from plumbline.engine.memory.tables import bodies_of
+from plumbline.engine.steps.count_step import count_step
 
 
 @kernel
@@ -29,8 +29,7 @@ def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., 
             for b in range(count[0, at.BODIES]):
                 if not advance(bodies, principal, setting, b, h, gyroscopic, *room):
                     advanced = False
-        count[0, at.STEPS] += 1
-        if not is_finite(bodies.state, count[0, at.BODIES]):
+        if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED
         if not advanced:
             return step + 1, UNSOLVED

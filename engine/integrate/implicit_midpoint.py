@@ -3,7 +3,7 @@
     solve x = m + (h/2) x x (x / I) for the momentum x at the middle,  m <- 2 x - m,  q <- q cay(h x / I)
 
 The first conserves every quadratic invariant, so the energy and |L|; the Cayley map makes R m constant in the world. Loads and
-damping are half kicks before and after, so that the whole is symmetric and of second order.
+damping are half kicks before and after (`composition`), so that the whole is symmetric and of second order.
 
 Source: Austin, Krishnaprasad, Wang, J. Comput. Phys. 107 (1993) 105; Lewis, Simo, J. Nonlinear Sci. 4 (1994) 253.
 """
@@ -11,19 +11,11 @@ Source: Austin, Krishnaprasad, Wang, J. Comput. Phys. 107 (1993) 105; Lewis, Sim
 import math
 
 from plumbline.engine.compile.jit import entry, kernel
-from plumbline.engine.integrate.free_body import (
-    from_principal,
-    is_pushed,
-    kicked_spin,
-    kicked_velocity,
-    to_principal,
-    turned_by,
-    velocities_of,
-)
+from plumbline.engine.integrate.composition import ONE_STEP, compose
+from plumbline.engine.integrate.free_body import velocities_of
 from plumbline.engine.integrate.free_steps import advance_free
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
+from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec
 from plumbline.engine.maths.vec import axpy, cross, dot, norm, quat_mul, scale, sub
-from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies
 
 MOST_ITERATIONS = 50
@@ -54,30 +46,22 @@ def middle_momentum(m: Vec, moments: Vec, h: float) -> tuple[Vec, bool]:
 
 
 @kernel
+def midpoint_rotor(q: Quat, m: Vec, moments: Vec, weights: Floats, h: float) -> tuple[Quat, Vec, bool]:
+    """Steps without load. Args, Returns: as of `composition.Rotor`."""
+    every = True
+    for k in range(len(weights)):
+        x, solved = middle_momentum(m, moments, weights[k] * h)
+        half = scale(0.5 * weights[k] * h, velocities_of(x, moments))
+        s = 1.0 / math.sqrt(1.0 + dot(half, half))
+        q, m = quat_mul(q, (s, s * half[0], s * half[1], s * half[2])), axpy(2.0, x, scale(-1.0, m))
+        every = every and solved
+    return q, m, every
+
+
+@kernel
 def implicit_midpoint(bodies: Bodies, principal: Floats, setting: Floats, b: int, h: float, gyroscopic: int) -> bool:
     """Advance body b by h. Returns: whether the equation of the step was solved."""
-    state, body, load = bodies.state, bodies.body, bodies.load
-    if not is_pushed(state, bodies.kind, b, h):
-        return True
-    a, c = axpy(body[b, at.INV_MASS], load3(load, b, 0), load3(setting, 0, at.GRAVITY)), body[b, at.LINEAR_DAMPING]
-    v = kicked_velocity(load3(state, b, at.V), a, c, 0.5 * h)
-    store3(state, b, at.P, axpy(h, v, load3(state, b, at.P)))
-    store3(state, b, at.V, kicked_velocity(v, a, c, 0.5 * h))
-
-    tau, d, moments = load3(load, b, 3), body[b, at.ANGULAR_DAMPING], load3(principal, b, at.MOMENTS)
-    q, m = to_principal(state, principal, b)
-    m = kicked_spin(q, m, tau, d, 0.5 * h)
-    solved = True
-    if gyroscopic == 1:
-        x, solved = middle_momentum(m, moments, h)
-        half = scale(0.5 * h, velocities_of(x, moments))
-        s = 1.0 / math.sqrt(1.0 + dot(half, half))
-        q = quat_mul(q, (s, s * half[0], s * half[1], s * half[2]))
-        m = axpy(2.0, x, scale(-1.0, m))
-    else:
-        q = turned_by(q, velocities_of(m, moments), h)
-    from_principal(state, principal, b, q, kicked_spin(q, m, tau, d, 0.5 * h))
-    return solved
+    return compose(bodies, principal, setting, b, h, gyroscopic, ONE_STEP, midpoint_rotor)
 
 
 @entry

@@ -39,6 +39,14 @@ def spin_rate(q: Quat, inverse: Sym, momentum: Vec) -> Vec:
 
 
 @kernel
+def spin_slopes(q: Quat, m: Vec, inverse: Sym, tau: Vec, d: float, gyroscopic: int) -> tuple[Quat, Vec]:
+    """q' and m', m being L; without the gyroscopic effect it is w, which then stays where nothing turns the body."""
+    if gyroscopic == 1:
+        return quat_rate(q, spin_rate(q, inverse, m)), axpy(-d, m, tau)
+    return quat_rate(q, m), axpy(-d, m, spin_rate(q, inverse, tau))
+
+
+@kernel
 def runge_kutta_free(bodies: Bodies, setting: Floats, b: int, dt: float, gyroscopic: int) -> None:
     """Advance body b by dt."""
     state, body, kind, load = bodies.state, bodies.body, bodies.kind, bodies.load
@@ -66,28 +74,13 @@ def runge_kutta_free(bodies: Bodies, setting: Floats, b: int, dt: float, gyrosco
         store4(state, b, at.Q, quat_turn(q, w, dt))
     else:
         inverse = load6(body, b, at.INV_INERTIA)
-        if gyroscopic == 1:
-            m = angular_momentum(state, body, b)
-            m1, q1 = axpy(-d, m, tau), quat_rate(q, w)
-            ma, qa = axpy(0.5 * dt, m1, m), quat_axpy(0.5 * dt, q1, q)
-            m2, q2 = axpy(-d, ma, tau), quat_rate(qa, spin_rate(qa, inverse, ma))
-            mb, qb = axpy(0.5 * dt, m2, m), quat_axpy(0.5 * dt, q2, q)
-            m3, q3 = axpy(-d, mb, tau), quat_rate(qb, spin_rate(qb, inverse, mb))
-            mc, qc = axpy(dt, m3, m), quat_axpy(dt, q3, q)
-            m4, q4 = axpy(-d, mc, tau), quat_rate(qc, spin_rate(qc, inverse, mc))
-            m = axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), m)
-            q = quat_unit(quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q))
-            store4(state, b, at.Q, q)
-            store3(state, b, at.W, spin_rate(q, inverse, m))
-        else:
-            m1, q1 = axpy(-d, w, spin_rate(q, inverse, tau)), quat_rate(q, w)
-            wa, qa = axpy(0.5 * dt, m1, w), quat_axpy(0.5 * dt, q1, q)
-            m2, q2 = axpy(-d, wa, spin_rate(qa, inverse, tau)), quat_rate(qa, wa)
-            wb, qb = axpy(0.5 * dt, m2, w), quat_axpy(0.5 * dt, q2, q)
-            m3, q3 = axpy(-d, wb, spin_rate(qb, inverse, tau)), quat_rate(qb, wb)
-            wc, qc = axpy(dt, m3, w), quat_axpy(dt, q3, q)
-            m4, q4 = axpy(-d, wc, spin_rate(qc, inverse, tau)), quat_rate(qc, wc)
-            store3(state, b, at.W, axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), w))
-            q = quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q)
-            store4(state, b, at.Q, quat_unit(q))
+        m = angular_momentum(state, body, b) if gyroscopic == 1 else w
+        q1, (_, m1) = quat_rate(q, w), spin_slopes(q, m, inverse, tau, d, gyroscopic)
+        q2, m2 = spin_slopes(quat_axpy(0.5 * dt, q1, q), axpy(0.5 * dt, m1, m), inverse, tau, d, gyroscopic)
+        q3, m3 = spin_slopes(quat_axpy(0.5 * dt, q2, q), axpy(0.5 * dt, m2, m), inverse, tau, d, gyroscopic)
+        q4, m4 = spin_slopes(quat_axpy(dt, q3, q), axpy(dt, m3, m), inverse, tau, d, gyroscopic)
+        m = axpy(dt / 6.0, add(add(m1, m4), scale(2.0, add(m2, m3))), m)
+        q = quat_unit(quat_axpy(dt / 6.0, weighted(q1, q2, q3, q4), q))
+        store4(state, b, at.Q, q)
+        store3(state, b, at.W, spin_rate(q, inverse, m) if gyroscopic == 1 else m)
     turn_inertia(state, body, bodies.turned, b)

@@ -16,43 +16,25 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import ints_of
 
 
-class Islands(NamedTuple):
-    """What is known of islands: their bodies' forest and numbers, where each begins, and the bodies of its rows of memory."""
-
-    island: Ints
-    span: Ints
-    owner: Ints
-
-
 class Links(NamedTuple):
-    """Contacts, or joints: the two bodies of each; their order by islands (k, 1); and in it their bodies' rows.
-
-    Terms: first: the column of the first of two bodies, and of their rows.
-    """
+    """Contacts, or joints: the two bodies of each, the first of them in column `first`; and their order by islands (k, 1)."""
 
     bodies: Ints
     order: Ints
-    rows: Ints
     first: int
 
 
 @kernel
-def islands_of(ints: Ints) -> Islands:
-    """The tables of the islands of an arena."""
-    return Islands(ints_of(ints, at.ISLAND), ints_of(ints, at.SPAN_OF_ISLAND), ints_of(ints, at.LOCAL_OWNER))
-
-
-@kernel
 def linked_by_contacts(ints: Ints) -> Links:
-    """The contacts of this step; the last step's table, which is done with, takes their rows."""
-    n = ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
-    return Links(ints_of(ints, at.MANIFOLD_KEY)[:n], ints_of(ints, at.GROUPED), ints_of(ints, at.OLD_KEY)[:n], at.BODY_A)
+    """The contacts of this step."""
+    key = ints_of(ints, at.MANIFOLD_KEY)[: ints_of(ints, at.COUNT)[0, at.MANIFOLDS]]
+    return Links(key, ints_of(ints, at.MANIFOLD_ORDER), at.BODY_A)
 
 
 @kernel
 def linked_by_joints(ints: Ints) -> Links:
     """The joints."""
-    return Links(ints_of(ints, at.JOINT_KIND), ints_of(ints, at.GROUPED_JOINT), ints_of(ints, at.LOCAL_JOINT_KIND), at.PARENT)
+    return Links(ints_of(ints, at.JOINT_KIND), ints_of(ints, at.JOINT_ORDER), at.PARENT)
 
 
 @kernel
@@ -101,96 +83,55 @@ def number_islands(island: Ints, kind: Ints, bodies: int) -> int:
 
 
 @kernel
-def island_of(island: Ints, a: int, b: int) -> int:
-    """The number of the island of a contact or joint between a and b; -1 where neither is dynamic."""
-    return int(max(island[a, at.NUMBER], island[b, at.NUMBER]))
+def begin_ranges(span: Ints, islands: int, first: int) -> None:
+    """From how many of each island, in the row behind it, to where its range begins. Args: first: the column for that."""
+    for i in range(islands):
+        span[i + 1, first] += span[i, first]
+        span[i, at.NEXT_FREE] = span[i, first]
 
 
 @kernel
-def group_bodies(island: Ints, kind: Ints, bodies: int, span: Ints, islands: int) -> None:
-    """List the touched bodies of every island in MEMBER, in ascending order (counting sort)."""
+def put_next(order: Ints, span: Ints, i: int, what: int) -> None:
+    """Put a number behind those that the range of island i has."""
+    order[span[i, at.NEXT_FREE], 0] = what
+    span[i, at.NEXT_FREE] += 1
+
+
+@kernel
+def group_bodies(island: Ints, kind: Ints, order: Ints, span: Ints, islands: int) -> None:
+    """Order the touched bodies that move by islands, those of each ascending (counting sort)."""
     for i in range(islands + 1):
         span[i, at.FIRST_BODY] = 0
-    for b in range(bodies):
+    for b in range(len(island)):
         if island[b, at.NUMBER] >= 0 and kind[b, at.TOUCHED] == 1:
             span[island[b, at.NUMBER] + 1, at.FIRST_BODY] += 1
-    for i in range(islands):
-        span[i + 1, at.FIRST_BODY] += span[i, at.FIRST_BODY]
-        span[i, at.STAMP] = span[i, at.FIRST_BODY]
-    for b in range(bodies):
+    begin_ranges(span, islands, at.FIRST_BODY)
+    for b in range(len(island)):
         if island[b, at.NUMBER] >= 0 and kind[b, at.TOUCHED] == 1:
-            i = island[b, at.NUMBER]
-            island[span[i, at.STAMP], at.MEMBER] = b
-            span[i, at.STAMP] += 1
+            put_next(order, span, island[b, at.NUMBER], b)
 
 
 @kernel
-def group_links(islands: Islands, n: int, links: Links, first: int) -> None:
-    """List the links of each of n islands, in ascending order (counting sort).
+def island_of(island: Ints, links: Links, k: int, islands: int) -> int:
+    """The number of the island of link k; one more than the last where neither of its bodies moves."""
+    a, b = ends_of(links, k)
+    i = max(island[a, at.NUMBER], island[b, at.NUMBER])
+    return int(i if i >= 0 else islands)
 
-    Args: first: the column of `span` where each island's list begins.
+
+@kernel
+def group_links(island: Ints, span: Ints, islands: int, links: Links, first: int) -> None:
+    """Order the links by islands, those of each ascending and those of none behind (counting sort).
+
+    Args: first: the column of `span` where each island's range begins.
     """
-    island, span = islands.island, islands.span
-    for i in range(n + 1):
+    for i in range(islands + 2):
         span[i, first] = 0
-    for k in range(links.bodies.shape[0]):
-        a, b = ends_of(links, k)
-        i = island_of(island, a, b)
-        if i >= 0:
-            span[i + 1, first] += 1
-    for i in range(n):
-        span[i + 1, first] += span[i, first]
-        span[i, at.STAMP] = span[i, first]
-    for k in range(links.bodies.shape[0]):
-        a, b = ends_of(links, k)
-        i = island_of(island, a, b)
-        if i >= 0:
-            links.order[span[i, at.STAMP], 0] = k
-            span[i, at.STAMP] += 1
-
-
-@kernel
-def assign_row(islands: Islands, b: int, i: int, row: int) -> int:
-    """Give body b a row of island i, unless it has one. Returns: the next free row."""
-    island = islands.island
-    if island[b, at.STAMP] == i:
-        return row
-    island[b, at.STAMP], island[b, at.LOCAL] = i, row
-    islands.owner[row, 0] = b
-    return row + 1
-
-
-@kernel
-def assign_link(islands: Islands, links: Links, rank: int, i: int, row: int) -> int:
-    """Give the bodies of the link that is listed in rank `rank` of island i. Returns: the next free row."""
-    k, first = links.order[rank, 0], islands.span[i, at.FIRST_LOCAL]
-    for side in range(2):
-        b = links.bodies[k, links.first + side]
-        row = assign_row(islands, b, i, row)
-        links.rows[rank, links.first + side] = islands.island[b, at.LOCAL] - first
-    return row
-
-
-@kernel
-def assign_rows(islands: Islands, n: int, contacts: Links, joints: Links) -> None:
-    """Give the bodies of each of n islands rows beside each other, its own before the fixed ones that it leans on.
-
-    A fixed body has a row in each of its islands. The contacts and joints of the islands are written, grouped, with these rows
-    in the place of their bodies.
-    """
-    island, span = islands.island, islands.span
-    for b in range(island.shape[0]):
-        island[b, at.STAMP] = -1
-    row = 0
-    for i in range(n):
-        span[i, at.FIRST_LOCAL] = row
-        for rank in range(span[i, at.FIRST_BODY], span[i + 1, at.FIRST_BODY]):
-            row = assign_row(islands, island[rank, at.MEMBER], i, row)
-        for rank in range(span[i, at.FIRST_MANIFOLD], span[i + 1, at.FIRST_MANIFOLD]):
-            row = assign_link(islands, contacts, rank, i, row)
-        for rank in range(span[i, at.FIRST_JOINT], span[i + 1, at.FIRST_JOINT]):
-            row = assign_link(islands, joints, rank, i, row)
-    span[n, at.FIRST_LOCAL] = row
+    for k in range(len(links.bodies)):
+        span[island_of(island, links, k, islands) + 1, first] += 1
+    begin_ranges(span, islands + 1, first)
+    for k in range(len(links.bodies)):
+        put_next(links.order, span, island_of(island, links, k, islands), k)
 
 
 @kernel

@@ -17,6 +17,7 @@ Source: Catto, Box2D, 2007 (islands, sleep); Schmidl, Optimization-Based Animati
 import math
 
 from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.warm_starting import copy_contact
 from plumbline.engine.integrate.semi_implicit_euler import angular_momentum
 from plumbline.engine.maths.rows import Floats, Ints, load3, store3
 from plumbline.engine.maths.vec import dot
@@ -121,21 +122,8 @@ def resting_contacts_of(floats: Floats, ints: Ints) -> Contacts:
         floats_of(floats, ints, at.RESTING_POINT),
         ints_of(ints, at.RESTING_KEY),
         ints_of(ints, at.RESTING_POINT_KEY),
+        ints_of(ints, at.MANIFOLD_ORDER)[:0],
     )
-
-
-@kernel
-def copy_contact(contacts: Contacts, m: int, target: Contacts, to: int) -> None:
-    """Copy manifold m with its points to row `to` of other tables, or of the same."""
-    for c in range(target.manifold.shape[1]):
-        target.manifold[to, c] = contacts.manifold[m, c]
-    for c in range(target.key.shape[1]):
-        target.key[to, c] = contacts.key[m, c]
-    for k in range(contacts.key[m, at.POINTS]):
-        for c in range(target.point.shape[1]):
-            target.point[4 * to + k, c] = contacts.point[4 * m + k, c]
-        for c in range(target.point_key.shape[1]):
-            target.point_key[4 * to + k, c] = contacts.point_key[4 * m + k, c]
 
 
 @kernel

@@ -3,15 +3,12 @@
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
 from plumbline.engine.integrate.all_bodies import advance_untouched
-from plumbline.engine.integrate.finite_state import is_finite
 from plumbline.engine.integrate.semi_implicit_euler import drift
 from plumbline.engine.islands.islands import (
-    assign_rows,
     connect,
     ends_of,
     group_bodies,
     group_links,
-    islands_of,
     linked_by_contacts,
     linked_by_joints,
     number_islands,
@@ -23,6 +20,7 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
 from plumbline.engine.memory.tables import bodies_of
+from plumbline.engine.steps.count_step import count_step
 
 
 @kernel
@@ -44,11 +42,12 @@ def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
 @kernel
 def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
-    state, body, rest = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.BODY), floats_of(floats, ints, at.REST)
-    setting, point = floats_of(floats, ints, at.SETTING), floats_of(floats, ints, at.POINT)
-    kind, count, key = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT), ints_of(ints, at.MANIFOLD_KEY)
-    tally, sleeps = ints_of(ints, at.TALLY), floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0
-    searching = not keeping or not keep_contacts(state, body, kind, rest, setting, count, key, point)
+    count, tally, sleeps = (
+        ints_of(ints, at.COUNT),
+        ints_of(ints, at.TALLY),
+        floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0,
+    )
+    searching = not keeping or not keep_contacts(floats, ints)
     while True:
         if searching:
             if count[0, at.BROAD] == 1 and tally[0, at.SEARCHED] == 0:
@@ -86,21 +85,18 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
         if kind[joint_kind[j, at.PARENT], at.MOTION] == at.DYNAMIC or kind[joint_kind[j, at.CHILD], at.MOTION] == at.DYNAMIC:
             kind[joint_kind[j, at.PARENT], at.TOUCHED] = 1
             kind[joint_kind[j, at.CHILD], at.TOUCHED] = 1
-    advance_untouched(bodies, setting, count)
-    islands, contacts, joints = islands_of(ints), linked_by_contacts(ints), linked_by_joints(ints)
-    island, span = islands.island, islands.span
+    advance_untouched(bodies, setting, count, ints_of(ints, at.BODY_ORDER))
+    contacts, joints = linked_by_contacts(ints), linked_by_joints(ints)
+    island, span = ints_of(ints, at.ISLAND), ints_of(ints, at.SPAN_OF_ISLAND)
     start_islands(island, last + 1)
-    for m in range(contacts.bodies.shape[0]):
-        a, b = ends_of(contacts, m)
-        connect(island, kind, a, b)
-    for j in range(joints.bodies.shape[0]):
-        a, b = ends_of(joints, j)
-        connect(island, kind, a, b)
+    for links in (contacts, joints):
+        for k in range(len(links.bodies)):
+            a, b = ends_of(links, k)
+            connect(island, kind, a, b)
     n = number_islands(island, kind, last)
-    group_bodies(island, kind, last, span, n)
-    group_links(islands, n, contacts, at.FIRST_MANIFOLD)
-    group_links(islands, n, joints, at.FIRST_JOINT)
-    assign_rows(islands, n, contacts, joints)
+    group_bodies(island, kind, ints_of(ints, at.BODY_ORDER), span, n)
+    group_links(island, span, n, contacts, at.FIRST_MANIFOLD)
+    group_links(island, span, n, joints, at.FIRST_JOINT)
     manifold = floats_of(floats, ints, at.MANIFOLD)
     tally[0, at.ISLANDS], tally[0, at.ELASTIC] = n, 0
     for m in range(count[0, at.MANIFOLDS]):
@@ -128,21 +124,21 @@ def any_hit(ints: Ints) -> int:
 
 
 @kernel
-def end_islands(floats: Floats, ints: Ints) -> int:
-    """Move the kinematic bodies that islands lean on, count the step, and let calm islands sleep.
-
-    Returns: DONE, or DIVERGED, or FULL.
-    """
-    bodies, count, tally = bodies_of(floats, ints), ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
-    kind = bodies.kind
+def carry_kinematic(floats: Floats, ints: Ints) -> None:
+    """Move the kinematic bodies that islands lean on by a sub-step, before any of them is solved."""
+    bodies, count = bodies_of(floats, ints), ints_of(ints, at.COUNT)
     h = floats_of(floats, ints, at.SETTING)[0, at.DT] / count[0, at.SUBSTEPS]
     for b in range(count[0, at.BODIES]):
-        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.KINEMATIC:
-            for _ in range(count[0, at.SUBSTEPS]):
-                drift(bodies, b, h, count[0, at.GYROSCOPIC])
+        if bodies.kind[b, at.TOUCHED] == 1 and bodies.kind[b, at.MOTION] == at.KINEMATIC:
+            drift(bodies, b, h, count[0, at.GYROSCOPIC])
+
+
+@kernel
+def end_islands(floats: Floats, ints: Ints) -> int:
+    """Count the step, and let calm islands sleep. Returns: DONE, or DIVERGED, or FULL."""
+    count, tally = ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
     tally[0, at.AROUSED], tally[0, at.SEARCHED] = 0, 0
-    count[0, at.STEPS] += 1
-    if not is_finite(bodies.state, count[0, at.BODIES]):
+    if count_step(floats_of(floats, ints, at.STATE), count) == DIVERGED:
         return DIVERGED
     if floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] == 0.0:
         return DONE

@@ -26,7 +26,7 @@ WHOLE_STEP: Final = 10  # DT but while a swept step goes on in parts
 LAST_SPAN: Final = 11  # time that the impulses at hand belong to
 OPEN_GAP: Final = 12  # of the joint that a step found open [m or rad]
 
-COUNT: Final = int_columns(Per.WORLD, 18)
+COUNT: Final = int_columns(Per.WORLD, 19)
 BODIES, SHAPES, JOINTS, MANIFOLDS, OLD_MANIFOLDS = range(5)
 SUBSTEPS, ITERATIONS, RELAXATIONS, RUNGE_KUTTA, GYROSCOPIC, CONTINUOUS = range(5, 11)
 BROAD: Final = 11  # 0 brute force inside the step, 1 found before it
@@ -34,6 +34,7 @@ MATERIALS, EXCLUSIONS, STEPS = range(12, 15)
 NEW: Final = 15  # manifolds of this step that the last one did not have
 CONVEX_READY: Final = 16  # 1 where the convex narrow phase has answered the pairs of the coming step
 PAIRS: Final = 17  # pairs of the coming step in PAIR
+TOUCHED_BODIES: Final = 18  # in BODY_ORDER
 
 SURFACE: Final = float_columns(Per.LAW, 6)  # the law's five numbers first
 APART: Final = 5  # 1 where the materials never touch
@@ -65,6 +66,8 @@ MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
 STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
 STATIC, KINEMATIC, DYNAMIC = range(3)
+
+BODY_ORDER: Final = int_columns(Per.BODY, 1)  # the touched bodies, ascending, or island by island
 
 PRINCIPAL: Final = float_columns(Per.PRINCIPAL_BODY, 8)
 MOMENTS: Final = 0  # 3, ascending
@@ -134,6 +137,7 @@ FRICTION_LOSS: Final = 31
 REACTION: Final = 32  # 6: impulse and angular impulse on B about its anchor over the last step, in W
 SPEED_LIMIT: Final = 38  # of the coordinate's rate, both ways
 
+JOINT_ORDER: Final = int_columns(Per.JOINT, 1)  # joints as they stand, or island by island
 JOINT_KIND: Final = int_columns(Per.JOINT, 6)
 JOINT_TYPE, PARENT, CHILD = range(3)
 HAS: Final = 3  # bits: 1 limits, 2 spring, 4 drive, 8 armature, 16 dry friction, 32 a limit of speed
@@ -185,6 +189,7 @@ RIM_AXIS_A: Final = 55  # 3, in A: of the cylinder that has such a rim
 RIM_AXIS_B: Final = 58
 STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
+MANIFOLD_ORDER: Final = int_columns(Per.PAIR, 1)  # manifolds as they were found, or island by island
 MANIFOLD_KEY: Final = int_columns(Per.PAIR, 8)
 SHAPE_A, SHAPE_B, BODY_A, BODY_B, POINTS, SLIPS = range(6)
 LEADS: Final = 6  # 0 if the points move with A, 1 if with B
@@ -265,24 +270,20 @@ M_INV_MASS: Final = 6
 M_INV_INERTIA: Final = 7
 
 # Islands and sleep.
-ISLAND: Final = int_columns(Per.MEMBER, 8)
+ISLAND: Final = int_columns(Per.MEMBER, 5)
 ROOT: Final = 0  # parent in the forest of union-find
 NUMBER: Final = 1  # of the body's island, -1 for bodies that do not move
-MEMBER: Final = 2  # not of this body: the touched bodies, island by island
-STAMP: Final = 3  # scratch
-LOCAL: Final = 4  # row of the body in the island that was written last
-ASLEEP: Final = 5  # 0 awake, else 1 + the lowest body of the island that fell asleep together
-WAKES: Final = 6  # 1 at the lowest body of an island that is to wake
-RESTLESS: Final = 7  # 1 for a static or kinematic body that moves
+ASLEEP: Final = 2  # 0 awake, else 1 + the lowest body of the island that fell asleep together
+WAKES: Final = 3  # 1 at the lowest body of an island that is to wake
+RESTLESS: Final = 4  # 1 for a static or kinematic body that moves
 
-SPAN_OF_ISLAND: Final = int_columns(Per.SPAN, 10)  # and STAMP
-FIRST_BODY, FIRST_MANIFOLD, FIRST_JOINT = range(3)
-FIRST_LOCAL: Final = 4
-FIRST_ROW: Final = 5
-HIT: Final = 6  # 1 if a point is about to strike, or, once solved, a surface with restitution was struck
-UNEASY: Final = 7  # bodies that are not slow, or not for long
-ROWS: Final = 8
-EQUALITIES: Final = 9
+SPAN_OF_ISLAND: Final = int_columns(Per.SPAN, 9)
+FIRST_BODY, FIRST_MANIFOLD, FIRST_JOINT, FIRST_ROW = range(4)  # in the orders of bodies, manifolds and joints, and in ROW
+NEXT_FREE: Final = 4  # scratch: where the next of an order goes
+HIT: Final = 5  # 1 if a point is about to strike, or, once solved, a surface with restitution was struck
+UNEASY: Final = 6  # bodies that are not slow, or not for long
+ROWS: Final = 7
+EQUALITIES: Final = 8
 
 COLOURED: Final = int_columns(Per.COLOURED, 4)
 BAND: Final = 0  # of a pair, those of one colour numbered after each other
@@ -302,17 +303,6 @@ ANSWER: Final = float_columns(Per.ANSWERING_PAIR, 6)  # what a manifold gives in
 
 LAST_OF_SPHERE: Final = int_columns(Per.COLOURED_MOVER, 1)  # a contact of the last step
 
-GROUPED: Final = int_columns(Per.LINK, 1)  # manifolds, island by island
-GROUPED_JOINT: Final = int_columns(Per.TIE, 1)
-LOCAL_STATE: Final = float_columns(Per.LOCAL, 13)
-LOCAL_BODY: Final = float_columns(Per.LOCAL, 18)
-LOCAL_TURNED: Final = float_columns(Per.LOCAL, 6)
-LOCAL_LOAD: Final = float_columns(Per.LOCAL, 6)
-LOCAL_SUMS: Final = float_columns(Per.LOCAL, 13)  # as START in `share_loads`
-LOCAL_KIND: Final = int_columns(Per.LOCAL, 4)
-LOCAL_OWNER: Final = int_columns(Per.LOCAL, 1)  # body
-LOCAL_JOINT: Final = float_columns(Per.TIE, 40)
-LOCAL_JOINT_KIND: Final = int_columns(Per.TIE, 6)
 CALM: Final = float_columns(Per.SLEEPER, 1)  # for how long [s] a body has been slow
 REMEMBERED: Final = float_columns(Per.SLEEPER, 19)  # state and load of asleep and fixed bodies
 RESTING_MANIFOLD: Final = float_columns(Per.RESTING_PAIR, 61)  # contacts of asleep islands

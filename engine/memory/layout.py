@@ -27,7 +27,6 @@ class Per(Enum):
     MOVER = auto()  # bodies in a world of spheres alone, or no rows
     MEMBER = auto()  # bodies where islands are wanted, or no rows
     SPAN = auto()
-    TIE = auto()  # joints where islands are wanted, or no rows
     SLEEPER = auto()  # bodies where any may sleep, or no rows
     NEAR = auto()  # pairs whose bounds overlap
     PAIR = auto()
@@ -36,13 +35,11 @@ class Per(Enum):
     CONVEX_PAIR = auto()
     CONVEX_POINT = auto()
     TOUCH = auto()  # pairs in a world of spheres alone
-    LINK = auto()  # pairs where islands are wanted
     COLOURED = auto()  # pairs whose contacts are swept by colours, or no rows
     BAND = auto()  # bands of a world whose contacts are swept by colours, and one, or no rows
     BANDED_WORLD = auto()
     ANSWERING_PAIR = auto()  # pairs whose contacts are swept at once, or no rows
     COLOURED_MOVER = auto()  # bodies in such a world of spheres alone, or no rows
-    LOCAL = auto()  # the bodies of every island beside each other, fixed ones once for each island
     RESTING_PAIR = auto()
     RESTING_POINT = auto()
 
@@ -54,8 +51,8 @@ class Per(Enum):
 
 _GROWING = frozenset(
     {
-        Per.NEAR, Per.PAIR, Per.POINT, Per.OLD_POINT, Per.CONVEX_PAIR, Per.CONVEX_POINT, Per.TOUCH, Per.LINK,
-        Per.COLOURED, Per.ANSWERING_PAIR, Per.LOCAL, Per.RESTING_PAIR, Per.RESTING_POINT,
+        Per.NEAR, Per.PAIR, Per.POINT, Per.OLD_POINT, Per.CONVEX_PAIR, Per.CONVEX_POINT, Per.TOUCH,
+        Per.COLOURED, Per.ANSWERING_PAIR, Per.RESTING_PAIR, Per.RESTING_POINT,
     }
 )  # fmt: skip
 

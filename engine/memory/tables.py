@@ -19,12 +19,13 @@ class Bodies(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """Manifolds and their points, four rows of points a manifold."""
+    """Manifolds and their points, four rows of points a manifold; and in which order (k, 1) which of them are visited."""
 
     manifold: Floats
     point: Floats
     key: Ints
     point_key: Ints
+    order: Ints
 
 
 class Shapes(NamedTuple):
@@ -36,10 +37,11 @@ class Shapes(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """What is known of every joint: its constants and coordinate, and its kind with its bodies."""
+    """What is known of every joint: its constants and coordinate, its kind with its bodies; and, as of contacts, an order."""
 
     joint: Floats
     kind: Ints
+    order: Ints
 
 
 class Rows(NamedTuple):
@@ -77,7 +79,20 @@ def contacts_of(floats: Floats, ints: Ints) -> Contacts:
         floats_of(floats, ints, at.POINT),
         ints_of(ints, at.MANIFOLD_KEY),
         ints_of(ints, at.POINT_KEY),
+        ints_of(ints, at.MANIFOLD_ORDER),
     )
+
+
+@inlined
+def present_contacts(floats: Floats, ints: Ints) -> Contacts:
+    """The contacts of this step, once they are found."""
+    return some_contacts(contacts_of(floats, ints), 0, ints_of(ints, at.COUNT)[0, at.MANIFOLDS])
+
+
+@inlined
+def some_contacts(contacts: Contacts, first: int, end: int) -> Contacts:
+    """Those of ranks first..end - 1 alone."""
+    return Contacts(contacts.manifold, contacts.point, contacts.key, contacts.point_key, contacts.order[first:end])
 
 
 @inlined
@@ -89,7 +104,7 @@ def shapes_of(floats: Floats, ints: Ints) -> Shapes:
 @inlined
 def joints_of(floats: Floats, ints: Ints) -> Joints:
     """The tables of the joints of an arena."""
-    return Joints(floats_of(floats, ints, at.JOINT), ints_of(ints, at.JOINT_KIND))
+    return Joints(floats_of(floats, ints, at.JOINT), ints_of(ints, at.JOINT_KIND), ints_of(ints, at.JOINT_ORDER))
 
 
 @inlined

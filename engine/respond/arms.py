@@ -37,15 +37,16 @@ def spread(m: int, way: Vec, manifold: Floats, key: Ints, point: Floats) -> None
 
 
 @kernel
-def refresh(state: Floats, shapes: Shapes, contacts: Contacts, end: int, first: int = 0) -> None:
-    """Arms and separations of the points of the manifolds first..end - 1 at the present poses.
+def refresh(state: Floats, shapes: Shapes, contacts: Contacts) -> None:
+    """Arms and separations of the points of the manifolds at the present poses.
 
     A point goes with the corner or the round surface that makes it, while the other body slides under it; on the rim of a
     tilted cylinder it rolls on, or a disc on its edge would lose its tilt, in proportion to the time step; on an ellipsoid it
     stays the farthest along the normal. Both arms lead to one place, which keeps angular momentum.
     """
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for m in range(first, end):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         n = load3(manifold, m, at.NORMAL)
         pa, pb = load3(state, a, at.P), load3(state, b, at.P)

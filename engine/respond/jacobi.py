@@ -24,7 +24,7 @@ from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
 from plumbline.engine.maths.vec import add
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
+from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of, some_contacts
 from plumbline.engine.respond.arms import refresh
 from plumbline.engine.respond.centre import centre_of, give_impulse, relative_motion
 from plumbline.engine.respond.friction import roll
@@ -75,7 +75,7 @@ def answer_lane(floats: Floats, ints: Ints, aim: int, lane: int, lanes: int) -> 
     soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
     first, end = n * lane // lanes, n * (lane + 1) // lanes
     if aim == TURN:
-        refresh(bodies.state, shapes_of(floats, ints), contacts, end, first)
+        refresh(bodies.state, shapes_of(floats, ints), some_contacts(contacts, first, end))
         return
     for m in range(first, end):
         centre = centre_of(contacts.manifold, m)

@@ -7,11 +7,22 @@ from plumbline.engine.contact.colours import cut
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of
+from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of, some_contacts
 from plumbline.engine.respond.arms import refresh
 from plumbline.engine.respond.soft import sweep
 from plumbline.engine.respond.softness import PUSH, TURN, Softness, softness_of
 from plumbline.engine.respond.substep import warm_start
+
+
+@kernel
+def as_found(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts, soft: Softness, aim: int) -> None:
+    """Do what `aim` says to some contacts, in their order."""
+    if aim == PUSH:
+        warm_start(bodies, contacts)
+    elif aim == TURN:
+        refresh(bodies.state, shapes_of(floats, ints), contacts)
+    else:
+        sweep(bodies, contacts, soft, aim)
 
 
 @kernel
@@ -23,25 +34,8 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, colour: int, lane: int, lan
     bodies, contacts, bands = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, at.BANDS)
     setting = floats_of(floats, ints, at.SETTING)
     soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
-    first, end = cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes)
-    if aim == PUSH:
-        warm_start(bodies, contacts, end, first)
-    elif aim == TURN:
-        refresh(bodies.state, shapes_of(floats, ints), contacts, end, first)
-    else:
-        sweep(bodies, contacts, end, soft, aim, first)
-
-
-@kernel
-def as_found(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts, soft: Softness, aim: int) -> None:
-    """Do what `aim` says to all contacts, in rising rows."""
-    n = ints_of(ints, at.COUNT)[0, at.MANIFOLDS]
-    if aim == PUSH:
-        warm_start(bodies, contacts, n)
-    elif aim == TURN:
-        refresh(bodies.state, shapes_of(floats, ints), contacts, n)
-    else:
-        sweep(bodies, contacts, n, soft, aim)
+    lane_contacts = some_contacts(contacts, cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes))
+    as_found(floats, ints, bodies, lane_contacts, soft, aim)
 
 
 @template

@@ -9,6 +9,7 @@ from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Ints, Mat, Sym, Vec, load6, store6, store9
 from plumbline.engine.maths.vec import cross, mat_vec, sym_rotate
 from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Contacts
 from plumbline.engine.respond.centre import Centre
 from plumbline.engine.respond.pair import Pair
 
@@ -91,3 +92,18 @@ def write_stop(manifold: Floats, m: int, key: Ints, point: Floats) -> None:
         manifold, m, at.STOP_BLOCK, (one * stop[0], one * stop[1], one * stop[2], one * stop[3], one * stop[4], one * stop[5])
     )
     manifold[m, at.STOP_TURN] = 1.0 / square if spans else 0.0
+
+
+@kernel
+def write_masses(contacts: Contacts, m: int) -> None:
+    """The effective masses of manifold m and of its points, by its blocks."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    normals, tangents = load6(manifold, m, at.NORMAL_BLOCK), load6(manifold, m, at.TANGENT_BLOCK)
+    for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+        point[i, at.NORMAL_MASS], point[i, at.TANGENT_MASS] = effective_masses(
+            normals, tangents, point[i, at.SPREAD], point[i, at.SPREAD + 1]
+        )
+    write_stop(manifold, m, key, point)
+    if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
+        manifold[m, at.SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
+        manifold[m, at.SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)

@@ -1,13 +1,13 @@
 """A manifold at the start of a step: its frame, arms, material points and effective masses."""
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import load3, load4, load6, store3
+from plumbline.engine.maths.rows import load3, load4, store3
 from plumbline.engine.maths.vec import axpy, cross, mat_vec, perpendicular, quat_mat, scale, sub, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts, Shapes
 from plumbline.engine.respond.arms import spread
 from plumbline.engine.respond.centre import Centre, frame_of
-from plumbline.engine.respond.mobility import effective_masses, write_blocks, write_stop
+from plumbline.engine.respond.mobility import write_blocks, write_masses
 from plumbline.engine.respond.pair import Pair, pair_of
 from plumbline.engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
 from plumbline.engine.respond.rolling_rims import radius, rim_of, rolls_on
@@ -16,17 +16,8 @@ from plumbline.engine.respond.rolling_rims import radius, rim_of, rolls_on
 @kernel
 def weigh(contacts: Contacts, m: int, centre: Centre, pair: Pair) -> None:
     """Effective masses of manifold m between two bodies of the inverse masses of `pair`."""
-    manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    write_blocks(manifold, m, centre, pair)
-    normals, tangents = load6(manifold, m, at.NORMAL_BLOCK), load6(manifold, m, at.TANGENT_BLOCK)
-    for i in range(4 * m, 4 * m + key[m, at.POINTS]):
-        point[i, at.NORMAL_MASS], point[i, at.TANGENT_MASS] = effective_masses(
-            normals, tangents, point[i, at.SPREAD], point[i, at.SPREAD + 1]
-        )
-    write_stop(manifold, m, key, point)
-    if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
-        manifold[m, at.SPIN_MASS] = 1.0 / max(normals[1] + normals[2], 1e-300)
-        manifold[m, at.SPIN_MASS + 1] = 1.0 / max(tangents[2], 1e-300)
+    write_blocks(contacts.manifold, m, centre, pair)
+    write_masses(contacts, m)
 
 
 @kernel

@@ -67,15 +67,15 @@ def spin_impulse(manifold: Floats, m: int, n: Vec, w: Vec, total: float) -> Vec:
 
 
 @kernel
-def sweep_velocities(bodies: Bodies, contacts: Contacts, manifolds: int, h: float, aim: int, order: int) -> None:
+def sweep_velocities(bodies: Bodies, contacts: Contacts, h: float, aim: int, order: int) -> None:
     """One sweep over all manifolds: friction first, then the normals, which matter most.
 
     Args: aim: RELAX, or REBOUND to aim at the velocity after restitution where a point struck; then points that gave no impulse
     stay out, for what a rebound meets is a blow to come. order: FORWARDS or BACKWARDS.
     """
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for turn in range(manifolds):
-        m = manifolds - 1 - turn if order == BACKWARDS else turn
+    for rank in range(len(contacts.order)):
+        m = contacts.order[len(contacts.order) - 1 - rank if order == BACKWARDS else rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         n, t1, t2 = load3(manifold, m, at.NORMAL), load3(manifold, m, at.TANGENTS), load3(manifold, m, at.TANGENTS + 3)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
@@ -125,7 +125,7 @@ def sweep_velocities(bodies: Bodies, contacts: Contacts, manifolds: int, h: floa
 
 
 @kernel
-def push_apart(bodies: Bodies, contacts: Contacts, manifolds: int, pseudo: Floats, h: float, sweeps: int, slop: float) -> bool:
+def push_apart(bodies: Bodies, contacts: Contacts, pseudo: Floats, h: float, sweeps: int, slop: float) -> bool:
     """Work off depths by pseudo-velocities, kept in `pseudo` (bodies + 1, 13), that last for this one move of h seconds.
 
     Args: slop [m]: the depth that is left. Returns: whether anything was deep enough to move.
@@ -133,7 +133,8 @@ def push_apart(bodies: Bodies, contacts: Contacts, manifolds: int, pseudo: Float
     state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
     rows = state.shape[0]
     deep = False
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):
             point[i, at.PUSH] = 0.0
             deep = deep or point[i, at.SEPARATION] < -slop
@@ -143,7 +144,8 @@ def push_apart(bodies: Bodies, contacts: Contacts, manifolds: int, pseudo: Float
         store3(pseudo, b, at.V, (0.0, 0.0, 0.0))
         store3(pseudo, b, at.W, (0.0, 0.0, 0.0))
     for _ in range(sweeps):
-        for m in range(manifolds):
+        for rank in range(len(contacts.order)):
+            m = contacts.order[rank, 0]
             a, b = key[m, at.BODY_A], key[m, at.BODY_B]
             n = load3(manifold, m, at.NORMAL)
             pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(pseudo, a, b)

@@ -27,6 +27,8 @@ PARALLEL = 1e-12
 
 # Columns of the sums over the loaded points of a body.
 SIZE, SX, SY, SXX, SXY, SYY, SL, SLX, SLY, FIRST, MIXED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 12
+DONE = -1.0
+"""In place of the number of points, once the plane is fitted."""
 
 
 @kernel
@@ -45,16 +47,27 @@ def bears(point: Floats, i: int) -> bool:
 
 
 @kernel
-def share_loads(bodies: Bodies, contacts: Contacts, manifolds: int, sums: Floats) -> None:
+def share_loads(bodies: Bodies, contacts: Contacts, sums: Floats) -> None:
     """Make the normal impulses that the contacts bring along even. Args: sums (bodies, 13): room to work in."""
-    if manifolds <= 1:
-        return
-    kind, manifold, point, key = bodies.kind, contacts.manifold, contacts.point, contacts.key
-    rows = sums.shape[0]
-    for b in range(rows):
-        for c in range(sums.shape[1]):
+    if len(contacts.order) > 1:
+        add_loads(bodies.kind, contacts, sums)
+        for rank in range(len(contacts.order)):
+            b = bearer(bodies.kind, contacts.key, contacts.order[rank, 0])
+            if b >= 0 and sums[b, MIXED] == 0.0 and sums[b, SIZE] >= 0.0:
+                fit_plane(sums, b)
+        give_loads(bodies.kind, contacts, sums)
+
+
+@kernel
+def add_loads(kind: Ints, contacts: Contacts, sums: Floats) -> None:
+    """Sum up what bears each body."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    for rank in range(len(contacts.order)):
+        b = bearer(kind, key, contacts.order[rank, 0])
+        for c in range(sums.shape[1] if b >= 0 else 0):
             sums[b, c] = 0.0
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         b = bearer(kind, key, m)
         if b < 0:
             continue
@@ -78,22 +91,34 @@ def share_loads(bodies: Bodies, contacts: Contacts, manifolds: int, sums: Floats
                 sums[b, SL] += impulse
                 sums[b, SLX] += impulse * x
                 sums[b, SLY] += impulse * y
-    for b in range(rows):
-        size = sums[b, SIZE]
-        if size <= FEW or sums[b, MIXED] == 1.0:
-            sums[b, MIXED] = 1.0
-            continue
-        x, y, mean = sums[b, SX] / size, sums[b, SY] / size, sums[b, SL] / size
-        xx, xy, yy = sums[b, SXX] - size * x * x, sums[b, SXY] - size * x * y, sums[b, SYY] - size * y * y
-        lx, ly = sums[b, SLX] - sums[b, SL] * x, sums[b, SLY] - sums[b, SL] * y
-        det = xx * yy - xy * xy
-        if det <= 1e-9 * (xx + yy) * (xx + yy):
-            sums[b, MIXED] = 1.0
-            continue
-        sums[b, SLX], sums[b, SLY] = (yy * lx - xy * ly) / det, (xx * ly - xy * lx) / det
-        sums[b, SL] = mean - sums[b, SLX] * x - sums[b, SLY] * y
+
+
+@kernel
+def fit_plane(sums: Floats, b: int) -> None:
+    """Replace the sums of loads of body b by a, b and c of the even ones; MIXED where there are none."""
+    size = sums[b, SIZE]
+    if size <= FEW:
+        sums[b, MIXED] = 1.0
+        return
+    x, y, mean = sums[b, SX] / size, sums[b, SY] / size, sums[b, SL] / size
+    xx, xy, yy = sums[b, SXX] - size * x * x, sums[b, SXY] - size * x * y, sums[b, SYY] - size * y * y
+    lx, ly = sums[b, SLX] - sums[b, SL] * x, sums[b, SLY] - sums[b, SL] * y
+    det = xx * yy - xy * xy
+    if det <= 1e-9 * (xx + yy) * (xx + yy):
+        sums[b, MIXED] = 1.0
+        return
+    sums[b, SLX], sums[b, SLY] = (yy * lx - xy * ly) / det, (xx * ly - xy * lx) / det
+    sums[b, SL] = mean - sums[b, SLX] * x - sums[b, SLY] * y
+    sums[b, SIZE] = DONE
+
+
+@kernel
+def give_loads(kind: Ints, contacts: Contacts, sums: Floats) -> None:
+    """Give the points of each body their even loads, unless one of these is negative."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
     for given in range(2):
-        for m in range(manifolds):
+        for rank in range(len(contacts.order)):
+            m = contacts.order[rank, 0]
             b = bearer(kind, key, m)
             if b < 0 or sums[b, MIXED] == 1.0:
                 continue

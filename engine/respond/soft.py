@@ -103,8 +103,8 @@ def resist_at(
 
 
 @kernel
-def sweep(bodies: Bodies, contacts: Contacts, end: int, soft: Softness, aim: int, first: int = 0) -> None:
-    """One sweep over the manifolds first..end - 1: rolling and torsional friction, then friction and normal.
+def sweep(bodies: Bodies, contacts: Contacts, soft: Softness, aim: int) -> None:
+    """One sweep over the manifolds: rolling and torsional friction, then friction and normal.
 
     While the position error is corrected the normal comes last, since it matters most; in the relaxing sweeps friction does,
     so that it ends on the cone of the final normal impulse.
@@ -113,7 +113,8 @@ def sweep(bodies: Bodies, contacts: Contacts, end: int, soft: Softness, aim: int
     the velocity after restitution instead.
     """
     manifold, key = contacts.manifold, contacts.key
-    for m in range(first, end):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         frame = frame_of(manifold, m)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)

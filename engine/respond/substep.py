@@ -27,10 +27,11 @@ def kept_impulse(contacts: Contacts, m: int, frame: Mat) -> tuple[Vec, Vec]:
 
 
 @kernel
-def warm_start(bodies: Bodies, contacts: Contacts, end: int, first: int = 0) -> None:
-    """Apply the impulses of the last sub-step, of the manifolds first..end - 1."""
+def warm_start(bodies: Bodies, contacts: Contacts) -> None:
+    """Apply the impulses of the last sub-step."""
     state, manifold, key = bodies.state, contacts.manifold, contacts.key
-    for m in range(first, end):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         frame = frame_of(manifold, m)
         force, moment = kept_impulse(contacts, m, frame)
@@ -40,7 +41,7 @@ def warm_start(bodies: Bodies, contacts: Contacts, end: int, first: int = 0) -> 
 
 
 @kernel
-def approach(bodies: Bodies, contacts: Contacts, manifolds: int, setting: Floats, h: float, slow: float) -> int:
+def approach(bodies: Bodies, contacts: Contacts, setting: Floats, h: float, slow: float) -> int:
     """Note the points that are about to strike in this sub-step, with their normal velocity at the moment of impact [m/s].
 
     With separation s and normal velocity u < 0 after the kick a h, the impact comes after the share tau = s / (-u h) of the
@@ -53,7 +54,8 @@ def approach(bodies: Bodies, contacts: Contacts, manifolds: int, setting: Floats
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     strikes = 0
     g = load3(setting, 0, at.GRAVITY)
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         v, w = relative_motion(centre_of(manifold, m), motion_of(state, a, b))
         kick = h * dot(load3(manifold, m, at.NORMAL), g)
@@ -77,10 +79,11 @@ def approach(bodies: Bodies, contacts: Contacts, manifolds: int, setting: Floats
 
 
 @kernel
-def bounce(contacts: Contacts, manifolds: int) -> bool:
+def bounce(contacts: Contacts) -> bool:
     """Whether any point struck a surface with restitution in this sub-step."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         if key[m, at.STRIKES] == 1 and manifold[m, at.LAW + 2] > 0.0:
             for i in range(4 * m, 4 * m + key[m, at.POINTS]):
                 if point[i, at.STRUCK] == 1.0 and point[i, at.SPIKE] > 0.0:
@@ -119,7 +122,7 @@ def spread_friction(static: float, first: int, end: int, point: Floats) -> None:
 
 
 @kernel
-def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
+def friction_mode(bodies: Bodies, contacts: Contacts) -> None:
     """A manifold slips where what would stop its motion takes more power than its static disc can, else it sticks.
 
     Of all that friction can give, the discs full against the motion take most power from it (maximum dissipation), so that a
@@ -127,7 +130,8 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
     """
     state, body = bodies.state, bodies.body
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         static = manifold[m, at.LAW]
         if static == manifold[m, at.LAW + 1]:
             continue
@@ -145,10 +149,11 @@ def friction_mode(bodies: Bodies, contacts: Contacts, manifolds: int) -> None:
 
 
 @kernel
-def end_substep(contacts: Contacts, manifolds: int) -> None:
+def end_substep(contacts: Contacts) -> None:
     """Add the sub-step's impulses to the step's, in the frames, and drop those of a blow, which do not last."""
     point, key = contacts.point, contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):
             point[i, at.SUM] += point[i, at.HELD]
             point[i, at.SUM + 1] += point[i, at.HELD + 1]
@@ -158,10 +163,11 @@ def end_substep(contacts: Contacts, manifolds: int) -> None:
 
 
 @kernel
-def end_step(contacts: Contacts, manifolds: int) -> None:
+def end_step(contacts: Contacts) -> None:
     """Turn the sum of the step's impulses, and the friction that the next step starts from, into W."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         frame = frame_of(manifold, m)
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):
             store3(point, i, at.SUM, tmat_vec(frame, load3(point, i, at.SUM)))
@@ -169,10 +175,11 @@ def end_step(contacts: Contacts, manifolds: int) -> None:
 
 
 @kernel
-def sum_impulses(contacts: Contacts, manifolds: int) -> None:
+def sum_impulses(contacts: Contacts) -> None:
     """As `end_substep`, where friction impulses are kept in W all along."""
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for m in range(manifolds):
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
         n = load3(manifold, m, at.NORMAL)
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):
             tangent = load3(point, i, at.TANGENT_IMPULSE)

@@ -44,13 +44,14 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
 
         return step_sequential_impulses
     if touching and options.sweeps != GAUSS_SEIDEL:
-        return _named(f"{'spheres' if spheres else 'contact'}_{options.sweeps}")
+        return _named("shared_sweeps", f"{'spheres' if spheres else 'contact'}_{options.sweeps}")
     if spheres:
         from plumbline.engine.steps.spheres import step_spheres
 
         return step_spheres
     if islands:
-        return _named("islands_jointed" if jointed else "islands", "_parallel" if options.threads > 1 else "")
+        name = "islands_jointed" if jointed else "islands"
+        return _named(name, name + ("_parallel" if options.threads > 1 else ""))
     if touching and jointed:
         from plumbline.engine.steps.contact_jointed import step_contact_jointed
 
@@ -67,9 +68,9 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
     return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler
 
 
-def _named(module: str, suffix: str = "") -> Step:
-    """The step of a module of this package, or of those that it has the one with a suffix."""
-    return cast(Step, getattr(import_module(f"plumbline.engine.steps.{module}"), f"step_{module}{suffix}"))
+def _named(module: str, name: str) -> Step:
+    """A step of a module of this package."""
+    return cast(Step, getattr(import_module(f"plumbline.engine.steps.{module}"), f"step_{name}"))
 
 
 def refuse_unsmooth(integrator: str, unsmooth: str) -> None:

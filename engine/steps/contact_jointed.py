@@ -9,15 +9,15 @@ from plumbline.engine.contact.find_contacts import find_contacts
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts, joints_of
+from plumbline.engine.memory.tables import bodies_of, joints_of
 from plumbline.engine.respond.manifold_sweeps import as_found
 from plumbline.engine.steps.contact import advance_contacts
 
 
 @kernel
-def meet_jointed(floats: Floats, ints: Ints, bodies: Bodies, _contacts: Contacts) -> int:
+def meet_jointed(floats: Floats, ints: Ints) -> int:
     """Find the contacts of this step, and let joints touch their bodies. Returns: a status."""
-    status, joints = find_contacts(floats, ints), joints_of(floats, ints)
+    status, bodies, joints = find_contacts(floats, ints), bodies_of(floats, ints), joints_of(floats, ints)
     if status == DONE:
         for j in range(joints.kind.shape[0]):
             bodies.kind[joints.kind[j, at.PARENT], at.TOUCHED] = 1

@@ -18,7 +18,7 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
-from plumbline.engine.memory.tables import Bodies, Contacts, Rows, bodies_of, contacts_of, joints_of, rows_of, shapes_of
+from plumbline.engine.memory.tables import Rows, bodies_of, joints_of, present_contacts, rows_of, shapes_of
 from plumbline.engine.respond.softness import softness_of
 from plumbline.engine.respond.substep import end_step
 from plumbline.engine.steps.count_step import count_step
@@ -26,8 +26,9 @@ from plumbline.engine.steps.stages import meet
 
 
 @kernel
-def touch_nothing(_floats: Floats, _ints: Ints, bodies: Bodies, _contacts: Contacts) -> int:
+def touch_nothing(floats: Floats, ints: Ints) -> int:
     """In place of `meet`, where nothing can touch."""
+    bodies = bodies_of(floats, ints)
     for b in range(bodies.kind.shape[0]):
         bodies.kind[b, at.TOUCHED] = 0
     return DONE
@@ -52,7 +53,7 @@ def advance_held(
     floats: Floats,
     ints: Ints,
     steps: int,
-    meeting: Callable[[Floats, Ints, Bodies, Contacts], int],
+    meeting: Callable[[Floats, Ints], int],
     room: Callable[[Floats, Ints], Rows | None],
 ) -> tuple[int, int]:
     """The loop of all these steps.
@@ -60,7 +61,7 @@ def advance_held(
     Args: meeting: finds the contacts of a step, or says why not; room: the rows of joints that close loops, or None.
     """
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
-    contacts, shapes, sums = contacts_of(floats, ints), shapes_of(floats, ints), floats_of(floats, ints, at.START)
+    shapes, sums = shapes_of(floats, ints), floats_of(floats, ints, at.START)
     setting, count, rows = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), room(floats, ints)
     dt, substeps, gyroscopic = setting[0, at.DT], count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     soft = softness_of(setting, dt / substeps)
@@ -71,9 +72,10 @@ def advance_held(
         begin_momenta(tables, bodies, gyroscopic)
     done, status = 0, DONE
     while done < steps and status == DONE:
-        status = meeting(floats, ints, bodies, contacts)
+        status = meeting(floats, ints)
         if status == DONE:
             done += 1
+            contacts = present_contacts(floats, ints)
             touch_loops(tables, bodies, joints)
             mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows, firm)
             forget_responses(tables)
@@ -85,7 +87,7 @@ def advance_held(
                     mechanisms, setting, count, sums, soft, substep, moved, done == steps
                 ):
                     status = UNSOLVED
-            end_step(contacts, count[0, at.MANIFOLDS])
+            end_step(contacts)
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
                 if bodies.kind[b, at.MOTION] == at.DYNAMIC and bodies.kind[b, at.TOUCHED] == 0:

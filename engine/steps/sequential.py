@@ -1,12 +1,12 @@
 """Steps of worlds with contact under sequential impulses: find contacts, kick, sweep velocities, drift, part."""
 
 from plumbline.engine.compile.jit import entry
-from plumbline.engine.integrate.all_bodies import advance_untouched, drift_touched, kick_touched
+from plumbline.engine.integrate.all_bodies import advance_untouched, drift_all, kick_all, touched_of
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE
-from plumbline.engine.memory.tables import bodies_of, contacts_of, shapes_of
+from plumbline.engine.memory.tables import bodies_of, present_contacts, shapes_of
 from plumbline.engine.respond.arms import refresh
 from plumbline.engine.respond.sequential_impulses import push_apart, sweep_velocities
 from plumbline.engine.respond.share_loads import share_loads
@@ -22,34 +22,34 @@ SLOP = 0.1
 @entry
 def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """Advance bodies in contact. Returns: as `step_contact`."""
-    bodies, contacts, pseudo = bodies_of(floats, ints), contacts_of(floats, ints), floats_of(floats, ints, at.START)
+    bodies, pseudo = bodies_of(floats, ints), floats_of(floats, ints, at.START)
     shapes, setting, count = shapes_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     h, iterations = setting[0, at.DT] / count[0, at.SUBSTEPS], count[0, at.ITERATIONS]
     slow, slop = slow_approach(setting, h), SLOP * setting[0, at.MARGIN]
     for step in range(steps):
-        status = meet(floats, ints, bodies, contacts)
+        status = meet(floats, ints)
         if status != DONE:
             return step, status
-        advance_untouched(bodies, setting, count)
-        n = count[0, at.MANIFOLDS]
-        if n > 0:
+        advance_untouched(bodies, setting, count, ints_of(ints, at.BODY_ORDER))
+        contacts, touched = present_contacts(floats, ints), touched_of(ints)
+        if count[0, at.MANIFOLDS] > 0:
             for _ in range(count[0, at.SUBSTEPS]):
-                kick_touched(bodies, setting, count, h)
-                approach(bodies, contacts, n, setting, h, slow)
-                share_loads(bodies, contacts, n, pseudo)
-                warm_start(bodies, contacts, n)
+                kick_all(bodies, touched, setting, h)
+                approach(bodies, contacts, setting, h, slow)
+                share_loads(bodies, contacts, pseudo)
+                warm_start(bodies, contacts)
                 for k in range(iterations):
-                    sweep_velocities(bodies, contacts, n, h, RELAX, k % 2)
-                drift_touched(bodies, count, h)
-                refresh(bodies.state, shapes, contacts, n)
-                if push_apart(bodies, contacts, n, pseudo, h, iterations, slop):
-                    refresh(bodies.state, shapes, contacts, n)
-                if bounce(contacts, n):
+                    sweep_velocities(bodies, contacts, h, RELAX, k % 2)
+                drift_all(bodies, touched, count, h)
+                refresh(bodies.state, shapes, contacts)
+                if push_apart(bodies, contacts, pseudo, h, iterations, slop):
+                    refresh(bodies.state, shapes, contacts)
+                if bounce(contacts):
                     for k in range(iterations):
-                        sweep_velocities(bodies, contacts, n, h, REBOUND, k % 2)
-                friction_mode(bodies, contacts, n)
-                end_substep(contacts, n)
-            end_step(contacts, n)
+                        sweep_velocities(bodies, contacts, h, REBOUND, k % 2)
+                friction_mode(bodies, contacts)
+                end_substep(contacts)
+            end_step(contacts)
         if count_step(bodies.state, count) == DIVERGED:
             return step + 1, DIVERGED
     return steps, DONE

@@ -42,7 +42,7 @@ def advance_spheres(
         status = find_touches(floats, ints)
         if status != DONE:
             return step, status
-        advance_untouched(bodies, setting, count)
+        advance_untouched(bodies, setting, count, ints_of(ints, at.BODY_ORDER))
         n = count[0, at.MANIFOLDS]
         if n > 0:
             mark(floats, ints)

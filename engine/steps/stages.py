@@ -1,27 +1,128 @@
-"""What steps with contact have in common: contacts kept or found, and how long a sub-step is swept."""
+"""A sub-step of contacts and joints, of all that a world has or of an island, and what comes before the first of them.
 
-from plumbline.engine.compile.jit import kernel
+    begin     kick; write the rows of joints; note what strikes
+    solve     share loads; push again; press, so often as strikes and new contacts need; drift; turn; relax
+    release   rebound, where any was struck; choose friction's mode; count impulses
+
+Joints, where there are any, are held after each sweep over the contacts.
+
+Source: Catto, Solver2D, 2024 (TGS Soft).
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from plumbline.engine.compile.jit import kernel, template
+from plumbline.engine.constrain.stages import BEGIN, END, KNOWN, NEW, Held
 from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
+from plumbline.engine.integrate.all_bodies import drift_all, kick_all
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.carve import ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows
+from plumbline.engine.respond.share_loads import share_loads
+from plumbline.engine.respond.softness import (
+    FRESH,
+    FRESH_JOINTED,
+    PRESS,
+    PUSH,
+    REBOUND,
+    RELAX,
+    TURN,
+    Softness,
+    slow_approach,
+)
+from plumbline.engine.respond.substep import approach, bounce, end_substep, friction_mode
+
+
+class Group(NamedTuple):
+    """What is solved together: which bodies (k, 1), which contacts and joints, and the rows of these.
+
+    Terms: sums: room for `share_loads`.
+    """
+
+    bodies: Bodies
+    touched: Ints
+    contacts: Contacts
+    joints: Joints
+    rows: Rows
+    sums: Floats
 
 
 @kernel
-def meet(floats: Floats, ints: Ints, bodies: Bodies, contacts: Contacts) -> int:
+def meet(floats: Floats, ints: Ints) -> int:
     """Keep the contacts of the last step where all bodies are still, else find those of this one. Returns: a status."""
-    rest, setting, count = floats_of(floats, ints, at.REST), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
-    if keep_contacts(bodies.state, bodies.body, bodies.kind, rest, setting, count, contacts.key, contacts.point):
-        return DONE
-    return find_contacts(floats, ints)
+    return DONE if keep_contacts(floats, ints) else int(find_contacts(floats, ints))
 
 
 @kernel
-def patience(count: Ints, substep: int, strikes: int) -> int:
+def patience(jointed: bool, fresh: bool, strikes: bool) -> int:
     """Times as many sweeps: after a blow, and in the first sub-step with a new contact."""
-    if strikes == 0 and (substep > 0 or count[0, at.NEW] == 0):
+    if not strikes and not fresh:
         return 1
-    return FRESH_JOINTED if count[0, at.JOINTS] > 0 else FRESH
+    return FRESH_JOINTED if jointed else FRESH
+
+
+def _begin(group: Group, setting: Floats, held: Held, soft: Softness, holding: Callable[..., Held]) -> tuple[int, Held]:
+    """Begin a sub-step. Args: holding: as `hold`. Returns: how many points are about to strike, and the rows of joints."""
+    kick_all(group.bodies, group.touched, setting, soft.h)
+    held = holding(group.bodies, group.joints, group.rows, held, BEGIN, soft.h)
+    return approach(group.bodies, group.contacts, setting, soft.h, slow_approach(setting, soft.h)), held
+
+
+def _solve(
+    floats: Floats,
+    ints: Ints,
+    group: Group,
+    held: Held,
+    soft: Softness,
+    times: int,
+    visit: Callable[..., None],
+    holding: Callable[..., Held],
+) -> bool:
+    """Solve with the position error, drift, and relax.
+
+    Args: times: as many sweeps as set; visit: does to all contacts what is to be done to each, as `as_found`.
+    Returns: whether any is to rebound.
+    """
+    bodies, contacts, joints, rows, count = group.bodies, group.contacts, group.joints, group.rows, ints_of(ints, at.COUNT)
+    share_loads(bodies, contacts, group.sums)
+    visit(floats, ints, bodies, contacts, soft, PUSH)
+    holding(bodies, joints, rows, held, NEW, soft.h)
+    for _ in range(count[0, at.ITERATIONS] * times):
+        visit(floats, ints, bodies, contacts, soft, PRESS)
+        holding(bodies, joints, rows, held, KNOWN, soft.h)
+    drift_all(bodies, group.touched, count, soft.h)
+    visit(floats, ints, bodies, contacts, soft, TURN)
+    share_loads(bodies, contacts, group.sums)
+    for _ in range(count[0, at.RELAXATIONS] * times):
+        visit(floats, ints, bodies, contacts, soft, RELAX)
+        holding(bodies, joints, rows, held, KNOWN, soft.h)
+    return bounce(contacts)
+
+
+def _release(
+    floats: Floats,
+    ints: Ints,
+    group: Group,
+    held: Held,
+    soft: Softness,
+    struck: bool,
+    visit: Callable[..., None],
+    holding: Callable[..., Held],
+) -> None:
+    """End a sub-step. Args: struck: whether anything is to rebound; the others as above."""
+    bodies, contacts, joints, rows, count = group.bodies, group.contacts, group.joints, group.rows, ints_of(ints, at.COUNT)
+    for _ in range(FRESH * (count[0, at.ITERATIONS] + count[0, at.RELAXATIONS]) if struck else 0):
+        visit(floats, ints, bodies, contacts, soft, REBOUND)
+        holding(bodies, joints, rows, held, KNOWN, soft.h)
+    friction_mode(bodies, contacts)
+    end_substep(contacts)
+    holding(bodies, joints, rows, held, END, soft.h)
+
+
+begin_world, solve_world, release_world = template(_begin), template(_solve), template(_release)
+"""Written into the steps of whole worlds, whose visits threads may share."""
+begin_island, solve_island, release_island = kernel(_begin), kernel(_solve), kernel(_release)
+"""Called for each island."""

@@ -15,7 +15,7 @@ from plumbline.engine.maths.vec import add, cross, dot, sub, sym_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import bodies_of, contacts_of
+from plumbline.engine.memory.tables import bodies_of, present_contacts
 from plumbline.engine.respond.sequential_impulses import sweep_velocities
 from plumbline.engine.respond.softness import REBOUND, RELAX, slow_approach
 from plumbline.engine.respond.substep import bounce, end_step, end_substep
@@ -51,7 +51,7 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
     status = find_contacts(floats, ints)
     if status != DONE:
         return status
-    bodies, contacts = bodies_of(floats, ints), contacts_of(floats, ints)
+    bodies, contacts = bodies_of(floats, ints), present_contacts(floats, ints)
     state, manifold, point, key = bodies.state, contacts.manifold, contacts.point, contacts.key
     kept, kept_point = floats_of(floats, ints, at.OLD_MANIFOLD), floats_of(floats, ints, at.OLD_POINT)
     setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
@@ -75,12 +75,12 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
                 if u < -slow:
                     key[m, at.STRIKES], point[i, at.STRUCK] = 1, 1.0
     for k in range(sweeps):
-        sweep_velocities(bodies, contacts, n, AT_ONCE, RELAX, k % 2)
-    if bounce(contacts, n):
+        sweep_velocities(bodies, contacts, AT_ONCE, RELAX, k % 2)
+    if bounce(contacts):
         for k in range(sweeps):
-            sweep_velocities(bodies, contacts, n, AT_ONCE, REBOUND, k % 2)
-    end_substep(contacts, n)
-    end_step(contacts, n)
+            sweep_velocities(bodies, contacts, AT_ONCE, REBOUND, k % 2)
+    end_substep(contacts)
+    end_step(contacts)
     for m in range(n):
         store3(manifold, m, at.SPIN_IMPULSE, load3(kept, m, at.SPIN_IMPULSE))
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):

@@ -8,10 +8,9 @@ import math
 
 UNBOUNDED = math.inf
 
-PLAIN, FOLLOWED, TRACED, EXTENDED, FINE_MATRIX = (0.3, 0.15), (0.45, 0.15), (0.12, 0.5), (0.45, 0.6), (0.6, 3.0)
-"""Cost [ms] of a matrix of any size, and on top of that of the cube of n / 100: a step of Newton in doubles; one that
-follows a path by width; one along a traced path, and the same where velocities have more digits; and a factor with more
-digits."""
+PLAIN, TRACED, FINE_MATRIX = (0.3, 0.15), (0.12, 0.5), (0.6, 3.0)
+"""Cost [ms] of a matrix of any size, and on top of that of the cube of n / 100: a step of Newton in doubles; one
+along a traced path; and a factor with more digits."""
 
 
 class Effort:

@@ -19,7 +19,7 @@ from plumbline.engine.maths.elementary import hypot
 from plumbline.engine.maths.rows import Floats
 from plumbline.engine.respond.exact.certificate import after, breach
 from plumbline.engine.respond.exact.elimination import eliminate
-from plumbline.engine.respond.exact.scaling import scale_problem
+from plumbline.engine.respond.exact.scaled import write_scale
 
 SHORTER = (1.0, 0.5, 0.2, 0.05, 0.01)
 """How much shorter a step may be made."""
@@ -89,7 +89,7 @@ def finish_from(
     if not aim < lowest < near:
         return lowest, 0, False
     scaled_w, scaled_q, scale, x = np.empty((3 * k, 3 * k)), np.empty((k, 3)), np.empty((k, 3)), np.empty((k, 3))
-    unit = scale_problem(w, q, friction, scaled_w, scaled_q, scale)
+    unit = write_scale(w, q, friction, scaled_w, scaled_q, scale)
     for i in range(k):
         for c in range(3):
             x[i, c] = r[i, c] * scale[i, c] / unit

@@ -3,15 +3,15 @@
 from plumbline.engine.compile.jit import entry
 from plumbline.engine.contact.find_contacts import find_contacts
 from plumbline.engine.integrate import all_bodies
-from plumbline.engine.integrate.finite_state import is_finite
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.status import DIVERGED, DONE
-from plumbline.engine.memory.tables import bodies_of, contacts_of, joints_of, shapes_of
+from plumbline.engine.memory.status import DONE
+from plumbline.engine.memory.tables import bodies_of, joints_of, present_contacts, shapes_of
 from plumbline.engine.respond.arms import refresh
 from plumbline.engine.respond.softness import slow_approach
 from plumbline.engine.respond.substep import approach, sum_impulses
+from plumbline.engine.steps.count_step import count_step
 
 
 @entry
@@ -23,7 +23,7 @@ def begin_step(floats: Floats, ints: Ints) -> int:
         for j in range(count[0, at.JOINTS]):
             bodies.kind[joints.kind[j, at.PARENT], at.TOUCHED] = 1
             bodies.kind[joints.kind[j, at.CHILD], at.TOUCHED] = 1
-        all_bodies.advance_untouched(bodies, floats_of(floats, ints, at.SETTING), count)
+        all_bodies.advance_untouched(bodies, floats_of(floats, ints, at.SETTING), count, ints_of(ints, at.BODY_ORDER))
     return status
 
 
@@ -33,21 +33,18 @@ def kick_touched(floats: Floats, ints: Ints, h: float) -> float:
 
     Returns: the approach speed [m/s] below which nothing bounces.
     """
-    bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
-    all_bodies.kick_touched(bodies, setting, count, h)
+    bodies, setting = bodies_of(floats, ints), floats_of(floats, ints, at.SETTING)
+    all_bodies.kick_all(bodies, all_bodies.touched_of(ints), setting, h)
     slow = slow_approach(setting, h)
-    approach(bodies, contacts_of(floats, ints), count[0, at.MANIFOLDS], setting, h, slow)
+    approach(bodies, present_contacts(floats, ints), setting, h, slow)
     return slow
 
 
 @entry
 def drift_touched(floats: Floats, ints: Ints, h: float, last: int) -> int:
     """Move the bodies in contact for h seconds. Args: last: 1 to end the step. Returns: DONE, or DIVERGED."""
-    bodies, contacts, count = bodies_of(floats, ints), contacts_of(floats, ints), ints_of(ints, at.COUNT)
-    all_bodies.drift_touched(bodies, count, h)
-    refresh(bodies.state, shapes_of(floats, ints), contacts, count[0, at.MANIFOLDS])
-    sum_impulses(contacts, count[0, at.MANIFOLDS])
-    if last == 1:
-        count[0, at.STEPS] += 1
-        return DONE if is_finite(bodies.state, count[0, at.BODIES]) else DIVERGED
-    return DONE
+    bodies, contacts, count = bodies_of(floats, ints), present_contacts(floats, ints), ints_of(ints, at.COUNT)
+    all_bodies.drift_all(bodies, all_bodies.touched_of(ints), count, h)
+    refresh(bodies.state, shapes_of(floats, ints), contacts)
+    sum_impulses(contacts)
+    return int(count_step(bodies.state, count)) if last == 1 else DONE

@@ -1,13 +1,11 @@
-"""The exact solve: six methods from the quickest to the most patient, each judged by the certificate alone.
+"""The exact solve: four methods from the quickest to the most patient, each judged by the certificate alone.
 
 1. Newton on Coulomb's law from the impulses that the contacts bring along (`finish`);
 2. paths traced by arc length, around their turns (`trace`), and from ever smaller widths 1, 1 with velocities weighed higher,
    for contacts that slip slowly under large impulses, and Newton with the modes of the contacts that the path shows (`settle`);
-3. paths followed by width from the middle of the cones (`follow`), and from their ends 1;
-4. De Saxce's fixed point around convex problems (`fixed_point`), solved in extended precision and begun from the sliding of
+3. De Saxce's fixed point around convex problems (`fixed_point`), solved in extended precision and begun from the sliding of
    the best so far, from none and from that of free motion; and after each round 1 and Newton with its modes;
-5. 2 with velocities in extended precision;
-6. 4 again, longer and from random sliding, the same in every run.
+4. 3 again, longer and from random sliding, the same in every run.
 
 A method runs where those before it missed, and the answer with the least residual is returned: one method more can only help.
 All together may cost what the `effort` says, counted in matrices and not by a clock; what is then best is the answer.
@@ -26,12 +24,11 @@ from typing import TypeAlias
 import numpy as np
 
 from plumbline.engine.maths.types import Floats, Ints
+from plumbline.engine.respond.exact.certificate import relative_residual
 from plumbline.engine.respond.exact.effort import UNBOUNDED, Effort
 from plumbline.engine.respond.exact.finish import finish_from
 from plumbline.engine.respond.exact.fixed_point import rounds, sliding
-from plumbline.engine.respond.exact.follow import follow_path
 from plumbline.engine.respond.exact.law import Problem
-from plumbline.engine.respond.exact.residual import relative_residual
 from plumbline.engine.respond.exact.scaled import Scaled, scale_problem
 from plumbline.engine.respond.exact.settle import OPEN, modes_between, modes_of, settling_step
 from plumbline.engine.respond.exact.trace import trace_path
@@ -51,8 +48,6 @@ SETTLED = 0.1
 """Share of the tolerance down to which impulses that are brought along are made better. What velocities err by is made up for
 by the impulses of the next step, which then are wrong for the one after: accepted, they would have to be solved for in
 turns."""
-WIDTHS, SHARPEST = (0.1, 1e-2), 1e-13
-"""First widths of the paths, and their last one, in units of the largest free velocity."""
 NARROW, CLOSER = 1e-2, 0.3
 """Width of a traced path below which Newton is tried, and how much narrower each time."""
 POWERS = (2.0, 1.0, 1.5)
@@ -60,8 +55,7 @@ POWERS = (2.0, 1.0, 1.5)
 HELD, MOST_SETTLED = (1e-8, 1e-12), 8
 """Weights of the distance to the last impulses in Newton with given modes, and how many steps it is given."""
 EARLY, LATE = 4, 8
-"""Rounds of the fixed point from each start before paths are traced with more digits, and after; most that converge do so in
-the first few."""
+"""Rounds of the fixed point from each start, and from each random one; most that converge do so in the first few."""
 GUESSES, SEED, SLOWEST = 8, 1, 1e-5
 """Random starts of the fixed point at the end, of four kinds each, what they are drawn with, and their slowest sliding."""
 PATIENCE = 12
@@ -137,16 +131,10 @@ def answers(search: Search, most: int, near: Answer) -> Iterator[Answer]:
         found = trace(search, power)
         yield found
         near = min(near, found, key=residual_of)
-    for width in WIDTHS:
-        found = follow(search, width)
-        yield found
-        near = min(near, found, key=residual_of)
     yield sharpen(search, near[0])
     begun, free = sliding_of(scaled, near[0]), sliding_of(scaled, np.zeros_like(scaled.q))
     for start in (begun, np.zeros_like(free), free):
         yield relax(search, start, min(EARLY, most))
-    for power in POWERS:
-        yield trace(search, power, fine=True)
     yield relax(search, begun, most)
     draw = np.random.default_rng(SEED)
     for _ in range(GUESSES):
@@ -165,24 +153,16 @@ def residual_of(answer: Answer) -> float:
     return answer[1]
 
 
-def follow(search: Search, width: float) -> Answer:
-    """From the middle of the cones along the path that starts with this width."""
-    scaled = search.scaled
-    x = np.zeros_like(scaled.q)
-    x[:, 0] = width
-    return finish(search, follow_path(scaled.w, scaled.q, scaled.rubs, x, width, SHARPEST, search.effort))
-
-
 def sliding_of(scaled: Scaled, x: Floats) -> Floats:
     """|u_T| (k,) of scaled impulses."""
     return sliding(scaled.rubs, scaled.q + (scaled.w @ x.ravel()).reshape(-1, 3))
 
 
-def trace(search: Search, power: float, fine: bool = False) -> Answer:
+def trace(search: Search, power: float) -> Answer:
     """From ever narrower points of the traced path, and where it is lost, its last one. Args: as `trace_path`."""
     scaled, tolerance = search.scaled, search.tolerance
     best, lowest, narrow, last = np.zeros_like(scaled.q), np.inf, NARROW, np.zeros_like(scaled.q)
-    for point in trace_path(scaled.fine if fine else scaled.w, scaled.q, scaled.rubs, power, search.effort):
+    for point in trace_path(scaled.w, scaled.q, scaled.rubs, power, search.effort):
         last = point.x
         if point.width < narrow:
             narrow = CLOSER * point.width

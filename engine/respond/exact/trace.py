@@ -26,11 +26,8 @@ from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
 from plumbline.engine.maths.types import Floats
-from plumbline.engine.respond.exact.cone import compose, frame_of, root, spectral
-from plumbline.engine.respond.exact.effort import EXTENDED, TRACED, Effort
+from plumbline.engine.respond.exact.effort import TRACED, Effort
 from plumbline.engine.respond.exact.look import COLUMNS, MISS, RATE, SIZE, look_at
-
-FineArray = NDArray[np.floating]
 
 (gesv,) = get_lapack_funcs(("gesv",), dtype=np.float64)
 
@@ -71,67 +68,23 @@ class Local:
     size: Floats
 
 
-def look(w: Floats, fine: FineArray, q: Floats, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float) -> Local:
-    """F and its derivatives. Args: as `trace_path`; fine: w, and x (k, 3), with as many digits."""
-    if fine.dtype == np.float64:
-        slope, out = np.empty(w.shape), np.empty((len(x), COLUMNS))
-        off = look_at(w, q, rubs.astype(np.int64), np.ascontiguousarray(x), (width, power), slope, out)
-        return Local(out[:, MISS : MISS + 3], slope, out[:, RATE : RATE + 3], off, out[:, SIZE])
-    return look_widely(w, fine, q, rubs, x, width, power)
+def look(w: Floats, q: Floats, rubs: NDArray[np.bool_], x: Floats, width: float, power: float) -> Local:
+    """F and its derivatives. Args: as `trace_path`; x (k, 3)."""
+    slope, out = np.empty(w.shape), np.empty((len(x), COLUMNS))
+    off = look_at(w, q, rubs.astype(np.int64), np.ascontiguousarray(x), (width, power), slope, out)
+    return Local(out[:, MISS : MISS + 3], slope, out[:, RATE : RATE + 3], off, out[:, SIZE])
 
 
-def look_widely(
-    w: Floats, fine: FineArray, q: Floats, rubs: NDArray[np.bool_], x: FineArray, width: float, power: float
-) -> Local:
-    """As `look`, in any precision."""
-    k, soft, dim = len(x), width * width, width**power
-    y = q + (fine @ x.ravel()).reshape(-1, 3) + soft * x
-    y[~rubs, 1:] = 0.0
-    square = y[:, 1] ** 2 + y[:, 2] ** 2
-    size = np.sqrt(square + dim * dim)
-    blur = (dim / size) ** 2
-    lift = y[:, 1:] / size[:, None] * (1.0 + blur)[:, None]
-    y[:, 0] += np.where(rubs, square / size, 0.0)
-    z = x - y
-    low, high, tangent = spectral(z)
-    (p_low, c_low), (p_high, c_high) = root(low, width), root(high, width)
-    open_ = (x[:, 0] < y[:, 0])[:, None]
-    miss = np.where(open_, compose(p_low, p_high, tangent) - x, compose(c_low, c_high, tangent) - y)
-
-    p = np.stack([p_low, p_high, p_low + p_high], axis=1).astype(np.float64)
-    c = np.stack([c_low, c_high, c_low + c_high], axis=1).astype(np.float64)
-    miss, lift, tangent = miss.astype(np.float64), lift.astype(np.float64), tangent.astype(np.float64)
-    frame = frame_of(tangent)
-    turned = np.swapaxes(frame, 1, 2)
-    bears, opens = (frame * (p / (p + c))[:, None, :]) @ turned, (frame * (c / (p + c))[:, None, :]) @ turned
-    rows = (w + soft * np.eye(3 * k)).reshape(k, 3, 3 * k)
-    rows[:, 0] += lift[:, 0, None] * rows[:, 1] + lift[:, 1, None] * rows[:, 2]
-    slope = (bears @ rows).reshape(3 * k, 3 * k)
-    each = np.arange(k)
-    slope.reshape(k, 3, k, 3)[each, :, each, :] += opens
-
-    pushed = 2.0 * soft * x.astype(np.float64)
-    pushed[:, 0] += np.where(rubs, (lift * pushed[:, 1:]).sum(axis=1) - (power * square / size * blur).astype(np.float64), 0.0)
-    low, high = low.astype(np.float64), high.astype(np.float64)
-    rate = compose(2.0 * soft / np.hypot(low, 2.0 * width), 2.0 * soft / np.hypot(high, 2.0 * width), tangent)
-    rate -= (bears @ pushed[:, :, None])[:, :, 0]
-    along, across = (miss[:, 1:] * tangent).sum(axis=1), miss[:, 2] * tangent[:, 0] - miss[:, 1] * tangent[:, 1]
-    ends = np.stack([miss[:, 0] - along, miss[:, 0] + along, across], axis=1)
-    room = np.minimum(p, c) + 2.0 * float(np.finfo(fine.dtype).eps) * (0.2 + float(np.abs(z).max()))
-    return Local(miss, slope, rate, float(np.abs(ends / room).max()), p[:, 1])
-
-
-def trace_path(fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Iterator[PathPoint]:
+def trace_path(w: Floats, q: Floats, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Iterator[PathPoint]:
     """Points of the path; ends where the path is lost.
 
-    Args: fine (3k, 3k), W in the precision that x and y shall have, and q (k, 3), scaled to order one and to mu = 1;
-        rubs (k,): contacts with friction; power: of w in the width of sliding; effort: what is left.
+    Args: w (3k, 3k) and q (k, 3) scaled to order one and to mu = 1; rubs (k,): contacts with friction; power: of w in the width
+        of sliding; effort: what is left.
     """
-    n, w = len(fine), fine.astype(np.float64)
-    before, cost = effort.matrices, TRACED if fine.dtype == np.float64 else EXTENDED
-    x = start(w, fine, q, rubs, power, effort)
+    n, before = len(w), effort.matrices
+    x = start(w, q, rubs, power, effort)
     used = effort.matrices - before
-    here = look(w, fine, q, rubs, x, WIDEST, power)
+    here = look(w, q, rubs, x, WIDEST, power)
     unit, turn = np.repeat(here.size, 3), np.zeros(n + 1)
     log_width, arc, turn[n], count = math.log(WIDEST), 1.0, -1.0, 0
     matrix, right = np.empty((n + 1, n + 1)), np.empty(n + 1)
@@ -141,7 +94,7 @@ def trace_path(fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float
         matrix[:n, :n], matrix[:n, n] = at.slope * unit, -at.rate.ravel()
         matrix[n, :n], matrix[n, n] = turn[:n] / n, turn[n]
         right[:n], right[n] = miss, along
-        if not effort.take(cost):
+        if not effort.take(TRACED):
             return None
         _, _, made, status = gesv(matrix, right)
         return made if status == 0 and np.isfinite(made).all() else None
@@ -154,7 +107,7 @@ def trace_path(fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float
         turn = made / math.sqrt(made[:n] @ made[:n] / n + made[n] ** 2)
         drift = (unit * made[:n]).reshape(-1, 3) / (made[n] or 1e-300)
         if used > count + 1 and log_width < math.log(WIDEST):
-            yield PathPoint(x.astype(np.float64), drift, math.exp(log_width))
+            yield PathPoint(x, drift, math.exp(log_width))
             count = used
         while arc > SHORTEST:
             step = min(arc, LONGEST / max(abs(turn[n]), 1e-9))
@@ -164,7 +117,7 @@ def trace_path(fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float
             found, log_found, tries = x + way * (unit * turn[:n]).reshape(-1, 3), log_width + step * turn[n], 0
             last = math.inf
             while True:
-                there = look(w, fine, q, rubs, found, math.exp(log_found), power)
+                there = look(w, q, rubs, found, math.exp(log_found), power)
                 lost = not math.isfinite(there.off) or (tries > 1 and there.off > 2.0 * last)
                 if there.off <= CENTRED or tries == TRIES or lost:
                     break
@@ -187,19 +140,19 @@ def trace_path(fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float
             return
 
 
-def start(w: Floats, fine: FineArray, q: Floats, rubs: NDArray[np.bool_], power: float, effort: Effort) -> FineArray:
+def start(w: Floats, q: Floats, rubs: NDArray[np.bool_], power: float, effort: Effort) -> Floats:
     """The point of the path (k, 3) at the widest width by Newton with a line search."""
-    x = np.zeros(q.shape, fine.dtype)
+    x = np.zeros(q.shape)
     x[:, 0] = WIDEST
-    here = look(w, fine, q, rubs, x, WIDEST, power)
+    here = look(w, q, rubs, x, WIDEST, power)
     for _ in range(60):
-        if here.off < 1e-2 or not effort.take(TRACED if fine.dtype == np.float64 else EXTENDED):
+        if here.off < 1e-2 or not effort.take(TRACED):
             break
         _, _, way, _ = gesv(here.slope, here.miss.ravel())
         way, size, before = way.reshape(-1, 3), 1.0, float((here.miss**2).sum())
         way[~rubs, 1:] = 0.0
         for _ in range(10):
-            here = look(w, fine, q, rubs, x + size * way, WIDEST, power)
+            here = look(w, q, rubs, x + size * way, WIDEST, power)
             if float((here.miss**2).sum()) < (1.0 - 1e-4 * size) * before:
                 break
             size *= 0.5

@@ -137,7 +137,7 @@ def _still(group: Group, X: Pose, laws: Laws, names: _Names) -> list[Body]:
             Body(
                 name=names.fresh(group.lead.name),
                 motion="static",
-                material=laws.still[key],
+                material=laws.still[group.lead.name, key],
                 collision=_placed(shapes, Pose(np.eye(3), np.zeros(3))),
                 p_WB=vector(X.p),
                 q_WB=quaternion(X.R),

@@ -102,9 +102,10 @@ class _Child:
             for kind, value in self.inbox.lines():
                 if kind == "ready" and not self.ready:
                     self.ready, self.deadline = True, Deadline(self.process.pid or 0, self.trial.deadline)
-                elif kind == "answered" and self.answered is None:
+                elif kind == "answered":
+                    if self.answered is None:
+                        self.deadline = Deadline(self.process.pid or 0, self.trial.deadline)
                     self.answered = read_record(self.trial, value)
-                    self.deadline = Deadline(self.process.pid or 0, self.trial.deadline)
                 elif kind == "record":
                     self.said = read_record(self.trial, value)
                 else:

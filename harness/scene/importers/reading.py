@@ -107,7 +107,11 @@ def _inside(path: Path, companion: Companion) -> dict[str, Path]:
 
 def _robot(path: Path, companion: Companion, wishes: Wishes) -> Robot:
     reading = Reading(
-        folders=Folders(path.parent, wishes.packages), companion=companion, convex=wishes.convex, tell=wishes.tell
+        folders=Folders(path.parent, wishes.packages),
+        companion=companion,
+        convex=wishes.convex,
+        strict=wishes.strict,
+        tell=wishes.tell,
     )
     return importer_of(path).read(path, reading)
 

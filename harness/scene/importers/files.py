@@ -49,6 +49,12 @@ class Folders:
             )
         return target if target.exists() else None
 
+    def strays(self, reference: str) -> bool:
+        """Is it an absolute path that leads out of all folders, as those of another machine do?"""
+        return Path(reference).is_absolute() and not any(
+            Path(reference).is_relative_to(root) for root in (self.home.resolve(), *self.packages.values())
+        )
+
     def missing(self, reference: str) -> str:
         """Why a reference has led to nothing, with the words that mend it."""
         scheme = _SCHEME.fullmatch(reference)
@@ -56,15 +62,19 @@ class Folders:
             name = scheme[2].lstrip("/").partition("/")[0]
             if name not in self.packages:
                 return f"package {quoted(name, 80)} is not known; --package {quoted(name, 80)[1:-1]}=DIR says where it lies"
+        if self.strays(reference):
+            return (
+                "an absolute path that leads out of the robot's folder; --package NAME=DIR adds a folder that files may lie in"
+            )
         return "there is no such file"
 
 
-def content(path: Path, where: str) -> bytes:
-    """The bytes of a regular file of at most the allowed number. Raises: RobotError."""
+def content(path: Path, where: str, limit: str = "bytes") -> bytes:
+    """The bytes of a regular file of at most the allowed number. Args: limit: its name. Raises: RobotError."""
     try:
         regular(path)
         size = path.stat().st_size
-        if excess := beyond("bytes", size):
+        if excess := beyond(limit, size, "bytes"):
             raise RobotError(f"{where}: {named(path)}: {excess}")
         return path.read_bytes()
     except InputError as error:

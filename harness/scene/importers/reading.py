@@ -130,8 +130,8 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     if companion.base is not None and robot.gravity is not None:
         raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
-    robot = rooted(robot, companion, wishes)
-    rows += undropped(robot, wishes.drop)
+    robot, more = rooted(robot, companion, wishes)
+    rows += [*more, *undropped(robot, wishes.drop)]
     robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
     rows += more
     start = wishes.start or companion.start or ("inside" if wishes.scenario else "zero")
@@ -200,7 +200,7 @@ def _undropped(
     if not back:
         return None, []
     try:
-        return imported(robot, companion, replace(wishes, drop=wishes.drop - back, looks=False), commands).scene, []
+        return imported(robot, companion, replace(wishes, drop=wishes.drop - back, looks=False, tell=None), commands).scene, []
     except RobotError as error:
         kinds = listed(sorted(back))
         why = f"what that changes is not measured, since it cannot be read with them: {error}"

@@ -158,14 +158,10 @@ def _coordinates(joint: Element) -> tuple[Coordinate, ...]:
 
 def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link], list[Need]]:
     """The links with the ties of their mimics, and those that no tie says: of joints without one coordinate, or locked."""
-    mimics = {
-        joint.attributes["name"]: mimic
-        for joint in joints
-        if (mimic := joint.first("mimic")) is not None and joint.attributes["type"] != "fixed"
-    }
-    names = {joint.attributes["name"] for joint in joints}
+    kinds = {joint.attributes["name"]: joint.attributes["type"] for joint in joints}
+    mimics = {name: mimic for name, mimic in _mimics(joints).items() if kinds[name] != "fixed"}
     for mimic in mimics.values():
-        if mimic.attributes["joint"] not in names:
+        if mimic.attributes["joint"] not in kinds:
             raise mimic.refuse(f"joint is {mimic.attributes['joint'][:80]!r}, expected the name of a <joint>")
     single = {c.name for link in read.values() if len(link.coordinates) == 1 for c in link.coordinates if c.kind != "free"}
     ties = {
@@ -179,8 +175,14 @@ def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link]
         name: replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates))
         for name, link in read.items()
     }
-    loose = tuple(name for name in mimics if name not in ties)
-    return linked, [Need(kind="mimic", element="joint", names=loose, size="each then moves freely")] if loose else []
+    still = tuple(name for name in mimics if name not in ties and kinds[mimics[name].attributes["joint"]] == "fixed")
+    loose = tuple(name for name in mimics if name not in ties and name not in still)
+    sizes = ((loose, "each then moves freely"), (still, "of a fixed joint, which does not move; each then moves freely"))
+    return linked, [Need(kind="mimic", element="joint", names=names, size=size) for names, size in sizes if names]
+
+
+def _mimics(joints: list[Element]) -> dict[str, Element]:
+    return {joint.attributes["name"]: mimic for joint in joints if (mimic := joint.first("mimic")) is not None}
 
 
 def _rows(joints: list[Element], left: urdf_grammar.Left) -> list[Fidelity]:
@@ -195,6 +197,8 @@ def _rows(joints: list[Element], left: urdf_grammar.Left) -> list[Fidelity]:
     for tag in ("safety_controller", "calibration"):
         having = [joint.attributes["name"] for joint in joints if joint.first(tag) is not None]
         rows += Fidelity.left_out(tag, having, "a controller's own, no part of the motion of the links")
+    idle = list(_mimics([joint for joint in joints if joint.attributes["type"] == "fixed"]))
+    rows += Fidelity.left_out("mimic", idle, "a fixed joint moves with nobody")
     ignored = [
         joint.attributes["name"]
         for joint in joints

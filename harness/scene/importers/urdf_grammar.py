@@ -84,6 +84,7 @@ _NOT_NEGATIVE = {
     ("limit", "effort"),
     ("limit", "velocity"),
 }
+_ONCE = ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry")
 _STILL = {
     *("visual", "material", "color", "texture", "calibration", "safety_controller"),
     *("version", "group", "rgba", "rising", "falling"),
@@ -125,20 +126,17 @@ def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tupl
     text = element.attributes.get(name)
     if text is None:
         return None
-    words = text.split()
-    expected = " or ".join(str(count) for count in counts)
+    words, several = text.split(), "s" if counts != (1,) else ""
     if len(words) not in counts:
-        raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{'s' if counts != (1,) else ''}")
-    values = []
-    for word in words:
-        try:
-            value = float(word) if len(word) < 400 and "_" not in word else math.nan
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise element.refuse(f"{name} is {quoted(text)}, expected finite number{'s' if counts != (1,) else ''}")
-        values.append(value)
-    return tuple(values)
+        expected = " or ".join(str(count) for count in counts)
+        raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{several}")
+    try:
+        values = tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,)
+    except ValueError:
+        values = (math.nan,)
+    if not all(map(math.isfinite, values)):
+        raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
+    return values
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,11 +192,13 @@ def _checked(element: Element, left: Left, strict: bool) -> Element:
             hint = did_you_mean(misspelt(child.tag, known) or child.tag, known, "<{}>")
             expected = f"one of {', '.join(known)}" if known else "no element"
             raise child.refuse(f"is unknown in <{element.tag}>, expected {expected}{hint}")
-    for tag in ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry"):
-        if sum(child.tag == tag for child in kept) > 1:
-            raise next(child for child in reversed(kept) if child.tag == tag).refuse(
-                f"stands twice in {element.where.partition(': ')[2]}, expected once"
-            )
+    if len(kept) > 1:
+        tags = [child.tag for child in kept]
+        for tag in _ONCE:
+            if tags.count(tag) > 1:
+                raise next(child for child in reversed(kept) if child.tag == tag).refuse(
+                    f"stands twice in {element.where.partition(': ')[2]}, expected once"
+                )
     if element.tag in ("visual", "collision") and not any(child.tag == "geometry" for child in kept):
         raise element.refuse("has no <geometry>, expected one")
     if element.tag == "joint":

@@ -49,6 +49,7 @@ def read(path: Path, reading: Reading) -> Robot:
         root="fixed" if root_name == "world" and links[root_name].first("inertial") is None else None,
         rows=tuple(rows),
         needs=tuple(needs),
+        wordless=frozenset({"drive"}),
         source=where,
     )
 

@@ -48,9 +48,11 @@ class _Difference:
         pairs = np.stack([np.argmax(ways @ self._a.T, axis=1), np.argmin(ways @ self._b.T, axis=1)], axis=1)
         points = self._a[pairs[:, 0]] - self._b[pairs[:, 1]]
         far: Floats = np.einsum("ni,ni->n", ways, points)
-        fresh = [
-            n for n, pair in enumerate(map(tuple, pairs.tolist())) if pair not in self._known and not self._known.add(pair)
-        ]
+        fresh = list[int]()
+        for n, pair in enumerate(map(tuple, pairs.tolist())):
+            if pair not in self._known:
+                self._known.add(pair)
+                fresh.append(n)
         self.pairs = np.concatenate([self.pairs, pairs[fresh]])
         self.points = np.concatenate([self.points, points[fresh]])
         return far, bool(fresh)

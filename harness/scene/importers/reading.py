@@ -17,7 +17,7 @@ from plumbline.harness.scene.importers.commands import load_commands
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.files import Folders, packages_above
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.joint_tree import Tree, tree_of
@@ -107,7 +107,7 @@ def _inside(path: Path, companion: Companion) -> dict[str, Path]:
 
 def _robot(path: Path, companion: Companion, wishes: Wishes) -> Robot:
     reading = Reading(
-        folders=Folders(path.parent, wishes.packages),
+        folders=Folders(path.parent, {**packages_above(path), **wishes.packages}),
         companion=companion,
         convex=wishes.convex,
         strict=wishes.strict,

@@ -70,13 +70,18 @@ class Shapes:
     def _shape(self, collision: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
         form = _form(collision)
         if form.tag == "mesh":
-            return self._mesh(form, f"{collision.where}: mesh filename", link)
-        shape = _primitive(form)
+            return self.mesh(form.attributes["filename"], _scale(form), f"{collision.where}: mesh filename", link)
+        return self.primitive(_primitive(form))
+
+    def primitive(self, shape: Shape) -> tuple[Sequence[Shape], Solid]:
+        """A shape that has a word in a scene, and what it is filled with."""
         self._exact += 1
         return [shape], of_shape(shape)
 
-    def _mesh(self, mesh: Element, where: str, link: str) -> tuple[Sequence[Shape], Solid] | None:
-        scale, filename = _scale(mesh), mesh.attributes["filename"]
+    def mesh(
+        self, filename: str, scale: tuple[float, float, float], where: str, link: str
+    ) -> tuple[Sequence[Shape], Solid] | None:
+        """What stands for a link's mesh, and the mesh filled; None where there is no such file. Raises: RobotError."""
         path = None if self._folders.strays(filename) else self._folders.found(filename, where)
         if path is None:
             why = self._folders.missing(filename)

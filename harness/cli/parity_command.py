@@ -38,7 +38,7 @@ _robot_file = click.Path(path_type=Path, dir_okay=False)
 @limited
 @json_rows
 def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> None:
-    """Say whether FILE and OTHER (URDF, MJCF) are the same robot, and what each difference is worth.
+    """Say whether FILE and OTHER (URDF, MJCF, SDF) are the same robot, and what each difference is worth.
 
     Without OTHER, FILE is compared with what each engine's own loader makes of it.
 

@@ -61,7 +61,8 @@ class Sensors:
         return Lidar(
             name=name, body=link, rate=rate, p_BS=vector(X_LS.p), q_BS=quaternion(X_LS.R), channels=channels,
             columns=min(columns, 65536), elevation_low=number(up, "min_angle", 0.0),
-            elevation_high=number(up, "max_angle", 0.0), min_range=max(0.0, number(bounds, "min", 0.0)), max_range=_finite(bounds, "max", 100.0),
+            elevation_high=number(up, "max_angle", 0.0), min_range=max(0.0, number(bounds, "min", 0.0)),
+            max_range=_finite(bounds, "max", 100.0),
         )  # fmt: skip
 
     def rows(self) -> list[Fidelity]:

@@ -76,10 +76,12 @@ _FRICTIONS = ("static_friction", "kinetic_friction", "torsional_friction", "roll
 def touch_rows(a: RobotFacts, b: RobotFacts, tolerance: float) -> list[Difference]:
     """The pairs that may touch in one of the two alone, and the friction of those that may in both."""
     rows = []
-    for mine, other, words in ((a, b, ("touch", "never touch")), (b, a, ("never touch", "touch"))):
+    for mine, other, here, there in ((a, b, "touch", "never touch"), (b, a, "never touch", "touch")):
         alone = [pair for pair in mine.touches if pair not in other.touches]
         if alone:
-            rows.append(_row("touch", _named(alone), *words, tolerance, words="excluded, masked or a neighbour in one alone"))
+            rows.append(
+                _row("touch", _named(alone), here, there, tolerance, words="excluded, masked or a neighbour in one alone")
+            )
     for quantity in _FRICTIONS:
         values = {pair: (getattr(a.touches[pair], quantity), getattr(b.touches[pair], quantity)) for pair in _common(a, b)}
         off = {pair: abs(x - y) / max(abs(x), abs(y), 1e-300) for pair, (x, y) in values.items()}

@@ -1,4 +1,4 @@
-"""SDF: the format of Gazebo."""
+"""SDF: Gazebo's format."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

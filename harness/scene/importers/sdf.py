@@ -272,7 +272,7 @@ def _direction(joint: _Placed, axis: Element, X_MJ: Pose, version: str) -> Array
 
 
 def _bound(limit: Element | None, tag: str) -> float | None:
-    value = None if limit is None else numbers(limit, tag)
+    value = None if limit is None else numbers(limit, tag, infinite=True)
     return None if value is None or abs(value[0]) >= _OPEN else value[0]
 
 

@@ -12,6 +12,8 @@ from plumbline.harness.intake.near_miss import misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers.xml_text import Element
 
+SMALLEST, FARTHEST = 1e-9, 1e6
+"""Of shapes [m]: beyond them volumes and moments have no digits left."""
 VERSIONS = ("1.6", "1.7", "1.8", "1.9", "1.10", "1.11")
 _MOVES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -119,36 +121,44 @@ def why(word: str) -> str:
     return _NO_PART.get(word, "no part of the motion of the links")
 
 
-def numbers(element: Element, tag: str = "", counts: tuple[int, ...] = (1,)) -> tuple[float, ...] | None:
-    """The numbers that a child says, or the element itself; None where there is no such child. Raises: RobotError."""
+def numbers(
+    element: Element, tag: str = "", counts: tuple[int, ...] = (1,), *, infinite: bool = False
+) -> tuple[float, ...] | None:
+    """The numbers that a child says, or the element itself; None where there is no such child.
+
+    Args: infinite: may they be? Raises: RobotError.
+    """
     stated = element.first(tag) if tag else element
     if stated is None:
         return None
     words = stated.text.split()
     try:
-        values = tuple(math.inf if word in ("inf", "+inf") else -math.inf if word == "-inf" else float(word) for word in words)
+        values = tuple(map(float, words)) if len(stated.text) < 1000 and "_" not in stated.text else ()
     except ValueError:
-        values = (math.nan,)
-    expected = " or ".join(str(count) for count in counts)
-    if len(values) not in counts or any(map(math.isnan, values)) or "_" in stated.text:
-        raise stated.refuse(f"is {quoted(stated.text.strip(), 80)}, expected {expected} number{'s' * (counts != (1,))}")
+        values = ()
+    if len(values) not in counts or any(map(math.isnan, values)) or not (infinite or all(map(math.isfinite, values))):
+        expected = " or ".join(str(count) for count in counts)
+        what = "" if infinite else "finite "
+        raise stated.refuse(f"is {quoted(stated.text.strip(), 80)}, expected {expected} {what}number{'s' * (counts != (1,))}")
     return values
 
 
 def number(element: Element | None, tag: str, default: float) -> float:
-    """A finite number that a child says, or the default. Raises: RobotError."""
+    """A number that a child says, or the default. Raises: RobotError."""
     value = None if element is None else numbers(element, tag)
-    if value is not None and not math.isfinite(value[0]):
-        raise element.first(tag).refuse("is not finite, expected a finite number")  # type: ignore[union-attr]  # they are there
     return default if value is None else value[0]
 
 
-def positive(element: Element, tag: str) -> float:
-    """A number above 0 that a child has to say. Raises: RobotError."""
-    value = number(element, tag, math.nan)
-    if not value > 0:
-        raise element.refuse(f"<{tag}> is {'missing' if math.isnan(value) else f'{value:g}'}, expected a number above 0")
-    return value
+def lengths(element: Element, tag: str, default: tuple[float, ...] = ()) -> tuple[float, ...]:
+    """As many lengths [m] as the default has; without a default one, which a child has to say. Raises: RobotError."""
+    values = numbers(element, tag, (len(default) or 1,))
+    if values is None and not default:
+        raise element.refuse(f"has no <{tag}>, expected one")
+    values = values or default
+    if not all(SMALLEST <= value <= FARTHEST for value in values):
+        said = ", ".join(f"{value:g}" for value in values)
+        raise element.refuse(f"<{tag}> is {said}, expected {SMALLEST:g} to {FARTHEST:g} m")
+    return values
 
 
 def flag(element: Element, tag: str, default: bool = False) -> bool:

@@ -7,7 +7,10 @@ Source: Open Robotics, SDFormat Specification, <sensor>.
 import math
 
 import numpy as np
+from pydantic import ValidationError
 
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.scene import Camera, DepthCamera, Imu, Lidar, Sensor
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.poses import Pose, quaternion, vector
@@ -18,6 +21,7 @@ RATE = 240.0
 """Readings a second of a sensor that is read at every step, as one without a rate is: one each coarsest step of a run."""
 _LOOKS = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """The axes of a scene's camera in SDF's, as columns."""
+_CAMERAS = ("camera", "depth_camera", "depth")
 _LIDARS = ("gpu_lidar", "lidar", "ray", "gpu_ray")
 
 
@@ -30,18 +34,25 @@ class Sensors:
     def of(self, element: Element, link: str, prefix: str, X_LS: Pose) -> Sensor | None:
         """The sensor on a link, or None. Raises: RobotError."""
         kind, name = element.attributes.get("type", ""), prefix + element.attributes.get("name", f"sensor line {element.line}")
-        rate = number(element, "update_rate", 0.0)
-        if kind == "imu":
-            made: Sensor = Imu(name=name, body=link, rate=rate or RATE, p_BS=vector(X_LS.p), q_BS=quaternion(X_LS.R))
-        elif kind in _LIDARS:
-            made = self._lidar(element, kind, name, link, rate or RATE, X_LS)
-        elif kind in ("camera", "depth_camera", "depth"):
-            made = _camera(element, kind, name, link, rate or RATE, X_LS)
-        else:
+        stated = number(element, "update_rate", 0.0)
+        rate = stated if stated > 0 else RATE
+        if kind not in ("imu", *_LIDARS, *_CAMERAS):
             self._rows.setdefault((kind, "left_out"), []).append(name)
             return None
+        try:
+            if kind == "imu":
+                made: Sensor = Imu(name=name, body=link, rate=rate, p_BS=vector(X_LS.p), q_BS=quaternion(X_LS.R))
+            elif kind in _LIDARS:
+                made = self._lidar(element, kind, name, link, rate, X_LS)
+            else:
+                made = _camera(element, kind, name, link, rate, X_LS)
+        except (ValidationError, ValueError, ArithmeticError) as error:
+            if isinstance(error, RobotError):
+                raise
+            said = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+            raise element.refuse(readable(f"is no sensor of a scene: {said}", 300)) from None
         self._rows.setdefault((kind, "without its noise"), []).append(name)
-        if rate <= 0:
+        if stated <= 0:
             self._rows.setdefault((kind, "its rate"), []).append(name)
         return made
 
@@ -86,7 +97,7 @@ class Sensors:
 
 def _finite(element: Element | None, tag: str, default: float) -> float:
     """A number that may be infinite in the file."""
-    value = None if element is None else numbers(element, tag)
+    value = None if element is None else numbers(element, tag, infinite=True)
     return default if value is None or not math.isfinite(value[0]) else value[0]
 
 

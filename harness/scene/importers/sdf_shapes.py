@@ -1,5 +1,6 @@
 """SDF's collisions: shapes in their link, what they are for contacts, and the mass that fills them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
@@ -12,7 +13,7 @@ from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.poses import Pose
 from plumbline.harness.scene.importers.robot import Contacts, Geometry, Solid
 from plumbline.harness.scene.importers.sdf_frames import Scope
-from plumbline.harness.scene.importers.sdf_grammar import flag, number, numbers, positive, word
+from plumbline.harness.scene.importers.sdf_grammar import flag, lengths, number, numbers, word
 from plumbline.harness.scene.importers.solids import moved, together
 from plumbline.harness.scene.importers.urdf_shapes import Shapes
 from plumbline.harness.scene.importers.xml_text import Element
@@ -76,21 +77,21 @@ class Collisions:
         form = forms[0]
         match form.tag:
             case "box":
-                x, y, z = (side / 2 for side in numbers(form, "size", (3,)) or (1.0, 1.0, 1.0))
-                if min(x, y, z) <= 0:
-                    raise form.refuse("<size> is not above 0 everywhere, expected that")
+                x, y, z = (side / 2 for side in lengths(form, "size", (1.0, 1.0, 1.0)))
                 return self._shapes.primitive(Box(half_extents=(x, y, z)))
             case "sphere":
-                return self._shapes.primitive(Sphere(radius=positive(form, "radius")))
+                return self._shapes.primitive(Sphere(radius=lengths(form, "radius")[0]))
             case "cylinder" | "capsule":
                 kind = Cylinder if form.tag == "cylinder" else Capsule
-                made = kind(radius=positive(form, "radius"), half_length=positive(form, "length") / 2)
+                made = kind(radius=lengths(form, "radius")[0], half_length=lengths(form, "length")[0] / 2)
                 return self._shapes.primitive(made)
             case "ellipsoid":
-                x, y, z = numbers(form, "radii", (3,)) or (1.0, 1.0, 1.0)
+                x, y, z = lengths(form, "radii", (1.0, 1.0, 1.0))
                 return self._shapes.primitive(Ellipsoid(semi_axes=(x, y, z)))
             case "plane":
                 x, y, z = numbers(form, "normal", (3,)) or (0.0, 0.0, 1.0)
+                if not math.hypot(x, y, z) > 1e-9:
+                    raise form.refuse("<normal> has no length, expected a direction")
                 return self._shapes.primitive(Plane(normal=(x, y, z)))
             case "mesh":
                 if form.first("submesh") is not None:

@@ -15,12 +15,12 @@ def did_you_mean(name: str, known: Iterable[str], form: str = "{}") -> str:
     return f"; did you mean {form.format(one_line(near[0], 80))}?" if near else ""
 
 
-def misspelt(name: str, known: Iterable[str]) -> str | None:
+def misspelt(name: str, words: Iterable[str]) -> str | None:
     """The known word that a name is most likely a slip of the pen for: within two edits of it, one where either has less than
     five letters; None where there is none, and for a single letter."""
     if len(name) < 2 or len(name) > 100:
         return None
-    near = [(edit_distance(name.lower(), word.lower()), word) for word in known if abs(len(word) - len(name)) <= 2]
+    near = [(edit_distance(name.lower(), word.lower()), word) for word in words if abs(len(word) - len(name)) <= 2]
     near = [(edits, word) for edits, word in near if edits <= (2 if min(len(name), len(word)) >= 5 else 1)]
     return min(near)[1] if near else None
 

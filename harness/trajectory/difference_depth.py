@@ -14,7 +14,7 @@ import numpy as np
 
 from plumbline.harness.trajectory import Floats, Integers
 
-_WAYS = np.array([way for way in every((-1.0, 0.0, 1.0), repeat=3) if any(way)])
+_WAYS = np.array([direction for direction in every((-1.0, 0.0, 1.0), repeat=3) if any(direction)])
 _WAYS /= np.linalg.norm(_WAYS, axis=1)[:, None]
 _AT_ONCE = 12
 """Faces that are looked beyond in one turn."""

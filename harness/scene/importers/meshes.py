@@ -122,15 +122,15 @@ def simplified(hull: ConvexHull) -> tuple[ConvexHull, float]:
     if len(corners) <= MOST_CORNERS:
         return hull, 0.0
     ways = np.concatenate((np.eye(3), -np.eye(3), np.ones((1, 3)), -np.ones((1, 3))))
-    kept = np.unique(np.argmax(ways @ corners.T, axis=1))
+    chosen = np.unique(np.argmax(ways @ corners.T, axis=1))
     while True:
-        outside = corners @ (faces := Qhull(corners[kept]).equations)[:, :3].T + faces[:, 3]
+        outside = corners @ (faces := Qhull(corners[chosen]).equations)[:, :3].T + faces[:, 3]
         farthest, beyond_faces = np.argmax(outside, axis=0), np.max(outside, axis=0)
-        order = np.argsort(-beyond_faces)[: min(_AT_ONCE, MOST_CORNERS - len(kept))]
-        fresh = np.setdiff1d(farthest[order], kept)
+        order = np.argsort(-beyond_faces)[: min(_AT_ONCE, MOST_CORNERS - len(chosen))]
+        fresh = np.setdiff1d(farthest[order], chosen)
         if len(fresh) == 0:
-            return ConvexHull(vertices=corners[kept].tolist()), max(0.0, float(beyond_faces.max()))
-        kept = np.sort(np.concatenate((kept, fresh)))
+            return ConvexHull(vertices=corners[chosen].tolist()), max(0.0, float(beyond_faces.max()))
+        chosen = np.sort(np.concatenate((chosen, fresh)))
 
 
 def coarser(off: Mapping[str, float]) -> list[Fidelity]:

@@ -77,41 +77,41 @@ def read(path: Path, reading: Reading) -> Robot:
             raise model.refuse(excess)
     held = {} if flag(model, "static") else _held(joints, links)
     collisions, sensors, needs = Collisions(reading, flag(model, "self_collide")), Sensors(), list[Need]()
-    made, mounted = [Link(name=WORLD, parent=None, where=model.where)], list[Sensor]()
+    robot_links, mounted = [Link(name=WORLD, parent=None, where=model.where)], list[Sensor]()
     for name in _from_the_world(links, held):
-        here = links[name]
+        placed = links[name]
         joint = held.get(name)
         parent = WORLD if joint is None else joint.scope.link_of(word(joint.element, "parent"), joint.element)
-        X_WL, X_WP = here.pose(), IDENTITY if parent == WORLD else links[parent].pose()
+        X_WL, X_WP = placed.pose(), IDENTITY if parent == WORLD else links[parent].pose()
         free = joint is None and not flag(model, "static")
-        X_ML = here.scope.pose_of(here.element.attributes["name"], here.element)
-        geometries = collisions.of(here.element, here.scope, X_ML, name)
-        made.append(
+        X_ML = placed.scope.pose_of(placed.element.attributes["name"], placed.element)
+        geometries = collisions.of(placed.element, placed.scope, X_ML, name)
+        robot_links.append(
             Link(
                 name=name,
                 parent=parent,
                 X_PL=X_WP.inverse() @ X_WL,
-                coordinates=(Coordinate(name=f"{name}.root", kind="free", where=here.element.where),)
+                coordinates=(Coordinate(name=f"{name}.root", kind="free", where=placed.element.where),)
                 if free
                 else _coordinates(joint, X_WL, version),
-                solid=_solid(here, X_ML, collisions, needs),
+                solid=_solid(placed, X_ML, collisions, needs),
                 geometries=geometries,
-                where=here.element.where,
+                where=placed.element.where,
             )
         )
-        for element in here.element.all("sensor"):
-            X_MS = here.scope.placed(element, here.element.attributes["name"])
-            sensor = sensors.of(element, name, here.scope.prefix, X_ML.inverse() @ X_MS)
+        for element in placed.element.all("sensor"):
+            X_MS = placed.scope.placed(element, placed.element.attributes["name"])
+            sensor = sensors.of(element, name, placed.scope.prefix, X_ML.inverse() @ X_MS)
             mounted += [] if sensor is None else [sensor]
     needs += _needs(links)
     contacts, contact_rows = collisions.contacts()
     if left.unknown and reading.tell is not None:
         words = listed(list(left.unknown), 12)
         reading.tell(f"{where}: left out, since SDF has no such word: {words}; --strict refuses it")
-    floating = any(c.kind == "free" for link in made for c in link.coordinates)
+    floating = any(c.kind == "free" for link in robot_links for c in link.coordinates)
     return Robot(
         name=readable(model.attributes.get("name", ""), 100) or path.stem,
-        links=tuple(made),
+        links=tuple(robot_links),
         root="floating" if floating else "fixed",
         gravity=gravity,
         contacts=contacts,
@@ -156,9 +156,9 @@ def _model_pose(model: Element, scope: Scope) -> Pose:
     stated = model.first("pose")
     if stated is not None and stated.attributes.get("relative_to", WORLD) not in ("", WORLD):
         raise stated.refuse("tells the model's pose in a frame of a world, expected one in the world itself")
-    here = scope.placed(Element("frame", {}, model.file, model.line, [] if stated is None else [_plain(stated)]), ITSELF)
+    X_WM = scope.placed(Element("frame", {}, model.file, model.line, [] if stated is None else [_plain(stated)]), ITSELF)
     anchor = model.attributes.get("placement_frame")
-    return here if anchor is None else here @ scope.pose_of(anchor, model).inverse()
+    return X_WM if anchor is None else X_WM @ scope.pose_of(anchor, model).inverse()
 
 
 def _plain(stated: Element) -> Element:
@@ -267,8 +267,8 @@ def _direction(joint: _Placed, axis: Element, X_MJ: Pose, version: str) -> Array
     if not 1e-9 < np.linalg.norm(direction) < math.inf:
         raise axis.refuse("<xyz> has no length, expected a direction")
     R = joint.scope.pose_of(frame, axis).R if frame else X_MJ.R
-    found: Array = R @ direction / np.linalg.norm(direction)
-    return found
+    along: Array = R @ direction / np.linalg.norm(direction)
+    return along
 
 
 def _bound(limit: Element | None, tag: str) -> float | None:
@@ -296,9 +296,9 @@ def _tie(joint: _Placed, axis: Element) -> Tie | None:
     return Tie(joint=joint.scope.prefix + leader, ratio=ratio, offset=offset)
 
 
-def _solid(here: _Placed, X_ML: Pose, collisions: Collisions, needs: list[Need]) -> Solid:
+def _solid(placed: _Placed, X_ML: Pose, collisions: Collisions, needs: list[Need]) -> Solid:
     """The mass of a link: 1 kg and 1 kg m2 about each axis where nothing is said. Raises: RobotError."""
-    inertial, link = here.element.first("inertial"), here.name
+    inertial, link = placed.element.first("inertial"), placed.name
     if inertial is None:
         collisions.unsaid.append(link)
         return Solid(1.0, np.zeros(3), np.eye(3))
@@ -312,7 +312,7 @@ def _solid(here: _Placed, X_ML: Pose, collisions: Collisions, needs: list[Need])
     stated = inertial.first("inertia")
     xx, yy, zz = (number(stated, tag, 1.0) for tag in ("ixx", "iyy", "izz"))
     xy, xz, yz = (number(stated, tag, 0.0) for tag in ("ixy", "ixz", "iyz"))
-    X = X_ML.inverse() @ here.scope.placed(inertial, here.element.attributes["name"])
+    X = X_ML.inverse() @ placed.scope.placed(inertial, placed.element.attributes["name"])
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return Solid(mass, X.p, X.R @ tensor @ X.R.T)
 
@@ -320,12 +320,12 @@ def _solid(here: _Placed, X_ML: Pose, collisions: Collisions, needs: list[Need])
 def _needs(links: dict[str, _Placed]) -> list[Need]:
     """What changes the motion and has no word in a scene. Raises: RobotError."""
     needs, lifted, braked = list[Need](), list[str](), list[str]()
-    for name, here in links.items():
-        if flag(here.element, "kinematic"):
-            raise here.element.refuse("is kinematic: nothing says how it moves, expected a link that forces move")
-        if not flag(here.element, "gravity", default=True):
+    for name, placed in links.items():
+        if flag(placed.element, "kinematic"):
+            raise placed.element.refuse("is kinematic: nothing says how it moves, expected a link that forces move")
+        if not flag(placed.element, "gravity", default=True):
             lifted.append(name)
-        decay = here.element.first("velocity_decay")
+        decay = placed.element.first("velocity_decay")
         if any(number(decay, tag, 0.0) for tag in ("linear", "angular")):
             braked.append(name)
     if lifted:
@@ -337,13 +337,13 @@ def _needs(links: dict[str, _Placed]) -> list[Need]:
 
 def _rows(left: sdf_grammar.Left, others: list[str], links: dict[str, _Placed]) -> list[Fidelity]:
     rows = list[Fidelity]()
-    for tag, owners in left.known.items():
+    for tag, owners in left.of_sdf.items():
         rows += Fidelity.left_out(tag, owners, sdf_grammar.why(tag))
     for label, owners in left.unknown.items():
         rows += Fidelity.left_out(label, owners, "no word of SDF, and near none that changes the motion")
     rows += Fidelity.left_out(
         "model", others, "it stands still beside the robot; [ground] of the companion file makes a ground"
     )
-    alone = [name for name, here in links.items() if flag(here.element, "self_collide")]
+    alone = [name for name, placed in links.items() if flag(placed.element, "self_collide")]
     rows += Fidelity.left_out("self_collide", alone, "the model says whether its links touch each other, and not one of them")
     return rows

@@ -26,7 +26,7 @@ class Scope:
     prefix: str
     named: dict[str, Element] = field(default_factory=dict)
     models: "dict[str, Scope]" = field(default_factory=dict)
-    found: dict[str, Pose] = field(default_factory=dict)
+    poses: dict[str, Pose] = field(default_factory=dict)
     open: list[str] = field(default_factory=list)
 
     @classmethod
@@ -46,40 +46,40 @@ class Scope:
                 scope.models[name] = cls.of(child, f"{prefix}{name}::")
         return scope
 
-    def pose_of(self, name: str, asked: Element) -> Pose:
-        """The pose of a frame in the model. Args: asked: the element that names it. Raises: RobotError."""
+    def pose_of(self, name: str, asker: Element) -> Pose:
+        """The pose of a frame in the model. Args: asker: the element that names it. Raises: RobotError."""
         if name == ITSELF:
             return IDENTITY
         if name == "world":
-            raise asked.refuse("a pose in 'world' is not read inside of a model, expected a frame of the model")
-        if name not in self.found:
+            raise asker.refuse("a pose in 'world' is not read inside of a model, expected a frame of the model")
+        if name not in self.poses:
             if name in self.open:
-                raise asked.refuse(f"frames {listed(self.open)} are told in each other, expected an end to that")
+                raise asker.refuse(f"frames {listed(self.open)} are told in each other, expected an end to that")
             self.open.append(name)
-            self.found[name] = self._pose_of(name, asked)
+            self.poses[name] = self._pose_of(name, asker)
             self.open.pop()
-        return self.found[name]
+        return self.poses[name]
 
-    def _pose_of(self, name: str, asked: Element) -> Pose:
+    def _pose_of(self, name: str, asker: Element) -> Pose:
         head, colons, rest = name.partition("::")
-        element = self._element(head, asked)
+        element = self._element(head, asker)
         if element.tag == "model":
             inner = self.models[head]
             own = self.placed(element, ITSELF)
             anchor = element.attributes.get("placement_frame")
             if anchor is not None:
                 own = own @ inner.pose_of(anchor, element).inverse()
-            return own @ inner.pose_of(rest, asked) if colons else own
+            return own @ inner.pose_of(rest, asker) if colons else own
         if colons:
-            raise asked.refuse(f"{quoted(name, 80)} is no frame of the model, expected one")
+            raise asker.refuse(f"{quoted(name, 80)} is no frame of the model, expected one")
         if element.tag == "joint":
             return self.placed(element, word(element, "child"))
         return self.placed(element, element.attributes.get("attached_to") or ITSELF if element.tag == "frame" else ITSELF)
 
-    def _element(self, name: str, asked: Element) -> Element:
+    def _element(self, name: str, asker: Element) -> Element:
         if name not in self.named:
-            known = listed(list(self.named), 12)
-            raise asked.refuse(f"{quoted(name, 80)} is no frame of the model, expected one of {known}")
+            frames = listed(list(self.named), 12)
+            raise asker.refuse(f"{quoted(name, 80)} is no frame of the model, expected one of {frames}")
         return self.named[name]
 
     def placed(self, element: Element, default: str) -> Pose:
@@ -90,38 +90,38 @@ class Scope:
             base = stated.attributes.get("relative_to") or stated.attributes.get("frame") or default
         return self.pose_of(base, stated or element) @ (IDENTITY if stated is None else _stated(stated))
 
-    def link_of(self, name: str, asked: Element) -> str:
+    def link_of(self, name: str, asker: Element) -> str:
         """The full name of the link that a frame is attached to; 'world' for the world. Raises: RobotError."""
         if name == "world":
             return name
         if self.prefix and name == ITSELF:
-            return self.prefix + self.canonical(asked)
+            return self.prefix + self.canonical(asker)
         seen = [name]
         while True:
             head, colons, rest = name.partition("::")
             if name == ITSELF:
-                return self.prefix + self.canonical(asked)
-            element = self._element(head, asked)
+                return self.prefix + self.canonical(asker)
+            element = self._element(head, asker)
             if element.tag == "model":
                 inner = self.models[head]
-                return inner.link_of(rest if colons else ITSELF, asked)
+                return inner.link_of(rest if colons else ITSELF, asker)
             if element.tag == "link":
                 return self.prefix + name
             name = word(element, "child") if element.tag == "joint" else element.attributes.get("attached_to") or ITSELF
             if name in seen:
-                raise asked.refuse(f"frames {listed(seen)} are attached to each other, expected an end to that")
+                raise asker.refuse(f"frames {listed(seen)} are attached to each other, expected an end to that")
             seen.append(name)
 
-    def canonical(self, asked: Element) -> str:
+    def canonical(self, asker: Element) -> str:
         """The link that stands for the model: the one that it names, else the first; of a model of models the first one's."""
         stated = self.model.attributes.get("canonical_link")
         if stated is not None:
-            return self.link_of(stated, asked).removeprefix(self.prefix)
+            return self.link_of(stated, asker).removeprefix(self.prefix)
         for child in self.model.children:
             if child.tag == "link":
                 return child.attributes["name"]
         for name, inner in self.models.items():
-            return f"{name}::{inner.canonical(asked)}"
+            return f"{name}::{inner.canonical(asker)}"
         raise self.model.refuse("has no <link>, expected at least one")
 
 
@@ -135,7 +135,7 @@ def _stated(element: Element) -> Pose:
         x, y, z, w = values[3:]
         if not math.hypot(x, y, z, w) > 1e-9:
             raise element.refuse("has a quaternion of length 0, expected a rotation")
-        found = pose(values[:3], (w, x, y, z))
+        stated_pose = pose(values[:3], (w, x, y, z))
     elif form == "euler_rpy":
         values = numbers(element, counts=(6,)) or ()
         angles = np.radians(values[3:]) if element.attributes.get("degrees", "").lower() in ("true", "1") else values[3:]
@@ -145,9 +145,9 @@ def _stated(element: Element) -> Pose:
             [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
             [-sp, cp * sr, cp * cr],
         ]
-        found = Pose(np.array(R) + 0.0, np.array(values[:3]) + 0.0)
+        stated_pose = Pose(np.array(R) + 0.0, np.array(values[:3]) + 0.0)
     else:
         raise element.refuse(f"rotation_format is {quoted(form, 40)}, expected euler_rpy or quat_xyzw")
-    if not np.isfinite(found.p).all() or not np.isfinite(found.R).all():
+    if not np.isfinite(stated_pose.p).all() or not np.isfinite(stated_pose.R).all():
         raise element.refuse("is not finite, expected finite numbers")
-    return found
+    return stated_pose

@@ -74,9 +74,9 @@ _NO_PART = {
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """What was left behind. Terms: known: owners by the element's word, of SDF's own. unknown: owners by the word."""
+    """What was left behind. Terms: of_sdf: owners by the element's word, of SDF's own. unknown: owners by the word."""
 
-    known: dict[str, list[str]] = field(default_factory=dict)
+    of_sdf: dict[str, list[str]] = field(default_factory=dict)
     unknown: dict[str, list[str]] = field(default_factory=dict)
 
 
@@ -99,7 +99,7 @@ def check(element: Element, left: Left, *, strict: bool) -> None:
         if child.tag in moves:
             check(child, left, strict=strict)
         elif child.tag in still:
-            left.known.setdefault(child.tag, []).append(name)
+            left.of_sdf.setdefault(child.tag, []).append(name)
         elif ":" in child.tag:
             left.unknown.setdefault(f"<{child.tag}> in <{element.tag}>", []).append(name)
         else:
@@ -156,8 +156,8 @@ def lengths(element: Element, tag: str, default: tuple[float, ...] = ()) -> tupl
         raise element.refuse(f"has no <{tag}>, expected one")
     values = values or default
     if not all(SMALLEST <= value <= FARTHEST for value in values):
-        said = ", ".join(f"{value:g}" for value in values)
-        raise element.refuse(f"<{tag}> is {said}, expected {SMALLEST:g} to {FARTHEST:g} m")
+        values_stated = ", ".join(f"{value:g}" for value in values)
+        raise element.refuse(f"<{tag}> is {values_stated}, expected {SMALLEST:g} to {FARTHEST:g} m")
     return values
 
 

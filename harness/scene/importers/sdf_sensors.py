@@ -41,20 +41,20 @@ class Sensors:
             return None
         try:
             if kind == "imu":
-                made: Sensor = Imu(name=name, body=link, rate=rate, p_BS=vector(X_LS.p), q_BS=quaternion(X_LS.R))
+                sensor: Sensor = Imu(name=name, body=link, rate=rate, p_BS=vector(X_LS.p), q_BS=quaternion(X_LS.R))
             elif kind in _LIDARS:
-                made = self._lidar(element, kind, name, link, rate, X_LS)
+                sensor = self._lidar(element, kind, name, link, rate, X_LS)
             else:
-                made = _camera(element, kind, name, link, rate, X_LS)
+                sensor = _camera(element, kind, name, link, rate, X_LS)
         except (ValidationError, ValueError, ArithmeticError) as error:
             if isinstance(error, RobotError):
                 raise
-            said = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
-            raise element.refuse(readable(f"is no sensor of a scene: {said}", 300)) from None
+            reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+            raise element.refuse(readable(f"is no sensor of a scene: {reason}", 300)) from None
         self._rows.setdefault((kind, "without its noise"), []).append(name)
         if stated <= 0:
             self._rows.setdefault((kind, "its rate"), []).append(name)
-        return made
+        return sensor
 
     def _lidar(self, element: Element, kind: str, name: str, link: str, rate: float, X_LS: Pose) -> Lidar:
         stated = next((child for tag in ("lidar", "ray") if (child := element.first(tag)) is not None), None)

@@ -50,7 +50,7 @@ class Collisions:
 
     def of(self, link: Element, scope: Scope, X_ML: Pose, name: str) -> tuple[Geometry, ...]:
         """The shapes of a link. Raises: RobotError."""
-        made = list[Geometry]()
+        geometries = list[Geometry]()
         for collision in link.all("collision"):
             label = f"{name}/{collision.attributes.get('name', '')}"
             sort = self._sort(collision, label)
@@ -66,8 +66,8 @@ class Collisions:
                 self._apart.append(label)
                 continue
             key = self._sorts.setdefault(sort, f"robot_{len(self._sorts) + 1}" if self._sorts else "robot")
-            made += [Geometry(shape, X_LG, key) for shape in shapes]
-        return tuple(made)
+            geometries += [Geometry(shape, X_LG, key) for shape in shapes]
+        return tuple(geometries)
 
     def _shape(self, collision: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
         geometry = collision.first("geometry")
@@ -83,8 +83,8 @@ class Collisions:
                 return self._shapes.primitive(Sphere(radius=lengths(form, "radius")[0]))
             case "cylinder" | "capsule":
                 kind = Cylinder if form.tag == "cylinder" else Capsule
-                made = kind(radius=lengths(form, "radius")[0], half_length=lengths(form, "length")[0] / 2)
-                return self._shapes.primitive(made)
+                shape = kind(radius=lengths(form, "radius")[0], half_length=lengths(form, "length")[0] / 2)
+                return self._shapes.primitive(shape)
             case "ellipsoid":
                 x, y, z = lengths(form, "radii", (1.0, 1.0, 1.0))
                 return self._shapes.primitive(Ellipsoid(semi_axes=(x, y, z)))

@@ -164,9 +164,9 @@ def check(root: Element, *, strict: bool = False) -> tuple[Element, Left]:
     return _checked(root, left, strict), left
 
 
-def _passed_over(word: str, known: Iterable[str], strict: bool) -> bool:
+def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
     """May an unknown word be left out: is it neither one that changes the motion nor near one that may stand here?"""
-    return not (strict or word in _ALONE or misspelt(word, (each for each in known if each not in _STILL)))
+    return not (strict or word in _ALONE or misspelt(word, (each for each in words if each not in _STILL)))
 
 
 def _checked(element: Element, left: Left, strict: bool) -> Element:

@@ -40,10 +40,10 @@ def shape_rows(a: RobotFacts, b: RobotFacts, extent: float, tolerance: float) ->
     """What touches in one of the two alone, a row for each group of links. Args: extent [m]: that lengths are held against."""
     rows = []
     for name in dict.fromkeys((*a.shapes, *b.shapes)):
-        here = a.shapes.get(name, ())
+        shapes = a.shapes.get(name, ())
         left = [(shape, _reach(shape)) for shape in b.shapes.get(name, ())]
         alone, off = [], 0.0
-        for shape in here:
+        for shape in shapes:
             mine = _reach(shape)
             apart = [float(np.abs(mine - other).max()) if len(mine) == len(other) else np.inf for _, other in left]
             nearest = int(np.argmin(apart)) if apart else -1
@@ -76,11 +76,11 @@ _FRICTIONS = ("static_friction", "kinetic_friction", "torsional_friction", "roll
 def touch_rows(a: RobotFacts, b: RobotFacts, tolerance: float) -> list[Difference]:
     """The pairs that may touch in one of the two alone, and the friction of those that may in both."""
     rows = []
-    for mine, other, here, there in ((a, b, "touch", "never touch"), (b, a, "never touch", "touch")):
+    for mine, other, in_A, in_B in ((a, b, "touch", "never touch"), (b, a, "never touch", "touch")):
         alone = [pair for pair in mine.touches if pair not in other.touches]
         if alone:
             rows.append(
-                _row("touch", _named(alone), here, there, tolerance, words="excluded, masked or a neighbour in one alone")
+                _row("touch", _named(alone), in_A, in_B, tolerance, words="excluded, masked or a neighbour in one alone")
             )
     for quantity in _FRICTIONS:
         values = {pair: (getattr(a.touches[pair], quantity), getattr(b.touches[pair], quantity)) for pair in _common(a, b)}
@@ -114,9 +114,9 @@ def _row(quantity: Quantity, element: str, value_A: Value, value_B: Value, toler
     )  # fmt: skip
 
 
-def stronger(one: Surface | None, other: Surface) -> Surface:
+def stronger(law: Surface | None, other: Surface) -> Surface:
     """Of two laws between the same two, the one that rubs more."""
-    return other if one is None or other.kinetic_friction > one.kinetic_friction else one
+    return other if law is None or other.kinetic_friction > law.kinetic_friction else law
 
 
 def renamed_pairs(touches: Mapping[frozenset[str], Surface], names: Mapping[str, str]) -> dict[frozenset[str], Surface]:

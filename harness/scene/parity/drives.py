@@ -11,13 +11,13 @@ from plumbline.harness.scene.parity.motion import Configuration
 
 
 def drive_rows(
-    a: JointFacts, b: JointFacts, place: int, rate: int, states: Sequence[Configuration], extent: float, tolerance: float
+    a: JointFacts, b: JointFacts, index: int, rate: int, states: Sequence[Configuration], extent: float, tolerance: float
 ) -> list[Difference]:
-    """Rows of one joint's drives. Args: place, rate: of the joint in the states. extent [m]: that lengths are held against."""
+    """Rows of one joint's drives. Args: index, rate: of the joint in the states. extent [m]: that lengths are held against."""
     mine, other = a.drive or Servo(), b.drive or Servo()
     slides = a.kind == "prismatic"
     own, force = ("m", "N") if slides else ("rad", "N m")
-    positions = np.array([state.q[place] for state in states])
+    positions = np.array([state.q[index] for state in states])
     rates = np.array([state.rates[rate] for state in states])
     held, swift = float(np.abs(mine.target - positions).max()), float(np.abs(mine.target_velocity - rates).max())
     # Each number with what a change of it is times, to be a force on the joint.

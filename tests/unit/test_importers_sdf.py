@@ -248,7 +248,7 @@ def test_poses_take_degrees_and_quaternions(tmp_path: Path) -> None:
              '<link name="a"><pose relative_to="f"/></link>'), "are told in each other"),
         (sdf(hinge(), '<joint name="k" type="fixed"><parent>arm</parent><child>base</child></joint>'), "already hangs on"),
         (sdf(hinge().replace("<mass>2", "<mass>-2", 1)), "<mass> is -2, expected a number above 0"),
-        (sdf(hinge().replace("<mass>2", "<mass>two", 1)), "<mass>: is 'two', expected 1 number"),
+        (sdf(hinge().replace("<mass>2", "<mass>two", 1)), "<mass>: is 'two', expected 1 finite number"),
         (sdf(hinge(), hinge()), "name stands in line"),
         ('<sdf version="1.9"><world name="w"><model name="a"><link name="l"/></model>'
          '<model name="b"><link name="l"/></model></world></sdf>', "holds 2 models that can move: 'a', 'b'"),

@@ -135,7 +135,7 @@ def _stated(element: Element) -> Pose:
         x, y, z, w = values[3:]
         if not math.hypot(x, y, z, w) > 1e-9:
             raise element.refuse("has a quaternion of length 0, expected a rotation")
-        stated_pose = pose(values[:3], (w, x, y, z))
+        stated_pose = pose((values[0], values[1], values[2]), (w, x, y, z))
     elif form == "euler_rpy":
         values = numbers(element, counts=(6,)) or ()
         angles = np.radians(values[3:]) if element.attributes.get("degrees", "").lower() in ("true", "1") else values[3:]

@@ -1,6 +1,7 @@
 """What robots of two files touch with, what drives them, and what a term is worth in a motion that excites it."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -90,3 +91,11 @@ def test_the_last_line_names_what_was_compared_and_what_was_not(tmp_path: Path) 
     differs = CliRunner().invoke(main, ["parity", str(tmp_path / "b.xml"), str(tmp_path / "c.xml"), "--json"])
     assert differs.exit_code == 1
     assert json.loads(differs.stdout)[0]["quantity"] == "armature"
+
+
+def test_a_rotor_that_nothing_turns_by_itself_is_worth_what_a_sweep_takes(tmp_path: Path) -> None:
+    body = '<body><joint name="a" axis="0 0 1"/><geom size=".1"/></body>'
+    lone = f'<mujoco><option gravity="0 0 0"/><worldbody>{body}</worldbody></mujoco>'
+    row = differing(tmp_path, lone, lone.replace('axis="0 0 1"', 'axis="0 0 1" armature=".02"'))[0]
+    # 0.02 kg m2 at the greatest acceleration of a sine of 1 Hz that comes to 1 rad/s.
+    assert (row.quantity, row.torque) == ("armature", pytest.approx(0.02 * 2 * math.pi))

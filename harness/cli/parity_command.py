@@ -155,7 +155,8 @@ def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -
         print_json([{"loader": reading.title, **plain(row)} for reading in readings for row in reading.rows])
     stated = readings[0].stated
     looked_at, passed_over = compared(stated, replace(stated, wordless=stated.wordless | UNTOLD))
-    say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
+    if not all(reading.refused for reading in readings):
+        say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
     _keep(file, stated, readings[0].root, tuple(map(_side, readings)), options)
     return any(reading.engine in options["gated"] and (reading.refused or reading.undocumented) for reading in readings)
 

@@ -48,7 +48,13 @@ def write_selection_folder(
                 trial = row(case, engine, "tuned", dt, **timed)
                 if case in made.lacks:
                     trials.append(
-                        trial | {"status": "unsupported", "reason": "planted: no such thing", **dict.fromkeys(timed, math.nan)}
+                        trial
+                        | {
+                            "status": "unsupported",
+                            "reason": "planted: no such thing",
+                            "steps": 0,
+                            **dict.fromkeys(timed, math.nan),
+                        }
                     )
                     continue
                 if error > bound:

@@ -57,9 +57,9 @@ def put_base(plan: Plan, made: Assembly, number: int, place: int, maximal: bool)
     made.address[number, -1] = place
     tell_body(plan, made, number, -1, place, maximal)
     tell_multibody(plan, made, number, place, maximal)
-    made.port.call("resetBaseVelocity", number, body.v_WB, body.w_WB)
+    velocity = body.velocity_at_start
+    made.port.call("resetBaseVelocity", number, *velocity)
     if body.motion == "kinematic":
-        velocity = body.v_WB, body.w_WB
         made.prescribed.append(Belt(body.name, number, plan.mass(place), plan.gravity, plan.h, velocity, velocity))
 
 
@@ -80,7 +80,7 @@ def renew_inertia(plan: Plan, made: Assembly) -> None:
         # btBroadphaseProxy: DefaultFilter meets AllFilter.
         port.call("setCollisionFilterGroupMask", number, -1, 1, -1)
         port.call("resetBasePositionAndOrientation", number, body.p_WB, xyzw(plan.q_WI(place)))
-        port.call("resetBaseVelocity", number, body.v_WB, body.w_WB)
+        port.call("resetBaseVelocity", number, *body.velocity_at_start)
 
 
 def check_joined(plan: Plan, made: Assembly, place: int) -> None:

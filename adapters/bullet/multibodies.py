@@ -97,7 +97,7 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
     child = plan.scene.bodies[link.place]
     above = tree.base if link.parent < 0 else tree.links[link.parent].place
     parent = None if above is None else plan.scene.bodies[above]
-    v_P, w_P, p_P = ((0.0,) * 3, (0.0,) * 3, child.p_WB) if parent is None else (parent.v_WB, parent.w_WB, parent.p_WB)
+    v_P, w_P, p_P = ((0.0,) * 3, (0.0,) * 3, child.p_WB) if parent is None else (*parent.velocity_at_start, parent.p_WB)
     w_rel = np.subtract(child.w_WB, w_P)
     axis = np.asarray(joint_axis(joint, child.name))
     match joint:

@@ -88,7 +88,7 @@ def start(built: Built) -> None:
             continue
         jacobian = np.vstack([np.asarray(skeleton.getWorldJacobian(built.nodes[i])) for i in places])
         bodies = [built.scene.bodies[i] for i in places]
-        wanted = np.concatenate([np.array([*b.w_WB, *b.v_WB]) for b in bodies])
+        wanted = np.array([x for b in bodies for vector in reversed(b.velocity_at_start) for x in vector])
         if wanted.any():
             skeleton.setVelocities(np.linalg.lstsq(jacobian, wanted, rcond=None)[0])
         else:

@@ -20,13 +20,14 @@ def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:
     X_WC = pose(dart, body.p_WB, body.q_WB)
     if joint is None:
         free, node = owner.createFreeJointAndBodyNodePair()
+        v_WB, w_WB = body.velocity_at_start
+        velocity = np.array([*w_WB, *v_WB])
         if not body.movable:
             free.setActuatorType(dart.dynamics.ActuatorType.VELOCITY)
-            velocity = np.array([*body.w_WB, *body.v_WB])
             if velocity.any() or body.prescribed is not None:
                 built.belts[body.name] = free, velocity
         free.setTransform(X_WC)
-        free.setVelocities(np.array([*body.w_WB, *body.v_WB]))
+        free.setVelocities(velocity)
         return free, node
     parent = None if edge.parent == WORLD_FRAME else scene.bodies[edge.parent]
     X_PW = pose(dart, (0.0, 0.0, 0.0)) if parent is None else pose(dart, parent.p_WB, parent.q_WB).inverse()

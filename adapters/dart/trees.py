@@ -134,5 +134,5 @@ def _velocity_at(body: Body | None, point: Floats) -> tuple[Floats, Floats]:
     """(v, w) in W of the point [m, in W] that is fixed in the body at time 0; None is the world."""
     if body is None:
         return np.zeros(3), np.zeros(3)
-    w = np.array(body.w_WB)
-    return np.array(body.v_WB) + np.cross(w, point - np.array(body.p_WB)), w
+    v, w = map(np.array, body.velocity_at_start)
+    return v + np.cross(w, point - np.array(body.p_WB)), w

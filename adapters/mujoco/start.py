@@ -23,7 +23,7 @@ def start(plan: Plan, draft: Draft, world: World) -> None:
         if isinstance(joint, Fixed) or (joint is None and not body.movable and not plan.prescribed(body)):
             continue
         adr = model.joint(f"f{k}").dofadr[0]
-        v, w = np.array(body.v_WB), np.array(body.w_WB)
+        v, w = map(np.array, body.velocity_at_start)
         if joint is None:
             d.qvel[adr : adr + 3], d.qvel[adr + 3 : adr + 6] = v, plan.R_WM[k].T @ w
             continue
@@ -31,8 +31,8 @@ def start(plan: Plan, draft: Draft, world: World) -> None:
         above_v, above_w = np.zeros(3), np.zeros(3)
         if link.above >= 0:
             above = bodies[link.above]
-            above_w = np.array(above.w_WB)
-            above_v = np.array(above.v_WB) + np.cross(above_w, np.array(joint.anchor_W) - plan.p[link.above])
+            above_v, above_w = map(np.array, above.velocity_at_start)
+            above_v = above_v + np.cross(above_w, np.array(joint.anchor_W) - plan.p[link.above])
         if isinstance(joint, Ball):
             d.qvel[adr : adr + 3] = plan.R_WM[k].T @ (w - above_w)
             continue

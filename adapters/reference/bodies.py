@@ -15,6 +15,7 @@ def engine_body(body: Body, effects: Effect) -> "engine.Body":
     """A body without the damping that the scene leaves out."""
     from plumbline import engine
 
+    v_WB, w_WB = body.velocity_at_start
     return engine.Body(
         name=body.name,
         mass=body.mass,
@@ -30,8 +31,8 @@ def engine_body(body: Body, effects: Effect) -> "engine.Body":
         ),
         p_WB=body.p_WB,
         q_WB=body.q_WB,
-        v_WB=body.v_WB,
-        w_WB=body.w_WB,
+        v_WB=v_WB,
+        w_WB=w_WB,
         motion=body.motion,
         linear_damping=body.linear_damping if Effect.LINEAR_DAMPING in effects else 0.0,
         angular_damping=body.angular_damping if Effect.ANGULAR_DAMPING in effects else 0.0,

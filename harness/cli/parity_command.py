@@ -38,7 +38,7 @@ _robot_file = click.Path(path_type=Path, dir_okay=False)
 @limited
 @json_rows
 def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> None:
-    """Say whether FILE and OTHER (URDF, MJCF) are the same robot, and what each difference is worth.
+    """Say whether FILE and OTHER (URDF, MJCF, SDF) are the same robot, and what each difference is worth.
 
     Without OTHER, FILE is compared with what each engine's own loader makes of it.
 
@@ -66,7 +66,7 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     """Compare two files. Do they differ?"""
     from dataclasses import asdict
 
-    from plumbline.harness.scene.parity.comparison import compare, renamed
+    from plumbline.harness.scene.parity.comparison import compare, compared, renamed
     from plumbline.harness.scene.parity.difference import plain
     from plumbline.harness.scene.parity.joint_names import joint_names
     from plumbline.harness.scene.parity.stated import pair_of
@@ -84,9 +84,11 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
         say(f"not the same robot: {len(rows)} quantities differ by more than {tolerance:g}")
     else:
         say(f"the same robot: {len(a.joints)} joints and what they move agree to {tolerance:g}")
+    looked_at, passed_over = compared(a, b)
     parted = None if options["move"] is None else _moved(a, b, options)
     if parted is not None:
         say(_told(parted), err=as_json)
+    say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
     side = Side(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
     parting = None if parted is None else {"move": _move_name(options["move"]), **asdict(parted)}
     _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), options, parting)
@@ -133,8 +135,12 @@ def _move_name(move: str) -> str:
 
 def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -> bool:
     """Compare a file with what each engine's own loader makes of it. Does a gated engine change it undocumented?"""
+    from dataclasses import replace
+
     from plumbline.harness.run.importer_audit import audit
+    from plumbline.harness.scene.parity.comparison import compared
     from plumbline.harness.scene.parity.difference import plain
+    from plumbline.harness.scene.parity.loaded import UNTOLD
     from plumbline.harness.study import plugins
 
     for name in options["gated"]:
@@ -147,7 +153,11 @@ def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -
         _report(reading, options["tolerance"], as_json)
     if as_json:
         print_json([{"loader": reading.title, **plain(row)} for reading in readings for row in reading.rows])
-    _keep(file, readings[0].stated, readings[0].root, tuple(map(_side, readings)), options)
+    stated = readings[0].stated
+    looked_at, passed_over = compared(stated, replace(stated, wordless=stated.wordless | UNTOLD))
+    if not all(reading.refused for reading in readings):
+        say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
+    _keep(file, stated, readings[0].root, tuple(map(_side, readings)), options)
     return any(reading.engine in options["gated"] and (reading.refused or reading.undocumented) for reading in readings)
 
 

@@ -34,8 +34,11 @@ _OPTIONS = (
         "--convex", type=click.IntRange(2, 64), help="Take meshes of URDFs and scenes apart into at most so many convex pieces."
     ),
     click.option("--one-friction", is_flag=True, help="Take static friction to be the kinetic one."),
+    click.option(
+        "--strict", is_flag=True, help="Refuse elements and attributes that the format of a robot file does not have."
+    ),
 )
-NAMES = "--drop, --package, --root, --scenario, --start, --one-friction, --dt, --duration, --budget"
+NAMES = "--drop, --package, --root, --scenario, --start, --one-friction, --strict, --dt, --duration, --budget"
 """All that is for scenes and robots alone."""
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -55,7 +58,7 @@ def run_options(command: Command) -> Command:
 
 
 def robot_options(command: Command) -> Command:
-    """The command with --drop, --package, --root, --scenario, --start, --convex and --one-friction."""
+    """The command with --drop, --package, --root, --scenario, --start, --convex, --one-friction and --strict."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
@@ -71,6 +74,7 @@ def wishes_of(options: dict[str, Any]) -> Wishes:
         start=options["start"],
         one_friction=options["one_friction"],
         convex=options["convex"],
+        strict=options["strict"],
     )
 
 

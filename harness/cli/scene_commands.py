@@ -19,7 +19,7 @@ _file = click.argument("file", type=click.Path(path_type=Path))
 
 @click.group()
 def scene() -> None:
-    """Look at scene and robot files: TOML, JSON, URDF, MJCF."""
+    """Look at scene and robot files: TOML, JSON, URDF, MJCF, SDF."""
 
 
 @scene.command()

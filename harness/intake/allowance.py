@@ -23,13 +23,15 @@ class Allowance:
     """The greatest numbers that are taken from a file.
 
     Terms:
-        bytes of a scene or study file. depth of arrays and tables in each other. digits of a number. parts: arrays and tables.
+        bytes of a scene or study file. meshes: bytes of all meshes of a robot. depth of arrays and tables in each other. digits
+        of a number. parts: arrays and tables.
         bodies, joints and sensors of a scene. things: every whole number that a study gives a case, of whatever it counts.
         vertices, and faces, of all shapes together. rays, pixels and readings of all sensors over the whole duration.
         steps of a trial. samples: recorded instants times bodies. trials of a study, searches apart.
     """
 
     bytes: int = 16_000_000
+    meshes: int = 64_000_000
     depth: int = 64
     digits: int = 1000
     parts: int = 1_000_000
@@ -37,7 +39,7 @@ class Allowance:
     joints: int = 100_000
     sensors: int = 1000
     things: int = 10_000
-    vertices: int = 1_000_000
+    vertices: int = 2_000_000
     rays: int = 1_000_000_000
     steps: int = 100_000_000
     samples: int = 20_000_000
@@ -68,7 +70,12 @@ def raised(settings: Iterable[str], where: str, over: Allowance | None = None) -
         if name in values:
             raise AllowanceError(f"{where}: {name} stands twice, {values[name]} and {value}, expected once")
         values[name] = value
-    return Allowance(**(asdict(over or Allowance()) | values))
+    before = asdict(over or Allowance())
+    if "bytes" in values:
+        # Who allows more bytes means to read larger meshes; a triangle takes 50 of them, a vertex of a text half as many.
+        with_bytes = {"meshes": values["bytes"], "vertices": values["bytes"] // 25}
+        before |= {name: max(before[name], value) for name, value in with_bytes.items()}
+    return Allowance(**(before | values))
 
 
 def allowance() -> Allowance:

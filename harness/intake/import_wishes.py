@@ -64,7 +64,7 @@ class Wishes:
         drop: kinds of elements that may be left out. packages: folder by the name of a package. root: how the root is held.
         one_friction: static friction is taken to be the kinetic one. convex: the most convex pieces that a collision mesh is
         taken apart into, None for its hull. scenario: what happens to the robot. start: where joints start, None for what the
-        companion says. looks: read how it looks too, for pictures.
+        companion says. strict: refuse every word that a format does not have. looks: read how it looks too, for pictures.
         tell: is told, in a sentence, of what takes long.
     """
 
@@ -75,6 +75,7 @@ class Wishes:
     convex: int | None = None
     scenario: Scenario | None = None
     start: Start | None = None
+    strict: bool = False
     looks: bool = False
     tell: Callable[[str], object] | None = None
 

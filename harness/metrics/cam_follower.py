@@ -4,9 +4,9 @@ import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.scene import Body, Plane
+from plumbline.harness.scene.support import support
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import rotate_back
-from plumbline.harness.trajectory.touching import reach_of
 
 
 def _outermost(body: Body, up_B: Floats) -> Floats:
@@ -14,7 +14,7 @@ def _outermost(body: Body, up_B: Floats) -> Floats:
     if not body.collision or any(isinstance(placed.shape, Plane) for placed in body.collision):
         raise NotMeasurable(f"body '{body.name}' has no shape, or one without end")
     outermost: Floats = np.max(
-        [up_B @ np.array(p.p_BS) + reach_of(p.shape, rotate_back(np.array(p.q_BS), up_B)) for p in body.collision], axis=0
+        [up_B @ np.array(p.p_BS) + support(p.shape, rotate_back(np.array(p.q_BS), up_B)) for p in body.collision], axis=0
     )
     return outermost
 

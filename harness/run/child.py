@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
@@ -147,8 +147,10 @@ def _load(trial: Trial, case: Case, adapter: Adapter) -> None:
             adapter.compile(trial.scene(case), trial.settings)
 
 
-def answers(trial: Trial, folder: Path) -> Iterator[Record | None]:
+def answers(trial: Trial, folder: Path, answered: Callable[[Record], object] | None = None) -> Iterator[Record | None]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
+
+    Args: answered: is told what is known before the answer is judged, of a trial that is no ensemble.
 
     None comes first, once the engine is ready for it. What a sweep goes on from comes once more, with its rough cost: if the
     clock fails, the answer is safe. Of a run of a ladder the rough cost is what the run itself took, all told; where knobs are
@@ -160,7 +162,10 @@ def answers(trial: Trial, folder: Path) -> Iterator[Record | None]:
         _load(trial, case, adapter)
         yield None
         begun = time.process_time()
-        record = endure(trial, case, adapter, folder) if trial.members > 1 else run_trial(trial, case, adapter, folder)
+        if trial.members > 1:
+            record = endure(trial, case, adapter, folder)
+        else:
+            record = run_trial(trial, case, adapter, folder, answered)
         if trial.experiment.refine is not None and record.measurements and record.sim_seconds:
             record = replace(record, rough_cost=(time.process_time() - begun) / record.sim_seconds)
     except StoreError as error:  # the machine's, unless the engine took from its process what writing needs

@@ -4,6 +4,7 @@ import signal
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -23,7 +24,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere
 from plumbline.harness.study.library_variants import obstacle
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trial.accuracy import outcome
+from plumbline.harness.trial.accuracy import outcome, unjudged
 
 _TAIL = 4000
 _KEPT = 2**20
@@ -73,7 +74,8 @@ class _Child:
         server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
         does now, loading its engine or answering. kills: of the system for want of memory, before it began. alone: does
         nobody run beside it? begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
-        it said that no child may say; it is heard no more. ended: has it said its last word, or died? late: why it is; nothing
+        it said that no child may say; it is heard no more. answered: what is known of an answer that is being judged, when
+        memory and time are those of metrics and truths. ended: has it said its last word, or died? late: why it is; nothing
         where it is not. ready: has it loaded its engine?
     """
 
@@ -88,6 +90,7 @@ class _Child:
     alone: bool
     begun: float
     said: Record | None = None
+    answered: Record | None = None
     broken: str = ""
     ended: bool = False
     late: str = ""
@@ -99,6 +102,10 @@ class _Child:
             for kind, value in self.inbox.lines():
                 if kind == "ready" and not self.ready:
                     self.ready, self.deadline = True, Deadline(self.process.pid or 0, self.trial.deadline)
+                elif kind == "answered":
+                    if self.answered is None:
+                        self.deadline = Deadline(self.process.pid or 0, self.trial.deadline)
+                    self.answered = read_record(self.trial, value)
                 elif kind == "record":
                     self.said = read_record(self.trial, value)
                 else:
@@ -121,11 +128,19 @@ class _Child:
             if code and self.server.took_along(self.process):
                 return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.alone else None
             end = self._end(code)
+            if self.said is None and self.answered is not None and end.status in ("oom", "timeout"):
+                return self._unjudged(self.answered, end)
             if self.said is None or code == 0:
                 return self.said or end
             return replace(self.said, warnings=(*self.said.warnings, StoredNotice(f"rough cost: none: {end.reason}")))
         finally:
             self.stop()
+
+    def _unjudged(self, answered: Record, end: Record) -> Record:
+        """What an engine answered, where judging it took more than the trial may."""
+        if answered.status == "diverged":
+            return answered
+        return unjudged(answered, plugins.case(self.trial.case), f"judging the answer took too much: {end.reason}")
 
     def _end(self, code: int | None) -> Record:
         if self.broken:
@@ -154,7 +169,12 @@ def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
 
 def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
     """Run a trial in this process, and say when its engine is ready, and what came of it."""
-    for record in answers(trial, folder):
+
+    def answered(record: Record) -> None:
+        with suppress(TypeError, ValueError):  # what cannot be sent is refused with the whole record
+            send(pipe, "answered", record)
+
+    for record in answers(trial, folder, answered):
         try:
             send(pipe, "ready" if record is None else "record", record)
         except (TypeError, ValueError) as error:

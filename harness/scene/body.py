@@ -116,6 +116,13 @@ class Body:
         return self.movable and not any(map(any, self.inertia))
 
     @property
+    def velocity_at_start(self) -> tuple[Vector3, Vector3]:
+        """v [m/s] of the centre of mass and w [rad/s] in W at time 0, with what is prescribed."""
+        if self.prescribed is None:
+            return self.v_WB, self.w_WB
+        return self.prescribed.velocity_at_start(self.p_WB, self.v_WB)
+
+    @property
     def movable(self) -> bool:
         """Does a force move it?"""
         return self.motion == "dynamic"

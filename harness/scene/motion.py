@@ -31,6 +31,10 @@ class Sinusoid:
         """The target [rad or m] at a time [s], of a drive with its own `target`."""
         return target + self.amplitude * math.sin(2 * math.pi * self.frequency * time + self.phase)
 
+    def rate_at_start(self) -> float:
+        """How fast the target moves at time 0 [rad/s or m/s]."""
+        return self.amplitude * 2 * math.pi * self.frequency * math.cos(self.phase)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Samples:
@@ -58,6 +62,13 @@ class Samples:
             return self.target[0 if after == 0 else -1]
         t, x = self.time, self.target
         return x[after - 1] + (x[after] - x[after - 1]) * (time - t[after - 1]) / (t[after] - t[after - 1])
+
+    def rate_at_start(self) -> float:
+        """How fast the target moves from time 0 on [rad/s or m/s]."""
+        after = bisect_right(self.time, 0.0)
+        if after in (0, len(self.time)):
+            return 0.0
+        return (self.target[after] - self.target[after - 1]) / (self.time[after] - self.time[after - 1])
 
 
 Motion = Annotated[Sinusoid | Samples, Field(discriminator="type")]

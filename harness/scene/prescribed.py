@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
@@ -70,6 +71,16 @@ class Prescribed:
             return v, (0.0, 0.0, 0.0)
         rate, axis = (self.angle(time + dt) - self.angle(time)) / dt, self.turn.axis_W
         return v, (rate * axis[0], rate * axis[1], rate * axis[2])
+
+    def velocity_at_start(self, p_WB: Vector3, v_WB: Vector3) -> tuple[Vector3, Vector3]:
+        """v [m/s] and w [rad/s] in W at time 0 of a body that is there. Args: v_WB [m/s]: its uniform velocity beside."""
+        v, w = np.array(v_WB), np.zeros(3)
+        if self.turn is not None:
+            w = self.turn.motion.rate_at_start() * np.array(self.turn.axis_W)
+            v = v + np.cross(w, np.subtract(p_WB, self.turn.anchor_W))
+        for shift in self.shifts:
+            v = v + shift.motion.rate_at_start() * np.array(shift.axis_W)
+        return (float(v[0]), float(v[1]), float(v[2])), (float(w[0]), float(w[1]), float(w[2]))
 
 
 def _since_start(motion: Motion, time: float) -> float:

@@ -7,21 +7,27 @@ about its axis. The depth of two of them is the least, over all directions d, of
 
 a negative one being the distance between them. Any d gives an upper bound, so that it is enough to try a set of directions that
 the best one is sure to lie in: for two polyhedra the normals of their faces and the products of their edges, for round solids
-also the ways between corners and between corners and edges.
+also the ways between corners and between corners and edges. Two polyhedra with many edges have too many products of them: those
+are left to `difference_depth`.
 Source: Ericson, Real-Time Collision Detection (2005), sections 4.4 and 5.2; Gottschalk, Lin, Manocha, OBBTree (1996).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 
 from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
 from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory.difference_depth import difference_depths
 from plumbline.harness.trajectory.kinematics import rotate
 
 FLAT = 1e-9
 """A direction shorter than this, of unit vectors' products and of corners' distances [m], is none."""
+FEW = 2**15
+"""Of directions times corners: two polyhedra with more are measured by their difference, which is the faster then."""
+TOGETHER = 2**22
+"""Of directions times corners times poses that are tried in one call: 32 MB of numbers."""
 
 
 class Unmeasured(ValueError):
@@ -34,7 +40,8 @@ class Solid:
 
     Terms:
         corners: (k, 3) m of the core; none of a half space. normals: (f, 3) of its faces, unit, outward. edges: (e, 2) corners.
-        radius [m]: what lies within it of the core is solid. rim [m]: radius about z of a cylinder, else 0. name: in words.
+        sides: edges, one of each direction. radius [m]: what lies within it of the core is solid. rim [m]: radius about z of a
+        cylinder, else 0. name: in words.
     """
 
     corners: Floats
@@ -43,6 +50,14 @@ class Solid:
     radius: float
     rim: float
     name: str
+    sides: tuple[tuple[int, int], ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Each direction of edges once."""
+        own = np.array([self.corners[end] - self.corners[start] for start, end in self.edges]).reshape(-1, 3)
+        own = own / np.linalg.norm(own, axis=1)[:, None]
+        first = [k for k in range(len(own)) if k == 0 or np.max(np.abs(own[:k] @ own[k])) < 1.0 - FLAT]
+        object.__setattr__(self, "sides", tuple(self.edges[k] for k in first))
 
 
 NONE, UP = np.zeros((0, 3)), np.array([0.0, 0.0, 1.0])
@@ -133,11 +148,32 @@ def depth(a: Solid, p_WA: Floats, q_WA: Floats, b: Solid, p_WB: Floats, q_WB: Fl
     if a.rim > 0 or b.rim > 0:
         raise Unmeasured(f"a {a.name} and a {b.name}")
     corners_b = p_WB[:, None] + rotate(q_WB[:, None], b.corners)
+    tried = _tried(a, b) * max(len(a.corners), len(b.corners))
+    if tried > FEW and a.radius == 0 and b.radius == 0:
+        return difference_depths(corners_a - p_WA[:, None], corners_b - p_WA[:, None])
+    least: Floats = np.empty(len(p_WA))
+    chunk = max(1, TOGETHER // tried)
+    for t in range(0, len(p_WA), chunk):
+        some = slice(t, t + chunk)
+        least[some] = _over_directions(a, corners_a[some], q_WA[some], b, corners_b[some], q_WB[some])
+    return least
+
+
+def _tried(a: Solid, b: Solid) -> int:
+    """How many directions are tried for two solids."""
+    tried = len(a.normals) + len(b.normals) + 2 * len(a.sides) * len(b.sides) + 1
+    if a.radius > 0 or b.radius > 0:
+        tried += len(a.corners) * len(b.corners) + len(a.corners) * len(b.edges) + len(b.corners) * len(a.edges)
+    return tried
+
+
+def _over_directions(a: Solid, corners_a: Floats, q_WA: Floats, b: Solid, corners_b: Floats, q_WB: Floats) -> Floats:
+    """The depth at each of t poses over all directions that the best one may be, (t,) m. Args: corners (t, k, 3) m, in W."""
     normals_a, normals_b = rotate(q_WA[:, None], a.normals), rotate(q_WB[:, None], b.normals)
     sides_a, sides_b = _sides(a, corners_a), _sides(b, corners_b)
-    crossed = np.cross(sides_a[:, :, None], sides_b[:, None]).reshape(len(p_WA), sides_a.shape[1] * sides_b.shape[1], 3)
+    crossed = np.cross(sides_a[:, :, None], sides_b[:, None]).reshape(len(q_WA), sides_a.shape[1] * sides_b.shape[1], 3)
     # Upwards, in case of two centres in one place, between which there is no way.
-    ways = [normals_a, -normals_b, crossed, -crossed, np.broadcast_to(UP, (len(p_WA), 1, 3))]
+    ways = [normals_a, -normals_b, crossed, -crossed, np.broadcast_to(UP, (len(q_WA), 1, 3))]
     if a.radius > 0 or b.radius > 0:
         ways += _between(a, corners_a, corners_b, b)
     d = np.concatenate(ways, axis=1)
@@ -151,12 +187,9 @@ def depth(a: Solid, p_WA: Floats, q_WA: Floats, b: Solid, p_WB: Floats, q_WB: Fl
 
 def _sides(convex: Solid, corners: Floats) -> Floats:
     """The directions of a core's edges, each once, (t, m, 3) unit."""
-    if not convex.edges:
+    if not convex.sides:
         return np.zeros((len(corners), 0, 3))
-    starts, ends = (list(places) for places in zip(*convex.edges, strict=True))
-    own = convex.corners[ends] - convex.corners[starts]
-    own = own / np.linalg.norm(own, axis=1)[:, None]
-    first = [k for k in range(len(own)) if k == 0 or np.max(np.abs(own[:k] @ own[k])) < 1.0 - FLAT]
-    ways = (corners[:, ends] - corners[:, starts])[:, first]
+    starts, ends = (list(places) for places in zip(*convex.sides, strict=True))
+    ways = corners[:, ends] - corners[:, starts]
     sides: Floats = ways / np.linalg.norm(ways, axis=2)[..., None]
     return sides

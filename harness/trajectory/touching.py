@@ -18,15 +18,13 @@ from plumbline.harness.scene import (
     Capsule,
     ConvexHull,
     Cylinder,
-    Ellipsoid,
     Plane,
     Scene,
-    Sphere,
-    TriangleMesh,
     outer_radius,
     width,
 )
 from plumbline.harness.scene.shape import Shape
+from plumbline.harness.scene.support import support
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import product, rotate
 
@@ -62,29 +60,8 @@ class _Solid:
         if isinstance(self.shape, Plane):
             beyond = 0.0 if way @ self.normals[0] > 1 - 1e-12 else np.inf
         else:
-            beyond = float(reach_of(self.shape, self.axes @ way))
+            beyond = float(support(self.shape, self.axes @ way))
         return float(self.centre @ way) + beyond
-
-
-def reach_of(shape: Shape, ways: Floats) -> Floats:
-    """The support function of a shape that ends: how far [m] it reaches from its origin, (...), along unit vectors (..., 3) of
-    its frame. Raises: ValueError for a plane."""
-    match shape:
-        case Sphere(radius=radius):
-            far = np.full(ways.shape[:-1], radius)
-        case Box(half_extents=half):
-            far = np.abs(ways) @ np.array(half)
-        case Capsule(radius=radius, half_length=length):
-            far = radius + length * np.abs(ways[..., 2])
-        case Cylinder(radius=radius, half_length=length):
-            far = radius * np.hypot(ways[..., 0], ways[..., 1]) + length * np.abs(ways[..., 2])
-        case Ellipsoid(semi_axes=semi_axes):
-            far = np.linalg.norm(ways * np.array(semi_axes), axis=-1)
-        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
-            far = np.max(np.array(vertices) @ ways.T, axis=0)
-        case Plane():
-            raise ValueError("a plane reaches without end")
-    return np.asarray(far, np.float64)
 
 
 @lru_cache(maxsize=4096)

@@ -47,11 +47,12 @@ class State:
     @classmethod
     def initial(cls, scene: Scene) -> Self:
         """The state that a scene starts from."""
+        velocities = [b.velocity_at_start for b in scene.bodies]
         return cls(
             np.array([b.p_WB for b in scene.bodies], dtype=np.float64),
             np.array([b.q_WB for b in scene.bodies], dtype=np.float64),
-            np.array([b.v_WB for b in scene.bodies], dtype=np.float64),
-            np.array([b.w_WB for b in scene.bodies], dtype=np.float64),
+            np.array([v for v, _ in velocities], dtype=np.float64),
+            np.array([w for _, w in velocities], dtype=np.float64),
         )
 
     @property

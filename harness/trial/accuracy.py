@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, cast
@@ -89,8 +89,8 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
                 bound += off
                 passed = bool(np.isfinite(value)) and value <= bound
                 because = f"{because}; and {off:.2g} {check.metric.unit} that the truth itself may be off"
-        except NotMeasurable as error:
-            value, passed, because, off = math.nan, None, f"not measurable: {error}", 0.0
+        except (NotMeasurable, MemoryError) as error:
+            value, passed, because, off = math.nan, None, _blind(error), 0.0
         measurements.append(
             Measurement(
                 metric=check.metric.name,
@@ -107,12 +107,27 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
         if metric.name not in checked:
             try:
                 value, because, off = metric(scene, actual, expected), "", _off(metric, own, scene, actual)
-            except NotMeasurable as error:
-                value, because, off = math.nan, f"not measurable: {error}", 0.0
+            except (NotMeasurable, MemoryError) as error:
+                value, because, off = math.nan, _blind(error), 0.0
             measurements.append(
                 Measurement(metric=metric.name, value=value, unit=metric.unit, because=because, truth_error=off)
             )
     return tuple(measurements)
+
+
+def _blind(error: NotMeasurable | MemoryError) -> str:
+    """Why a metric has no value. What it asks of the machine is no fault of the engine."""
+    return f"not measurable: {error}" if isinstance(error, NotMeasurable) else f"not measured: out of memory: {error}"
+
+
+def unjudged(record: Record, case: Case, reason: str) -> Record:
+    """The record of an engine that answered, where the answer could not be judged: all its measurements say why."""
+    checked = {check.metric.name: check.metric.unit for check in case.checks}
+    units = checked | {metric.name: metric.unit for metric in case.observe}
+    measurements = tuple(
+        Measurement(metric=name, value=math.nan, unit=unit, because=f"not measured: {reason}") for name, unit in units.items()
+    )
+    return replace(record, status="unsupported", reason=f"not measured: {reason}", measurements=measurements)
 
 
 def _off(metric: Metric, own: Mapping[str, float], scene: Scene, actual: Trajectory) -> float:
@@ -286,18 +301,37 @@ def refusal(trial: Trial, error: Unsupported | Unavailable | SettingsError) -> R
     return outcome(trial, "failed", f"settings refused: {error}")
 
 
-def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
-    """Build, step, measure: the record of one accuracy run; its trajectory is kept under `folder` if one is given."""
+def run_trial(
+    trial: Trial,
+    case: Case,
+    adapter: Adapter,
+    folder: Path | None,
+    answered: Callable[[Record], object] | None = None,
+) -> Record:
+    """Build, step, measure: the record of one accuracy run; its trajectory is kept under `folder` if one is given.
+
+    Args: answered: is told what is known once the engine has answered, before its answer is judged.
+    """
     scene = trial.scene(case)
     try:
         answer = answer_of(trial, case, adapter, scene)
     except (Unsupported, Unavailable, SettingsError) as error:
         return refusal(trial, error)
     actual, broke, warnings = answer.actual, answer.broke, answer.warnings
+    plain = replace(
+        outcome(trial, "interrupted" if broke is None else "diverged", broke or "the answer is not judged yet"),
+        resolved=answer.resolved,
+        substep=answer.substep(trial.settings),
+        warnings=warnings,
+        sim_seconds=answer.sim_seconds,
+        steps=answer.steps,
+    )
+    if answered is not None:
+        answered(plain)
     try:
         truth = truth_of(case, scene, actual.time, trial.parameters, folder, trial.sources)
-    except (NotMeasurable, Unsupported) as error:
-        truth, warnings = None, (*warnings, StoredNotice(f"no truth: {error}"))
+    except (NotMeasurable, Unsupported, MemoryError) as error:
+        truth, warnings = None, (*warnings, StoredNotice(f"no truth: {str(error) or 'out of memory'}"))
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:
@@ -307,13 +341,11 @@ def run_trial(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -
         measurements = judge(bounded_case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
     return replace(
-        outcome(trial, status, reason),
-        resolved=answer.resolved,
-        substep=answer.substep(trial.settings),
+        plain,
+        status=status,
+        reason=reason,
         warnings=warnings,
         measurements=measurements,
-        sim_seconds=answer.sim_seconds,
-        steps=answer.steps,
         trajectory_hash=None if folder is None else save_trajectory(folder, scene, actual, expected),
         rough_cost=answer.cpu / answer.sim_seconds if answer.cpu and answer.sim_seconds else None,
     )

@@ -379,7 +379,8 @@ class prescribed_motion_ignored(Wrapped):
     """bodies whose motion is prescribed stay where they are"""
 
     def prescribe(self, velocities: Velocities) -> None:
-        """Nothing."""
+        """Without it they would keep the velocity that they start with."""
+        self.inner.prescribe(dict.fromkeys(velocities, (_STILL, _STILL)))
 
 
 @fault("prescribed_motion_is_where_its_law_has_it", needs=_LED)

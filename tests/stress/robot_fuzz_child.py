@@ -63,7 +63,7 @@ def compile_watched(text: Prepared, file: str) -> Model:
 
 def _one(path: Path) -> str:
     """What became of a file: 'read', 'refused', or what is wrong with how it ended."""
-    wishes = Wishes(root=None if path.suffix == ".xml" else "floating", drop=frozenset(DROPPABLE), looks=True)
+    wishes = Wishes(root="floating" if path.suffix == ".urdf" else None, drop=frozenset(DROPPABLE), looks=True)
     signal.setitimer(signal.ITIMER_PROF, DEADLINE)
     try:
         read(path, wishes, Companion(massless=Massless(mass=1e-3)))

@@ -101,7 +101,7 @@ def test_a_fault_of_an_answer_has_its_outcome_and_its_reason(
     ours, theirs = multiprocessing.Pipe(duplex=False)
     tell(theirs, trial, tmp_path)
     theirs.close()
-    (ready, _), (kind, said) = Inbox(ours).lines()
+    (ready, _), *_, (kind, said) = Inbox(ours).lines()
     ours.close()
     assert (ready, kind) == ("ready", "record")
     try:

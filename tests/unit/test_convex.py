@@ -1,6 +1,7 @@
 """How deep solids stand in one another, against depths by hand and against a linear programme over the same solids."""
 
 import math
+import tracemalloc
 from itertools import product as every
 
 import numpy as np
@@ -113,3 +114,68 @@ def test_what_has_no_exact_depth_says_so() -> None:
         solid(mesh)
     with pytest.raises(Unmeasured, match="cylinder"):
         depth_of(CYLINDER, ((0.0, 0.0, 0.0), UNTURNED), BOX, ((0.0, 0.0, 0.3), UNTURNED))
+
+
+def ellipsoid(count: int, seed: int) -> ConvexHull:
+    """A hull of points on an ellipsoid of 0.1, 0.12 and 0.08 m, all of them corners."""
+    points = np.random.default_rng(seed).normal(size=(count, 3))
+    points *= np.array([0.1, 0.12, 0.08]) / np.linalg.norm(points, axis=1)[:, None]
+    return ConvexHull(vertices=tuple(map(tuple, points.tolist())))
+
+
+def flying(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Poses in each other's reach, the first ten of them unturned and square to each other, the first one within."""
+    draw = np.random.default_rng(seed)
+    p, q = draw.normal(size=(count, 3)) * 0.12, draw.normal(size=(count, 4))
+    p[0], p[1:10] = 0.0, np.round(p[1:10], 1)
+    q[:10] = UNTURNED
+    return p, q / np.linalg.norm(q, axis=1)[:, None]
+
+
+CUBE = ConvexHull(vertices=tuple(every((-0.1, 0.1), repeat=3)))
+PRISM = ConvexHull(
+    vertices=tuple(
+        (0.1 * math.cos(k * math.pi / 8), 0.1 * math.sin(k * math.pi / 8), z) for k in range(16) for z in (-0.2, 0.2)
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("a", "b"), [(CUBE, CUBE), (CUBE, PRISM), (PRISM, PRISM), (ellipsoid(30, 1), BOX), (ellipsoid(24, 2), PRISM)]
+)
+def test_the_difference_grown_from_within_is_as_deep_as_all_pairs_of_edges_say(
+    monkeypatch: pytest.MonkeyPatch, a: Shape, b: Shape
+) -> None:
+    p, q = flying(40, 3)
+    still, unturned = np.zeros_like(p), np.tile(UNTURNED, (len(p), 1))
+    monkeypatch.setattr("plumbline.harness.trajectory.convex_depth.FEW", 2**60)
+    edges = depth(solid(a), still, unturned, solid(b), p, q)
+    monkeypatch.setattr("plumbline.harness.trajectory.convex_depth.FEW", 0)
+    grown = depth(solid(a), still, unturned, solid(b), p, q)
+    deep = edges > 1e-12
+    assert deep.sum() >= 10
+    assert (grown > 1e-12).tolist() == deep.tolist()
+    assert grown[deep] == pytest.approx(edges[deep], abs=1e-9)
+
+
+@pytest.mark.parametrize("count", [150, 500])
+def test_two_hulls_of_many_corners_are_measured_in_little_memory(count: int) -> None:
+    a, b = solid(ellipsoid(count, 1)), solid(ellipsoid(count, 2))
+    p, q = flying(30, 4)
+    tracemalloc.start()
+    deep = depth(a, np.zeros_like(p), np.tile(UNTURNED, (len(p), 1)), b, p, q)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert (deep > 0).any()
+    # The bound of the promise is 200 MB a process; all pairs of edges of two hulls of 150 asked for 12 GiB.
+    assert most < 50 * 2**20
+
+
+def test_a_ball_in_a_hull_of_many_corners_is_measured_in_little_memory() -> None:
+    p, q = flying(30, 5)
+    tracemalloc.start()
+    deep = depth(solid(BALL), np.zeros_like(p), np.tile(UNTURNED, (len(p), 1)), solid(ellipsoid(500, 1)), p, q)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert (deep > 0).any()
+    assert most < 200 * 2**20

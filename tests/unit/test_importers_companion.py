@@ -153,9 +153,9 @@ def test_an_imported_scene_survives_our_own_format(tmp_path: Path) -> None:
     assert parse(dump_toml(scene), "back.toml") == scene
 
 
-@pytest.mark.parametrize("name", ["robot.sdf", "robot", "robot.urdf.txt"])
+@pytest.mark.parametrize("name", ["robot.step", "robot", "robot.urdf.txt"])
 def test_another_ending_is_refused_with_those_that_there_are(tmp_path: Path, name: str) -> None:
-    with pytest.raises(RobotError, match=r"expected one of \.toml, \.json, \.xml, \.mjcf, \.urdf"):
+    with pytest.raises(RobotError, match=r"expected one of \.toml, \.json, \.xml, \.mjcf, \.sdf, \.world, \.urdf"):
         read(tmp_path / name)
 
 

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull as Qhull
 
-from plumbline.harness.intake.allowance import allowing
+from plumbline.harness.intake.allowance import Allowance, allowing, raised
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import ConvexHull
 from plumbline.harness.scene.importers import mjcf as importer
 from plumbline.harness.scene.importers.companion import Companion
-from plumbline.harness.scene.importers.meshes import load_mesh
+from plumbline.harness.scene.importers.meshes import MOST_CORNERS, load_mesh, simplified
 from plumbline.harness.scene.importers.mjcf_model import Model, compile_apart
 from plumbline.harness.scene.importers.mjcf_text import Prepared
 from plumbline.harness.scene.importers.solids import of_mesh
@@ -122,16 +123,19 @@ def test_a_package_is_found_where_the_user_says_and_told_where_it_is_not(tmp_pat
         imported(home, with_mesh("../pack/meshes/t.stl"))
 
 
-def test_a_missing_mesh_costs_contacts_and_nothing_else(tmp_path: Path) -> None:
-    got = imported(tmp_path, with_mesh("gone.stl"))
-    assert row(got, "collision mesh").outcome == "left_out"
+@pytest.mark.parametrize("reference", ["gone.stl", "/etc/hostname", "/home/somebody/meshes/arm.stl"])
+def test_a_missing_mesh_costs_contacts_and_nothing_else(tmp_path: Path, reference: str) -> None:
+    """A path of another machine is as good as none: nothing is read there, and the file and its link are named."""
+    got = imported(tmp_path, with_mesh(reference))
+    lost = row(got, "collision mesh")
+    assert (lost.outcome, lost.name) == ("left_out", "'arm'")
+    assert lost.consequence.startswith(f"'{reference}': ")
     assert got.scene.body("arm").mass == 2
 
 
 @pytest.mark.parametrize(
     "reference",
     [
-        "/etc/hostname",
         "../../etc/hostname",
         "file:///etc/hostname",
         "http://host/t.stl",
@@ -224,6 +228,10 @@ MESH_BODY = '<joint/><geom type="mesh" mesh="t"/>'
         ('<asset><mesh name="t" file="/etc/t.stl"/></asset>', "leads out of"),
         ('<asset><mesh name="t" file="gone.stl"/></asset>', "there is no such file; mass may depend on it"),
         ('<asset><mesh name="t" file="t.ply"/></asset>', "expected an ending among .stl, .obj, .msh"),
+        (
+            '<default><default class="leg"/></default><worldbody><body childclass="legs"/></worldbody>',
+            "childclass is 'legs', expected",
+        ),
         ('<compiler meshdir="/etc"/><asset><mesh name="t" file="t.stl"/></asset>', "leads out of"),
         ('<asset><model name="x" file="robot.xml"/></asset>', "a model in a model"),
         ('<size memory="nan"/>', "memory is 'nan', expected finite numbers"),
@@ -324,3 +332,44 @@ def test_a_sound_frame_is_read(tmp_path: Path) -> None:
     copies = '<replicate count="2" offset="1 0 0"><geom size=".1"/></replicate>'
     got = imported(tmp_path, mjcf(f'<joint/><geom size=".1"/>{framed}{copies}'))
     assert len(got.scene.body("arm").collision) == 4
+
+
+def lumps(count: int) -> np.ndarray:
+    """Points on an ellipsoid of 0.1, 0.12 and 0.08 m."""
+    points = np.random.default_rng(1).normal(size=(count, 3))
+    return points * np.array([0.1, 0.12, 0.08]) / np.linalg.norm(points, axis=1)[:, None]
+
+
+def test_a_hull_of_many_corners_gets_fewer_and_says_how_far_off_it_is(tmp_path: Path) -> None:
+    points = lumps(2000)
+    faces = Qhull(points).simplices
+    text = "".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in points)
+    (tmp_path / "t.obj").write_text(text + "".join(f"f {a} {b} {c}\n" for a, b, c in faces + 1))
+    got = imported(tmp_path, with_mesh("t.obj"))
+    (placed,) = got.scene.body("arm").collision
+    assert isinstance(placed.shape, ConvexHull)
+    kept = np.array(placed.shape.vertices)
+    assert len(kept) == MOST_CORNERS
+    planes = Qhull(kept).equations
+    outside = float((points @ planes[:, :3].T + planes[:, 3]).max())
+    told = row(got, "collision hull")
+    assert (told.outcome, told.value) == ("approximated", pytest.approx(outside))
+    # A cap of a sphere of radius r that n points share is as high as 2 r / n; a few times that where they lie unevenly.
+    assert 0 < outside < 10 * 2 * 0.12 / MOST_CORNERS
+    few = ConvexHull(vertices=points[:100].tolist())
+    assert simplified(few) == (few, 0.0)
+
+
+def test_meshes_may_hold_more_than_scenes_and_more_bytes_allow_more_of_them(tmp_path: Path) -> None:
+    plain, more = Allowance(), raised(["bytes=4e8"], "here")
+    assert plain.meshes == 64_000_000
+    assert (more.meshes, more.vertices) == (400_000_000, 16_000_000)
+    assert raised(["bytes=4e8", "vertices=7"], "here").vertices == 7
+    for name in ("a.stl", "b.stl"):
+        (tmp_path / name).write_text(stl())
+    size = (tmp_path / "a.stl").stat().st_size
+    two = "".join(f'<collision><geometry><mesh filename="{name}.stl"/></geometry></collision>' for name in "ab")
+    with allowing([f"meshes={2 * size - 1}"], "here"), pytest.raises(RobotError, match="bytes of all meshes, expected at most"):
+        imported(tmp_path, urdf(arm=INERTIAL + two))
+    with allowing([f"meshes={2 * size}"], "here"):
+        assert len(imported(tmp_path, urdf(arm=INERTIAL + two)).scene.body("arm").collision) == 2

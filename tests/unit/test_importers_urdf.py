@@ -1,15 +1,24 @@
 """What a URDF says and does not say, point by point: what is carried over, said, or refused with the words that mend it."""
 
+import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
 from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish, Massless
 from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.joint_tree import tree_of
+from plumbline.harness.scene.importers.kinematics import posed
+from plumbline.harness.scene.importers.materials import laws_of
+from plumbline.harness.scene.importers.merging import grouped
+from plumbline.harness.scene.importers.poses import IDENTITY
+from plumbline.harness.scene.importers.reading import read, robot_of
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
 
 
@@ -35,9 +44,11 @@ def test_a_joint_stands_where_it_says_about_a_unit_axis_with_its_range_damping_a
 def test_how_the_root_is_held_has_to_be_said(tmp_path: Path) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(urdf(base=INERTIAL))
-    from plumbline.harness.scene.importers.reading import read
-
     with pytest.raises(RobotError, match=r"root 'base' is held.*--root fixed or --root floating"):
+        read(path)
+    with pytest.raises(
+        RobotError, match=re.escape(f"\n  plumbline run {path} --root fixed\n  plumbline run {path} --root floating")
+    ):
         read(path)
     floating = imported(tmp_path, urdf(base=INERTIAL), root="floating").scene
     assert [b.name for b in floating.bodies if b.movable] == ["base", "arm"]
@@ -48,8 +59,6 @@ def test_a_root_called_world_is_fixed_without_a_word_and_takes_no_name_of_ours(t
     text = urdf().replace('"base"', '"world"')
     path = tmp_path / "robot.urdf"
     path.write_text(text)
-    from plumbline.harness.scene.importers.reading import read
-
     assert read(path).scene.joints[0].parent == "world"
     shaped = text.replace(
         '<link name="world">', '<link name="world"><collision><geometry><sphere radius="1"/></geometry></collision>'
@@ -258,6 +267,48 @@ def test_a_planar_joint_is_two_slides_and_a_hinge_with_stated_masses(tmp_path: P
     assert axes @ axes.T == pytest.approx(np.eye(3), abs=1e-15)
     assert turn.axis_W == (0, 1, 0)
     assert (x.parent, x.child, y.child, turn.child) == ("world", "arm.j.x", "arm.j.y", "arm")
+
+
+def test_a_root_without_mass_is_held_fixed_and_that_is_told(tmp_path: Path) -> None:
+    path, told = tmp_path / "robot.urdf", list[str]()
+    path.write_text(urdf('<link name="top"/>', '<joint name="t" type="fixed"><parent link="base"/><child link="top"/></joint>'))
+    got = read(path, Wishes(tell=told.append))
+    assert (got.scene.joints[0].parent, row(got, "root").becomes) == ("world", "fixed")
+    assert told == [f"{path}: root 'base' is held fixed: it has no mass, so that nothing else is possible"]
+    # What is fixed to it weighs: both are possible.
+    path.write_text(
+        urdf(f'<link name="top">{INERTIAL}</link><joint name="t" type="fixed"><parent link="base"/><child link="top"/></joint>')
+    )
+    with pytest.raises(RobotError, match="--root fixed or --root floating"):
+        read(path)
+
+
+def test_a_refused_planar_joint_and_mimics_of_fixed_joints_are_named(tmp_path: Path) -> None:
+    with pytest.raises(RobotError, match=r"line 4: <joint> 'j': several joints 'j\.x'"):
+        imported(tmp_path, urdf(kind="planar", joint=""))
+    tip = '<link name="tip"/><joint name="t" type="fixed"><parent link="arm"/><child link="tip"/>{}</joint>'
+    got = imported(tmp_path, urdf(tip.format('<mimic joint="j"/>')))
+    assert (row(got, "mimic").name, row(got, "mimic").outcome) == ("'t'", "left_out")
+    with pytest.raises(RobotError, match="joint 'j': mimic of a fixed joint, which does not move"):
+        imported(tmp_path, urdf(tip.format(""), joint=f'{LIMIT}<mimic joint="t"/>'))
+
+
+def test_a_long_chain_is_kept_link_by_link(tmp_path: Path) -> None:
+    names = ["arm", *(f"l{k}" for k in range(300))]
+    links = "".join(
+        f'<link name="{child}">{INERTIAL}</link>'
+        f'<joint name="j{child}" type="continuous"><parent link="{parent}"/><child link="{child}"/></joint>'
+        for parent, child in pairwise(names)
+    )
+    path = tmp_path / "robot.urdf"
+    path.write_text(urdf(links))
+    robot, _, _ = robot_of(path)
+    groups = grouped(robot)
+    at = posed(robot, IDENTITY)
+    massive = tree_of(robot, groups, at, laws_of(robot, groups, Companion()), Companion()).massive
+    assert len(list(massive[-1].lines)) == 301
+    # What moves a body is that of its parent and its own line: of n links n lines are kept, not n squared.
+    assert all(body.lines.above is parent.lines for parent, body in pairwise(massive))
 
 
 @pytest.mark.parametrize(

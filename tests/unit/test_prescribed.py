@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plumbline import engine
-from plumbline.harness.adapter import Feature
+from plumbline.harness.adapter import Feature, Unsupported
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.case.commands import acting, velocities_of
 from plumbline.harness.case.forces import Control, Controlled
@@ -22,6 +22,7 @@ from plumbline.harness.scene import (
     Box,
     PlacedShape,
     Prescribed,
+    Revolute,
     Samples,
     Scene,
     SceneError,
@@ -191,3 +192,54 @@ def test_a_box_on_a_conveyor_is_taken_along() -> None:
             simulation.state(out)
             ends.append(out.p_WB[0])
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-12)
+
+
+RISING = Sinusoid(amplitude=0.1, frequency=1.0)
+"""It moves at t = 0, by 0.2 pi m/s or rad/s."""
+RATE = 0.2 * math.pi
+
+
+def hung(*, turning: bool, begun: bool) -> Scene:
+    """A pendulum that hangs on a table which moves from the first instant on, and that has, or has not, begun with it."""
+    shift = Prescribed(shifts=(Shift(axis_W=(1.0, 0.0, 0.0), motion=RISING),))
+    turn = Prescribed(turn=Turn(anchor_W=(0.0, 0.0, 2.0), axis_W=(0.0, 1.0, 0.0), motion=RISING))
+    rate = RATE if begun else 0.0
+    # At 0.5 m below the axis a body that turns about y goes by -0.5 m times the rate along x.
+    own = {"v_WB": (-0.5 * rate, 0.0, 0.0), "w_WB": (0.0, rate, 0.0)} if turning else {"v_WB": (rate, 0.0, 0.0)}
+    return Scene(
+        bodies=(
+            Body(name="table", motion="kinematic", p_WB=(0.0, 0.0, 2.0), prescribed=turn if turning else shift),
+            Body(name="bob", p_WB=(0.0, 0.0, 1.5), mass=2.0, inertia=((0.02, 0, 0), (0, 0.03, 0), (0, 0, 0.04)), **own),
+        ),
+        joints=(Revolute(name="j", parent="table", child="bob", anchor_W=(0.0, 0.0, 2.0), axis_W=(1.0, 0.0, 0.0)),)
+        if turning
+        else (Revolute(name="j", parent="table", child="bob", anchor_W=(0.0, 0.0, 2.0), axis_W=(0.0, 1.0, 0.0)),),
+    )
+
+
+@pytest.mark.parametrize("turning", [False, True], ids=["shifted", "turned"])
+@pytest.mark.parametrize("name", ["mujoco", "bullet", "dart", "reference"])
+def test_what_hangs_on_a_body_that_moves_at_once_starts_with_it(name: str, turning: bool) -> None:
+    one = adapter(name)
+    settings = replace(one.tracks["tuned"], dt=1e-3)
+    with built(one, hung(turning=turning, begun=True), settings) as simulation:
+        start = State.empty(2)
+        simulation.state(start)
+        assert start.v_WB[1] == pytest.approx((-0.5 * RATE if turning else RATE, 0.0, 0.0), abs=1e-9)
+        controlled = Controlled(simulation, acting(hung(turning=turning, begun=True), None), 1e-3, 2)
+        controlled.step(20)
+        after = State.empty(2)
+        controlled.state(after)
+    # Nothing pulls at once: within 20 ms the table's acceleration, 4e-3 m/s2 and below a metre per second squared of gravity on
+    # a pendulum that has swung by 0.013 rad, change the speed by less than 20 ms times 1 m/s2.
+    assert after.v_WB[1] == pytest.approx(start.v_WB[1], abs=0.02)
+    with pytest.raises(Unsupported), built(one, hung(turning=turning, begun=False), settings):
+        pass
+
+
+def test_a_motion_says_how_fast_it_is_at_the_start() -> None:
+    assert RISING.rate_at_start() == pytest.approx(RATE)
+    assert Samples(time=(0.0, 0.5), target=(1.0, 2.0)).rate_at_start() == 2.0
+    assert Samples(time=(0.1, 0.5), target=(1.0, 2.0)).rate_at_start() == 0.0
+    table = hung(turning=True, begun=True).bodies[0]
+    assert table.velocity_at_start == ((0.0, 0.0, 0.0), (0.0, pytest.approx(RATE), 0.0))

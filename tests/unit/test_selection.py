@@ -138,6 +138,14 @@ def test_where_one_engine_alone_can_express_the_scenes_there_is_no_contest_and_n
     assert headline(one, str) == "mujoco is the only engine that can express this scene, of 2 asked: there is no contest."
 
 
+def test_an_engine_whose_answers_were_not_measured_expresses_the_scenes(tmp_path: Path) -> None:
+    folder = write_selection_folder(tmp_path / "run", {"mujoco": GOOD, "dart": NOTHING}, 0)
+    frame = pd.read_parquet(folder / "trials.parquet")
+    frame.loc[frame["engine"] == "dart", ["steps", "reason"]] = [240, "not measured: judging the answer took too much"]
+    frame.to_parquet(folder / "trials.parquet", index=False)
+    assert choose(Store(folder), Wish(), draws=200).alone != "expresses"
+
+
 def test_an_engine_that_can_express_one_of_the_scenes_is_a_contestant(answer: Ask) -> None:
     lacking = Made(error=0.3, cost=0.01, lacks=tuple(name for name in CASES if name != "joint_chain"))
     found = answer({"mujoco": GOOD, "dart": lacking}, 0)

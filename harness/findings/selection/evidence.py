@@ -279,9 +279,10 @@ def _capability(store: Store, cases: Mapping[str, float], tracks: Mapping[str, s
 def _capabilities(store: Store) -> dict[tuple[str, str], Datum]:
     """By case and engine."""
     data: dict[tuple[str, str], Datum] = {}
-    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
+    trials = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), [*_JUDGED, "steps"]]
     for (case, engine), group in trials.groupby(["case", "engine"], sort=False):
-        lacking = group[group["status"].eq("unsupported")]
+        # An engine that took steps expresses the scene, whatever could not be measured of its answer.
+        lacking = group[group["status"].eq("unsupported") & group["steps"].eq(0)]
         value = float(len(lacking) < len(group))
         row = (lacking if len(lacking) else group).iloc[0]
         says = str(row["reason"]) if not value else "can be expressed"

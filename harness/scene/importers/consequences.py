@@ -1,6 +1,6 @@
 """What an omission changes, as numbers: inertias of a robot's coordinates at the start against what is left out or put in."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,13 +8,32 @@ import numpy as np
 from plumbline.harness.intake.refusal import listed
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.kinematics import Line, mass_matrix
-from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.poses import Array, crossed
 from plumbline.harness.scene.importers.robot import Coordinate
 
 MOST = 4_000_000
 """Coordinates times coordinates times bodies up to which inertias are worked out."""
 STIFF_RATE = 480.0
 """Rates [1/s] of a joint's damper above which an explicit step of 1/240 s is unstable: a factor of 1 - rate/240 below -1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """The lines that move a body, those of what it hangs on first. Terms: above: of what it hangs on. own: its own."""
+
+    above: "Chain | None"
+    own: tuple[Line, ...]
+
+    def nodes(self) -> "Iterator[Chain]":
+        """The chain and those above it, its own first."""
+        node: Chain | None = self
+        while node is not None:
+            yield node
+            node = node.above
+
+    def __iter__(self) -> Iterator[Line]:
+        for node in reversed([*self.nodes()]):
+            yield from node.own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +48,7 @@ class Massive:
     mass: float
     centre_W: Array
     inertia_W: Array
-    lines: tuple[Line, ...]
+    lines: Chain
     stated: bool = False
     between: bool = False
 
@@ -40,7 +59,7 @@ def _columns(lines: Sequence[Line]) -> dict[str, list[tuple[Array, Array]]]:
     for line in lines:
         c = line.coordinate
         if c.kind in ("ball", "free"):
-            turns = [(axis, np.cross(line.anchor_W, axis)) for axis in np.eye(3)]
+            turns = [(axis, crossed(line.anchor_W, axis)) for axis in np.eye(3)]
             ways = [(np.zeros(3), axis) for axis in np.eye(3)] if c.kind == "free" else []
             columns[c.name] = [*turns, *ways]
         else:
@@ -48,9 +67,26 @@ def _columns(lines: Sequence[Line]) -> dict[str, list[tuple[Array, Array]]]:
     return columns
 
 
+def _lines(bodies: Sequence[Massive]) -> dict[str, Line]:
+    """All lines that move any of the bodies, by name, each looked at once."""
+    lines: dict[str, Line] = {}
+    seen = set[int]()
+    for body in bodies:
+        fresh = list[Chain]()
+        for node in body.lines.nodes():
+            if id(node) in seen:
+                break
+            fresh.append(node)
+        seen |= {id(node) for node in fresh}
+        lines |= {line.coordinate.name: line for node in reversed(fresh) for line in node.own}
+    return lines
+
+
 def inertias(bodies: Sequence[Massive]) -> tuple[list[Coordinate], Array, Array]:
     """The coordinates with one value each, the mass matrix of all coordinates, and the places of those in it."""
-    lines = {line.coordinate.name: line for body in bodies for line in body.lines}
+    lines = _lines(bodies)
+    if len(lines) ** 2 * len(bodies) > MOST:
+        return [], np.zeros((0, 0)), np.zeros(0, dtype=np.int64)
     motions = _columns(list(lines.values()))
     places: dict[str, int] = {}
     count = 0
@@ -65,7 +101,7 @@ def inertias(bodies: Sequence[Massive]) -> tuple[list[Coordinate], Array, Array]
         for line in body.lines:
             for k, (w, v) in enumerate(motions[line.coordinate.name]):
                 J[:3, places[line.coordinate.name] + k] = w
-                J[3:, places[line.coordinate.name] + k] = v + np.cross(w, body.centre_W)
+                J[3:, places[line.coordinate.name] + k] = v + crossed(w, body.centre_W)
         jacobians.append(J)
     scalars = [line.coordinate for line in lines.values() if line.coordinate.kind in ("revolute", "prismatic")]
     M = mass_matrix(jacobians, [(body.mass, body.centre_W, body.inertia_W) for body in bodies])

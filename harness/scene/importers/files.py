@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +10,10 @@ from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import InputError, named, regular
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene.importers.xml_text import elements
 
+_LEVELS = 8
+"""Folders above a file that are looked through for the package that it is part of."""
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(?!\\)(.*)", re.DOTALL)
 
 
@@ -49,6 +53,12 @@ class Folders:
             )
         return target if target.exists() else None
 
+    def strays(self, reference: str) -> bool:
+        """Is it an absolute path that leads out of all folders, as those of another machine do?"""
+        return Path(reference).is_absolute() and not any(
+            Path(reference).is_relative_to(root) for root in (self.home.resolve(), *self.packages.values())
+        )
+
     def missing(self, reference: str) -> str:
         """Why a reference has led to nothing, with the words that mend it."""
         scheme = _SCHEME.fullmatch(reference)
@@ -56,15 +66,19 @@ class Folders:
             name = scheme[2].lstrip("/").partition("/")[0]
             if name not in self.packages:
                 return f"package {quoted(name, 80)} is not known; --package {quoted(name, 80)[1:-1]}=DIR says where it lies"
+        if self.strays(reference):
+            return (
+                "an absolute path that leads out of the robot's folder; --package NAME=DIR adds a folder that files may lie in"
+            )
         return "there is no such file"
 
 
-def content(path: Path, where: str) -> bytes:
-    """The bytes of a regular file of at most the allowed number. Raises: RobotError."""
+def content(path: Path, where: str, limit: str = "bytes") -> bytes:
+    """The bytes of a regular file of at most the allowed number. Args: limit: its name. Raises: RobotError."""
     try:
         regular(path)
         size = path.stat().st_size
-        if excess := beyond("bytes", size):
+        if excess := beyond(limit, size, "bytes"):
             raise RobotError(f"{where}: {named(path)}: {excess}")
         return path.read_bytes()
     except InputError as error:
@@ -83,3 +97,21 @@ def text_of(path: Path, where: str) -> str:
         raise RobotError(
             f"{named(path)}: line {line}: byte 0x{raw[error.start]:02x} is no UTF-8; expected a text in UTF-8"
         ) from None
+
+
+def packages_above(path: Path) -> dict[str, Path]:
+    """The packages that a file lies in, by name: folders above it with a package.xml (ROS) or a model.config (Gazebo).
+
+    Source: ROS REP 149, package.xml: <name>; a model of Gazebo has the name of its folder.
+    """
+    packages: dict[str, Path] = {}
+    for folder in [*path.resolve().parents][:_LEVELS]:
+        manifest, model = folder / "package.xml", folder / "model.config"
+        if manifest.is_file():
+            with suppress(RobotError):  # what is no package is none
+                name = elements(text_of(manifest, named(manifest)), named(manifest)).first("name")
+                if name is not None and name.text.strip():
+                    packages.setdefault(name.text.strip(), folder)
+        if model.is_file():
+            packages.setdefault(folder.name, folder)
+    return packages

@@ -17,12 +17,14 @@ class Reading:
 
     Terms:
         folders: where references may lead; they are followed through it alone. companion: what the file beside the robot says.
-        convex: the most convex pieces that a mesh is taken apart into; None for its hull. tell: is told of what takes long.
+        convex: the most convex pieces that a mesh is taken apart into; None for its hull. strict: is every word refused that
+        the format does not have? tell: is told of what takes long, and of what is left out.
     """
 
     folders: "Folders"
     companion: "Companion"
     convex: int | None = None
+    strict: bool = False
     tell: Callable[[str], object] | None = None
 
 

@@ -23,7 +23,7 @@ from plumbline.harness.scene import (
     Spring,
 )
 from plumbline.harness.scene.importers.companion import Companion, Massless
-from plumbline.harness.scene.importers.consequences import Massive
+from plumbline.harness.scene.importers.consequences import Chain, Massive
 from plumbline.harness.scene.importers.kinematics import Line, Posed
 from plumbline.harness.scene.importers.materials import Laws
 from plumbline.harness.scene.importers.merging import Group, check_inertia
@@ -68,7 +68,7 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
     massive: list[Massive] = []
     held: dict[str, str] = {}
     called: dict[str, str] = {}
-    above: dict[str, tuple[Line, ...]] = {}
+    above: dict[str, Chain | None] = {}
     body_names, joint_names = _Names(), _Names()
     for lead, group in groups.items():
         X = at.pose[lead]
@@ -76,12 +76,12 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
             made = _still(group, X, laws, body_names)
             bodies += made
             held[lead] = made[0].name if made and robot.filter_world else WORLD
-            above[lead] = ()
+            above[lead] = None
             continue
         lines = at.lines[lead]
-        before = () if group.parent is None else above[group.parent]
+        before = None if group.parent is None else above[group.parent]
         free = any(line.coordinate.kind == "free" for line in lines)
-        above[lead] = lines if free else (*before, *lines)
+        chain = above[lead] = Chain(None if free else before, lines)
         parent = WORLD if group.parent is None else held[group.parent]
         between = None if companion.massless is not None or len(lines) < 2 else stand_ins(lines, group.solid, X)
         if between is not None:
@@ -90,13 +90,13 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
         for k, line in enumerate(lines[:-1]):
             extra = _between(line, k, group, between, companion.massless, body_names)
             bodies.append(extra)
-            massive += _of_between(extra, (*before, *lines[: k + 1]), own=between is not None)
+            massive += _of_between(extra, Chain(before, lines[: k + 1]), own=between is not None)
             joints.append(_joint(line, parent, extra.name, joint_names, robot))
             called[line.coordinate.name] = joints[-1].name
             parent = extra.name
         body, stated = _body(group, X, at, laws.material[lead], companion.massless, body_names)
         bodies.append(body)
-        massive.append(_massive(body, above[lead], stated))
+        massive.append(_massive(body, chain, stated))
         held[lead] = body.name
         if not free:
             joints.append(_joint(lines[-1], parent, body.name, joint_names, robot))
@@ -137,7 +137,7 @@ def _still(group: Group, X: Pose, laws: Laws, names: _Names) -> list[Body]:
             Body(
                 name=names.fresh(group.lead.name),
                 motion="static",
-                material=laws.still[key],
+                material=laws.still[group.lead.name, key],
                 collision=_placed(shapes, Pose(np.eye(3), np.zeros(3))),
                 p_WB=vector(X.p),
                 q_WB=quaternion(X.R),
@@ -158,9 +158,12 @@ def _between(line: Line, place: int, group: Group, between: StandIns | None, mas
     elif massless is not None:
         mass, moment, centre = massless.mass, _stated_inertia(massless), line.after.of(c.anchor)
     else:
-        named = [each.name for each in group.lead.coordinates]
+        coordinates = group.lead.coordinates
+        several = listed([each.name for each in coordinates])
+        # Of a planar joint all coordinates are one element.
+        where = c.where if len({each.where for each in coordinates}) == 1 else group.lead.where
         raise RobotError(
-            f"{group.lead.where}: several joints {listed(named)} move one body, and a scene has one joint between two bodies "
+            f"{where}: several joints {several} move one body, and a scene has one joint between two bodies "
             "and no body without mass; the body's own mass does where the axes of all but the first meet in a point, which "
             "these do not; [massless] mass = ... in the companion file puts bodies of that mass between them, and says what "
             "they change"
@@ -182,7 +185,7 @@ def _tensor(group: Group) -> Array:
     return group.solid.inertia
 
 
-def _of_between(body: Body, lines: tuple[Line, ...], *, own: bool) -> list[Massive]:
+def _of_between(body: Body, lines: Chain, *, own: bool) -> list[Massive]:
     """What a body between two joints adds: all of it, or its moment alone where its mass is the link's own."""
     if not own:
         return [_massive(body, lines, stated=True)]
@@ -222,7 +225,7 @@ def _body(group: Group, X: Pose, at: Posed, material: str, massless: Massless | 
     return body, stated
 
 
-def _massive(body: Body, lines: tuple[Line, ...], stated: bool) -> Massive:
+def _massive(body: Body, lines: Chain, stated: bool) -> Massive:
     R = pose(body.p_WB, body.q_WB).R
     return Massive(body.mass, np.array(body.p_WB), R @ np.array(body.inertia) @ R.T, lines, stated)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, screw
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, crossed, screw
 from plumbline.harness.scene.importers.robot import Coordinate, Robot
 
 
@@ -21,7 +21,7 @@ class Twist:
 
     def at(self, point: Array) -> Array:
         """The velocity of the body's point at a place [m] of W."""
-        moved: Array = self.v + np.cross(self.w, point)
+        moved: Array = self.v + crossed(self.w, point)
         return moved
 
 
@@ -44,7 +44,7 @@ class Line:
         """The motion of what hangs on it at a rate of 1."""
         if self.coordinate.kind == "prismatic":
             return Twist(np.zeros(3), self.axis_W)
-        return Twist(self.axis_W, np.cross(self.anchor_W, self.axis_W))
+        return Twist(self.axis_W, crossed(self.anchor_W, self.axis_W))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +84,7 @@ def _moved(c: Coordinate, here: Pose, twist: Twist, anchor: Array, axis: Array) 
     way = (c.reference if c.position is None else c.position) - c.reference
     if c.kind == "prismatic":
         return here @ screw(c.axis, c.anchor, 0.0, way), Twist(twist.w, twist.v + c.velocity * axis)
-    motion = Twist(c.velocity * axis, c.velocity * np.cross(anchor, axis))
+    motion = Twist(c.velocity * axis, c.velocity * crossed(anchor, axis))
     return here @ screw(c.axis, c.anchor, way, 0.0), twist + motion
 
 
@@ -92,9 +92,9 @@ def _rate(c: Coordinate, after: Pose, anchor: Array) -> Twist:
     """The motion of a free or ball joint: of a ball about its anchor, of a free link with the velocity of its origin."""
     w: Array = np.zeros(3) if c.w_start is None else after.R @ c.w_start
     if c.kind == "ball":
-        return Twist(w, np.cross(anchor, w))
+        return Twist(w, crossed(anchor, w))
     v = np.zeros(3) if c.v_start is None else c.v_start
-    return Twist(w, v - np.cross(w, after.p))
+    return Twist(w, v - crossed(w, after.p))
 
 
 def mass_matrix(columns: Sequence[Array], bodies: Sequence[tuple[float, Array, Array]]) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
-from plumbline.harness.scene.importers.robot import Geometry, Link, Robot, Solid
+from plumbline.harness.scene.importers.robot import Contacts, Geometry, Link, Robot, Solid
 from plumbline.harness.scene.importers.solids import moved, together
 
 
@@ -17,7 +17,7 @@ class Group:
     Terms:
         lead: the link that the others hang on; its frame G is the group's. parent: the lead of the group above, None for the
         world. still: is it fixed to the world? solid: all mass, in G; None without any. geometries, drawn: each with its pose
-        in G.
+        in G and the contact key of its own link.
         members: pose in G of each link.
     """
 
@@ -48,12 +48,13 @@ def grouped(robot: Robot) -> dict[str, Group]:
             owner[link.name] = lead
             members[lead][link.name] = members[lead][link.parent] @ link.X_PL
     made: dict[str, Group] = {}
+    contacts = robot.contacts or Contacts()
     for name, lead_link in leads.items():
         poses = members[name]
         solids = [moved(solid, X) for member, X in poses.items() if (solid := links[member].solid) is not None]
         shapes, drawn = (
             tuple(
-                Geometry(geometry.shape, X @ geometry.X_LG, geometry.contact)
+                Geometry(geometry.shape, X @ geometry.X_LG, contacts.key(member, geometry.contact))
                 for member, X in poses.items()
                 for geometry in getattr(links[member], kind)
             )

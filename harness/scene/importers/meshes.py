@@ -1,6 +1,7 @@
 """Meshes of robot files: STL, OBJ and DAE through trimesh, scaled and mirrored, never more than what is allowed."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -14,11 +15,16 @@ from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.scene import ConvexHull
+from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import content
 from plumbline.harness.scene.importers.poses import Array
 from plumbline.harness.scene.importers.xml_text import elements
 
 FORMATS = (".stl", ".obj", ".dae")
+MOST_CORNERS = 500
+"""Of a convex hull that touches: more of them cost every engine time, and lie within a hundredth of a round part's radius."""
+_AT_ONCE = 8
+"""Corners that a hull is given in one turn."""
 _FACE = re.compile(rb"^f\s", re.MULTILINE)
 _BINARY_STL = (84, 50)
 """Bytes before the triangles of a binary STL, and of each triangle."""
@@ -60,7 +66,7 @@ def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
     kind = path.suffix.lower()
     if kind not in FORMATS:
         raise RobotError(f"{where}: {named(path)}: format {kind or 'without ending'}, expected one of {', '.join(FORMATS)}")
-    raw = content(path, where)
+    raw = content(path, where, "meshes")
     if reason := too_many_faces(kind, raw):
         raise RobotError(f"{where}: {named(path)}: {reason}")
     if kind == ".dae":
@@ -102,3 +108,38 @@ def hull_of(vertices: Array, where: str) -> tuple[ConvexHull, float]:
     except (QhullError, ValueError) as error:
         message = readable(str(error).strip().splitlines()[0], 160)
         raise RobotError(f"{where}: the mesh spans no volume ({message}), expected a solid") from None
+
+
+def simplified(hull: ConvexHull) -> tuple[ConvexHull, float]:
+    """The hull of at most MOST_CORNERS of its corners, and how far the others lie outside of its faces [m].
+
+    Those that lie the farthest outside are taken in first, as quickhull does.
+    Source: Barber, Dobkin, Huhdanpaa, The Quickhull Algorithm for Convex Hulls, ACM Trans. Math. Software 22 (1996) 469.
+    """
+    from scipy.spatial import ConvexHull as Qhull
+
+    corners = np.array(hull.vertices)
+    if len(corners) <= MOST_CORNERS:
+        return hull, 0.0
+    ways = np.concatenate((np.eye(3), -np.eye(3), np.ones((1, 3)), -np.ones((1, 3))))
+    chosen = np.unique(np.argmax(ways @ corners.T, axis=1))
+    while True:
+        outside = corners @ (faces := Qhull(corners[chosen]).equations)[:, :3].T + faces[:, 3]
+        farthest, beyond_faces = np.argmax(outside, axis=0), np.max(outside, axis=0)
+        order = np.argsort(-beyond_faces)[: min(_AT_ONCE, MOST_CORNERS - len(chosen))]
+        fresh = np.setdiff1d(farthest[order], chosen)
+        if len(fresh) == 0:
+            return ConvexHull(vertices=corners[chosen].tolist()), max(0.0, float(beyond_faces.max()))
+        chosen = np.sort(np.concatenate((chosen, fresh)))
+
+
+def coarser(off: Mapping[str, float]) -> list[Fidelity]:
+    """The row of hulls that are given fewer corners than they have. Args: off: by how much [m], by whose they are."""
+    return Fidelity.approximated(
+        "collision hull",
+        list(off),
+        f"a hull of {MOST_CORNERS} of its corners",
+        consequence="the others lie outside of its faces, by at most",
+        value=max(off.values(), default=None),
+        unit="m",
+    )

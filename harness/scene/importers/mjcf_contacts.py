@@ -50,13 +50,14 @@ def read(model: Model, names: list[str]) -> tuple[dict[int, str], Contacts, list
         sort: ("robot" if number == 0 else f"robot_{number + 1}") for number, sort in enumerate(dict.fromkeys(sorts.values()))
     }
     laws = {frozenset((keys[a], keys[b])): law for a, b in combinations_with_replacement(keys, 2) if (law := _law(a, b, keys))}
-    laws |= _pairs(model, sorts, keys)
-    rows = _rows(model, len(sorts), count)
-    excluded = []
-    for signature in model.exclude_signature:
-        a, b = int(signature) >> 16, int(signature) & 0xFFFF
-        excluded.append((names[a], names[b]))
-    return {k: keys[sort] for k, sort in sorts.items()}, Contacts(laws=tuple(laws.values()), excluded=tuple(excluded)), rows
+    paired_laws = _pairs(model, sorts, keys)
+    laws |= paired_laws
+    contacts = Contacts(
+        laws=tuple(laws.values()),
+        excluded=tuple((names[int(s) >> 16], names[int(s) & 0xFFFF]) for s in model.exclude_signature),
+        paired=frozenset(paired_laws),
+    )
+    return {k: keys[sort] for k, sort in sorts.items()}, contacts, _rows(model, sorts, count)
 
 
 def _law(a: _Sort, b: _Sort, keys: dict[_Sort, str]) -> Surface | None:
@@ -98,8 +99,12 @@ def _pairs(model: Model, sorts: dict[int, _Sort], keys: dict[_Sort, str]) -> dic
     return surfaces
 
 
-def _rows(model: Model, colliding: int, count: int) -> list[Fidelity]:
-    rows = []
+def _rows(model: Model, sorts: dict[int, _Sort], count: int) -> list[Fidelity]:
+    rows, colliding = list[Fidelity](), len(sorts)
+    masks = {(sort.contype, sort.conaffinity) for sort in sorts.values()}
+    choosy = {(t, a) for t, a in masks if not all(t & affinity or contype & a for contype, affinity in masks)}
+    masked = [model.name("geom", k) for k, sort in sorts.items() if (sort.contype, sort.conaffinity) in choosy]
+    rows += Fidelity.exact("contype, conaffinity", masked, "materials, of which some pairs never touch")
     if count > colliding:
         rows.append(
             Fidelity(

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from plumbline.harness.intake.refusal import RobotError
-from plumbline.harness.scene import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
+from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.meshes import hull_of
+from plumbline.harness.scene.importers.meshes import coarser, hull_of, simplified
 from plumbline.harness.scene.importers.mjcf_model import Model
 from plumbline.harness.scene.importers.poses import Pose, pose
 from plumbline.harness.scene.importers.robot import Geometry, Look, Need
@@ -18,6 +18,7 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
     """The shapes by body. Args: keys: the contact key of each geom that collides; rows, needs: are added to."""
     made: dict[int, list[Geometry]] = {}
     exact, hulls, rounds, strange = 0, [], [], []
+    off: dict[str, float] = {}
     for k, key in keys.items():
         word, name = model.word("Geom", int(model.geom_type[k])), model.name("geom", k)
         body = int(model.geom_bodyid[k])
@@ -27,8 +28,11 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
             strange.append(name)
             continue
         shape = _shape(model, k, word, size, name)
-        if word == "mesh":
+        if isinstance(shape, ConvexHull):
             hulls.append(name)
+            shape, far = simplified(shape)
+            if far > 0:
+                off[name] = far
         elif word == "ellipsoid":
             rounds.append(name)
         else:
@@ -42,6 +46,7 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
         "convex hull",
         consequence="MuJoCo collides a mesh as its convex hull too; vertices are in single precision",
     )
+    rows += coarser(off)
     rows += Fidelity.exact(
         ELLIPSOIDS,
         rounds,

@@ -8,7 +8,8 @@ from xml.sax.saxutils import quoteattr
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.import_wishes import Drop
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.near_miss import did_you_mean
+from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene.importers.files import Folders, content, text_of
 from plumbline.harness.scene.importers.meshes import too_many_faces
@@ -44,6 +45,7 @@ def prepared(root: Element, folders: Folders) -> Prepared:
     if root.tag != "mujoco":
         raise root.refuse("is the root of the file, expected <mujoco> or <robot>")
     whole = _included(root, folders, {root.file}, [0])
+    _check_classes(whole)
     made = Prepared()
     directories = _directories(whole)
     bodies = _Budget()
@@ -51,6 +53,18 @@ def prepared(root: Element, folders: Folders) -> Prepared:
     _write(whole, made, folders, directories, bodies, pieces, 1)
     made.text = "".join(pieces)
     return made
+
+
+def _check_classes(whole: Element) -> None:
+    """The compiler does not say which class it misses. Raises: RobotError."""
+    classes = {element.attributes.get("class", "main") for element in whole.walk() if element.tag == "default"} | {"main"}
+    for element in whole.walk():
+        name = element.attributes.get("childclass")
+        if name is not None and name not in classes:
+            hint = did_you_mean(name, classes)
+            raise element.refuse(
+                f"childclass is {quoted(name, 80)}, expected the class of a <default>: {listed(sorted(classes), 12)}{hint}"
+            )
 
 
 class _Budget:
@@ -207,11 +221,11 @@ def _asset(
     kind = path.suffix.lower()
     if kind not in (MESHES if element.tag == "mesh" else (".bin", ".hf")):
         raise RobotError(f"{where} is {quoted(reference)}, expected an ending among {', '.join(MESHES)}")
-    raw = content(path, where)
+    raw = content(path, where, "meshes")
     if excess := too_many_faces(kind, raw):
         raise RobotError(f"{where}: {named(path)}: {excess}")
     budget.meshes += len(raw)
-    if excess := beyond("bytes", budget.meshes, "bytes of all meshes"):
+    if excess := beyond("meshes", budget.meshes, "bytes of all meshes"):
         raise RobotError(f"{where}: {excess}")
     name = f"asset{len(made.assets)}{kind}"
     made.assets[name] = raw

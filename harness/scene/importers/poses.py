@@ -83,6 +83,11 @@ def cross(v: Array) -> Array:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
+def crossed(a: Array, b: Array) -> Array:
+    """a x b of two vectors: the sums of `numpy.cross` to the bit, without its search for axes, which outweighs them."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
 def turn(axis: Array, angle: float) -> Array:
     """The rotation by an angle [rad] about a unit axis (Rodrigues), (3, 3)."""
     K = cross(axis)

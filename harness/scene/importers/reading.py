@@ -17,7 +17,7 @@ from plumbline.harness.scene.importers.commands import load_commands
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.files import Folders, packages_above
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.joint_tree import Tree, tree_of
@@ -107,7 +107,11 @@ def _inside(path: Path, companion: Companion) -> dict[str, Path]:
 
 def _robot(path: Path, companion: Companion, wishes: Wishes) -> Robot:
     reading = Reading(
-        folders=Folders(path.parent, wishes.packages), companion=companion, convex=wishes.convex, tell=wishes.tell
+        folders=Folders(path.parent, {**packages_above(path), **wishes.packages}),
+        companion=companion,
+        convex=wishes.convex,
+        strict=wishes.strict,
+        tell=wishes.tell,
     )
     return importer_of(path).read(path, reading)
 
@@ -126,8 +130,8 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     if companion.base is not None and robot.gravity is not None:
         raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
-    robot = rooted(robot, companion, wishes)
-    rows += undropped(robot, wishes.drop)
+    robot, more = rooted(robot, companion, wishes)
+    rows += [*more, *undropped(robot, wishes.drop)]
     robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
     rows += more
     start = wishes.start or companion.start or ("inside" if wishes.scenario else "zero")
@@ -196,7 +200,7 @@ def _undropped(
     if not back:
         return None, []
     try:
-        return imported(robot, companion, replace(wishes, drop=wishes.drop - back, looks=False), commands).scene, []
+        return imported(robot, companion, replace(wishes, drop=wishes.drop - back, looks=False, tell=None), commands).scene, []
     except RobotError as error:
         kinds = listed(sorted(back))
         why = f"what that changes is not measured, since it cannot be read with them: {error}"

@@ -11,6 +11,7 @@ A link without coordinates is fixed to its parent.
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
+from zlib import crc32
 
 import numpy as np
 
@@ -170,11 +171,22 @@ class Closure:
 class Contacts:
     """Who touches whom, by contact keys and by links.
 
-    Terms: laws: by pair of keys, those that are missing never touch. excluded: pairs of links that never touch.
+    Terms: laws: by pair of keys, those that are missing never touch. excluded: pairs of links that never touch. paired: pairs
+    of keys whose law holds between excluded links too.
     """
 
     laws: tuple[Surface, ...] = ()
     excluded: tuple[tuple[str, str], ...] = ()
+    paired: frozenset[frozenset[str]] = frozenset()
+
+    def key(self, link: str, contact: str) -> str:
+        """The contact key of a link's shape: one of the link's own where it is excluded from touching another."""
+        return f"{contact}:{_short(link)}" if any(link in pair for pair in self.excluded) else contact
+
+
+def _short(name: str) -> str:
+    """A name that fits into that of a material, no two of which are alike."""
+    return name if len(name) < 79 else f"{name[:69]}.{crc32(name.encode()):08x}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

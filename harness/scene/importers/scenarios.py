@@ -10,17 +10,11 @@ from plumbline.harness.intake.import_wishes import Scenario, Wishes
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import (
     Body,
-    Box,
-    Capsule,
-    ConvexHull,
-    Cylinder,
     Distance,
-    Ellipsoid,
     Fixed,
     PlacedShape,
+    Plane,
     Scene,
-    Sphere,
-    TriangleMesh,
     Vector3,
 )
 from plumbline.harness.scene.importers.companion import Companion, Ground
@@ -28,6 +22,7 @@ from plumbline.harness.scene.importers.consequences import Massive, inertias
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.robot import Coordinate, Robot, Servo
 from plumbline.harness.scene.rotation import multiply, rotate, rotation_matrix
+from plumbline.harness.scene.support import support
 
 CLEARANCE = 0.1
 """How high above the ground the lowest point of what is dropped starts [m]."""
@@ -147,23 +142,9 @@ def lifted(scene: Scene, ground: str, source: str) -> Scene:
 
 
 def _lowest(body: Body, placed: PlacedShape) -> float:
-    """The least z of a placed shape in W [m]."""
+    """The least z of a placed shape in W [m]; infinite of a plane."""
+    if isinstance(placed.shape, Plane):
+        return math.inf
     q = multiply(body.q_WB, placed.q_BS)
-    offset = rotate(body.q_WB, placed.p_BS)
-    z = body.p_WB[2] + offset[2]
-    down = np.array(rotation_matrix(q))[2]
-    match placed.shape:
-        case Sphere(radius=r):
-            return float(z - r)
-        case Box(half_extents=h):
-            return float(z - np.abs(down) @ np.array(h))
-        case Capsule(radius=r, half_length=h):
-            return float(z - r - abs(down[2]) * h)
-        case Cylinder(radius=r, half_length=h):
-            return float(z - abs(down[2]) * h - math.hypot(down[0], down[1]) * r)
-        case Ellipsoid(semi_axes=semi_axes):
-            return float(z - np.linalg.norm(down * np.array(semi_axes)))
-        case ConvexHull(vertices=vertices) | TriangleMesh(vertices=vertices):
-            return float(z + (np.array(vertices) @ down).min())
-        case _:
-            return math.inf
+    z = body.p_WB[2] + rotate(body.q_WB, placed.p_BS)[2]
+    return float(z - support(placed.shape, -np.array(rotation_matrix(q))[2]))

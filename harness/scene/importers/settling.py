@@ -1,5 +1,6 @@
 """A robot and what its user says of it: root, start, ranges, drives; what is neither expressed nor dropped is refused."""
 
+import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -27,20 +28,41 @@ def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: st
             )
 
 
-def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> Robot:
-    """The robot with its root held as the user says; it has to be said where the file does not. Raises: RobotError."""
-    root = wishes.root or companion.root or robot.root
+def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> tuple[Robot, list[Fidelity]]:
+    """The robot with its root held as the user says, or as alone is possible; it has to be said where both are.
+
+    Raises: RobotError.
+    """
+    root, rows = wishes.root or companion.root or robot.root, list[Fidelity]()
+    name = robot.links[0].name
+    if root is None and companion.massless is None and not _weighs(robot):
+        root = "fixed"
+        why = "it has no mass, so that nothing else is possible"
+        rows.append(Fidelity(element="root", name=name, outcome="exact", becomes="fixed", consequence=why))
+        if wishes.tell is not None:
+            wishes.tell(f"{robot.source}: root {quoted(name, 80)} is held fixed: {why}")
     if root is None:
+        run = f"plumbline run {shlex.quote(robot.source)} --root"
         raise RobotError(
-            f"{robot.source}: a file of this kind does not say how its root {quoted(robot.links[0].name, 80)} is held, and an "
-            'arm looks like a quadruped; --root fixed or --root floating says it, or root = "fixed" in the companion file'
+            f"{robot.source}: a file of this kind does not say how its root {quoted(name, 80)} is held, and an "
+            'arm looks like a quadruped; --root fixed or --root floating says it, or root = "fixed" in the companion file:\n'
+            f"  {run} fixed\n  {run} floating"
         )
     if robot.root is not None and root != robot.root:
         raise RobotError(f"{robot.source}: root is {root!r}, but the file says {robot.root!r}; expected no other")
     if root == "floating" and robot.root is None:
-        first = replace(robot.links[0], coordinates=(Coordinate(name=f"{robot.links[0].name}.root", kind="free"),))
+        first = replace(robot.links[0], coordinates=(Coordinate(name=f"{name}.root", kind="free"),))
         robot = replace(robot, links=(first, *robot.links[1:]))
-    return replace(robot, root=root)
+    return replace(robot, root=root), rows
+
+
+def _weighs(robot: Robot) -> bool:
+    """Has the root any mass, with all that is fixed to it?"""
+    fixed = {robot.links[0].name}
+    for link in robot.links[1:]:
+        if not link.coordinates and link.parent in fixed:
+            fixed.add(link.name)
+    return any(link.solid is not None and link.solid.mass > 0 for link in robot.links if link.name in fixed)
 
 
 def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:

@@ -4,7 +4,6 @@ URDF says nothing of how the root is held, of gravity, friction, gains and the s
 radians, the origin of a joint is its child's frame where its coordinate is 0, rpy turns about fixed axes, x first.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,10 +11,12 @@ import numpy as np
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.refusal import listed
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.scene.importers import urdf_grammar, urdf_shapes
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.files import Folders, text_of
+from plumbline.harness.scene.importers.files import text_of
+from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.poses import IDENTITY, Array
 from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
 from plumbline.harness.scene.importers.urdf_grammar import numbers
@@ -23,40 +24,32 @@ from plumbline.harness.scene.importers.urdf_shapes import pose_of
 from plumbline.harness.scene.importers.xml_text import Element, elements
 
 
-def read(
-    path: Path,
-    folders: Folders,
-    density: float | None = None,
-    convex: int | None = None,
-    tell: Callable[[str], object] | None = None,
-) -> Robot:
-    """The robot of a URDF file.
-
-    Args: density [kg/m3] of shapes where no mass is given. convex: the most pieces of a mesh, None for its hull.
-        tell: is told of what takes long.
-    Raises: RobotError.
-    """
+def read(path: Path, reading: Reading) -> Robot:
+    """The robot of a URDF file. Raises: RobotError."""
     where = named(path)
     root = elements(text_of(path, where), where)
-    checked, foreign = urdf_grammar.check(root)
+    checked, left = urdf_grammar.check(root, strict=reading.strict)
+    if left.unknown and reading.tell is not None:
+        reading.tell(f"{where}: left out, since URDF has no such word: {listed(left.words(), 12)}; --strict refuses it")
     for kind, tag in (("bodies", "link"), ("joints", "joint")):
         if excess := beyond(kind, len(checked.all(tag))):
             raise checked.refuse(f"<{tag}>: {excess}")
     urdf_grammar.check_tree(checked)
-    shapes = urdf_shapes.Shapes(folders, density, convex, tell)
+    shapes = urdf_shapes.Shapes(reading.folders, reading.companion.density, reading.convex, reading.tell)
     links = {link.attributes["name"]: link for link in checked.all("link")}
     joints = {_end(joint, "child"): joint for joint in checked.all("joint")}
     materials = {material.attributes.get("name"): material for material in checked.all("material")}
     read = {name: _link(links[name], joints.get(name), shapes, materials) for name in _from_the_root(links, joints)}
     read, needs = _tied(read, checked.all("joint"))
-    rows = [*shapes.rows(), *_rows(checked.all("joint"), foreign)]
+    rows = [*shapes.rows(), *_rows(checked.all("joint"), left)]
     root_name = next(iter(read))
     return Robot(
-        name=readable(checked.attributes["name"], 100) or path.stem,
+        name=readable(checked.attributes.get("name", ""), 100) or path.stem,
         links=tuple(read.values()),
         root="fixed" if root_name == "world" and links[root_name].first("inertial") is None else None,
         rows=tuple(rows),
         needs=tuple(needs),
+        wordless=frozenset({"drive"}),
         source=where,
     )
 
@@ -166,14 +159,10 @@ def _coordinates(joint: Element) -> tuple[Coordinate, ...]:
 
 def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link], list[Need]]:
     """The links with the ties of their mimics, and those that no tie says: of joints without one coordinate, or locked."""
-    mimics = {
-        joint.attributes["name"]: mimic
-        for joint in joints
-        if (mimic := joint.first("mimic")) is not None and joint.attributes["type"] != "fixed"
-    }
-    names = {joint.attributes["name"] for joint in joints}
+    kinds = {joint.attributes["name"]: joint.attributes["type"] for joint in joints}
+    mimics = {name: mimic for name, mimic in _mimics(joints).items() if kinds[name] != "fixed"}
     for mimic in mimics.values():
-        if mimic.attributes["joint"] not in names:
+        if mimic.attributes["joint"] not in kinds:
             raise mimic.refuse(f"joint is {mimic.attributes['joint'][:80]!r}, expected the name of a <joint>")
     single = {c.name for link in read.values() if len(link.coordinates) == 1 for c in link.coordinates if c.kind != "free"}
     ties = {
@@ -187,20 +176,30 @@ def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link]
         name: replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates))
         for name, link in read.items()
     }
-    loose = tuple(name for name in mimics if name not in ties)
-    return linked, [Need(kind="mimic", element="joint", names=loose, size="each then moves freely")] if loose else []
+    still = tuple(name for name in mimics if name not in ties and kinds[mimics[name].attributes["joint"]] == "fixed")
+    loose = tuple(name for name in mimics if name not in ties and name not in still)
+    sizes = ((loose, "each then moves freely"), (still, "of a fixed joint, which does not move; each then moves freely"))
+    return linked, [Need(kind="mimic", element="joint", names=names, size=size) for names, size in sizes if names]
 
 
-def _rows(joints: list[Element], foreign: dict[str, int]) -> list[Fidelity]:
+def _mimics(joints: list[Element]) -> dict[str, Element]:
+    return {joint.attributes["name"]: mimic for joint in joints if (mimic := joint.first("mimic")) is not None}
+
+
+def _rows(joints: list[Element], left: urdf_grammar.Left) -> list[Fidelity]:
     rows = [
         Fidelity(
             element=tag, name="", count=count, outcome="left_out", consequence=urdf_grammar.FOREIGN.get(tag, "a dialect's own")
         )
-        for tag, count in foreign.items()
+        for tag, count in left.foreign.items()
     ]
+    for word, owners in left.unknown.items():
+        rows += Fidelity.left_out(word, owners, "no word of URDF, and near none that changes the motion")
     for tag in ("safety_controller", "calibration"):
         having = [joint.attributes["name"] for joint in joints if joint.first(tag) is not None]
         rows += Fidelity.left_out(tag, having, "a controller's own, no part of the motion of the links")
+    idle = list(_mimics([joint for joint in joints if joint.attributes["type"] == "fixed"]))
+    rows += Fidelity.left_out("mimic", idle, "a fixed joint moves with nobody")
     ignored = [
         joint.attributes["name"]
         for joint in joints

@@ -5,11 +5,12 @@ Source: ROS, urdf/XML (link, joint, transmission, gazebo); the elements of vendo
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.near_miss import did_you_mean, misspelt
+from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers.xml_text import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -62,7 +63,6 @@ _TEXTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 _REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
-        "robot": ("name",),
         "link": ("name",),
         "joint": ("name", "type"),
         "mass": ("value",),
@@ -84,6 +84,17 @@ _NOT_NEGATIVE = {
     ("limit", "effort"),
     ("limit", "velocity"),
 }
+_ONCE = ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry")
+_STILL = {
+    *("visual", "material", "color", "texture", "calibration", "safety_controller"),
+    *("version", "group", "rgba", "rising", "falling"),
+}
+"""Words of URDF that change no motion, so that what is near them changes none either."""
+_ALONE = {
+    *("inertial", "collision", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "damping", "friction"),
+    *("lower", "upper", "effort", "velocity", "multiplier", "ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+}
+"""Words that change the motion wherever they are meant to stand: in another element they are refused."""
 FOREIGN: Mapping[str, str] = MappingProxyType(
     {
         "transmission": "gear ratios between motors and joints are not part of the motion of the links",
@@ -115,35 +126,51 @@ def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tupl
     text = element.attributes.get(name)
     if text is None:
         return None
-    words = text.split()
-    expected = " or ".join(str(count) for count in counts)
+    words, several = text.split(), "s" if counts != (1,) else ""
     if len(words) not in counts:
-        raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{'s' if counts != (1,) else ''}")
-    values = []
-    for word in words:
-        try:
-            value = float(word) if len(word) < 400 and "_" not in word else math.nan
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise element.refuse(f"{name} is {quoted(text)}, expected finite number{'s' if counts != (1,) else ''}")
-        values.append(value)
-    return tuple(values)
+        expected = " or ".join(str(count) for count in counts)
+        raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{several}")
+    try:
+        values = tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,)
+    except ValueError:
+        values = (math.nan,)
+    if not all(map(math.isfinite, values)):
+        raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
+    return values
 
 
-def check(root: Element) -> tuple[Element, dict[str, int]]:
-    """The robot with nothing but URDF's own elements, and how many of each foreign kind were left behind.
+@dataclass(frozen=True, slots=True)
+class Left:
+    """What was left behind. Terms: foreign: elements of known dialects, by kind. unknown: owners of each other word."""
 
+    foreign: Counter[str] = field(default_factory=Counter)
+    unknown: dict[str, list[str]] = field(default_factory=dict)
+
+    def words(self) -> list[str]:
+        """Each word that is left out, with how often."""
+        return [f"{word} ({len(owners)})" if len(owners) > 1 else word for word, owners in self.unknown.items()]
+
+
+def check(root: Element, *, strict: bool = False) -> tuple[Element, Left]:
+    """The robot with nothing but URDF's own elements, and what was left behind.
+
+    Args: strict: is every word refused that is neither URDF's nor a known dialect's? Else those that are no slip of the pen for
+    what changes the motion are left behind.
     Raises: RobotError, naming file, line, element, attribute, value and expectation.
     """
     if root.tag != "robot":
         raise root.refuse("is the root of the file, expected <robot>")
-    left: Counter[str] = Counter()
-    return _checked(root, left), dict(left)
+    left = Left()
+    return _checked(root, left, strict), left
 
 
-def _checked(element: Element, left: "Counter[str]") -> Element:
-    _check_attributes(element)
+def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
+    """May an unknown word be left out: is it neither one that changes the motion nor near one that may stand here?"""
+    return not (strict or word in _ALONE or misspelt(word, (each for each in words if each not in _STILL)))
+
+
+def _checked(element: Element, left: Left, strict: bool) -> Element:
+    _check_attributes(element, left, strict)
     shapes = [child.tag for child in element.children if child.tag not in FOREIGN or child.tag in ("capsule", "cdf")]
     if element.tag == "geometry" and (len(shapes) != 1 or shapes[0] not in GEOMETRIES):
         got = ", ".join(f"<{tag}>" for tag in shapes[:4]) or "nothing"
@@ -153,21 +180,25 @@ def _checked(element: Element, left: "Counter[str]") -> Element:
     for child in element.children:
         foreign = child.tag.partition(":")[0]
         if child.tag in known:
-            kept.append(_checked(child, left))
+            kept.append(_checked(child, left, strict))
         elif foreign == "xacro":
             raise child.refuse("a macro that was not expanded; run xacro first and give its output")
         elif foreign in FOREIGN or ":" in child.tag:
             _check_dialect(child)
-            left[foreign] += 1
+            left.foreign[foreign] += 1
+        elif _passed_over(child.tag, known, strict):
+            _leave(left, f"<{quoted(child.tag, 60)[1:-1]}> in <{element.tag}>", element)
         else:
-            hint = did_you_mean(child.tag, known, "<{}>")
+            hint = did_you_mean(misspelt(child.tag, known) or child.tag, known, "<{}>")
             expected = f"one of {', '.join(known)}" if known else "no element"
             raise child.refuse(f"is unknown in <{element.tag}>, expected {expected}{hint}")
-    for tag in ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry"):
-        if sum(child.tag == tag for child in kept) > 1:
-            raise next(child for child in reversed(kept) if child.tag == tag).refuse(
-                f"stands twice in {element.where.partition(': ')[2]}, expected once"
-            )
+    if len(kept) > 1:
+        tags = [child.tag for child in kept]
+        for tag in _ONCE:
+            if tags.count(tag) > 1:
+                raise next(child for child in reversed(kept) if child.tag == tag).refuse(
+                    f"stands twice in {element.where.partition(': ')[2]}, expected once"
+                )
     if element.tag in ("visual", "collision") and not any(child.tag == "geometry" for child in kept):
         raise element.refuse("has no <geometry>, expected one")
     if element.tag == "joint":
@@ -190,7 +221,11 @@ def _check_dialect(element: Element) -> None:
                 )
 
 
-def _check_attributes(element: Element) -> None:
+def _leave(left: Left, word: str, owner: Element) -> None:
+    left.unknown.setdefault(word, []).append(readable(owner.attributes.get("name", ""), 80) or f"line {owner.line}")
+
+
+def _check_attributes(element: Element, left: Left, strict: bool) -> None:
     tag = element.tag
     for name in _REQUIRED.get(tag, ()):
         if name not in element.attributes:
@@ -204,7 +239,10 @@ def _check_attributes(element: Element) -> None:
             _check_signs(element, name, values or ())
         elif name not in _TEXTS.get(tag, ()) and not name.startswith("xmlns") and ":" not in name and tag in _KNOWN:
             valid = (*counts, *_TEXTS.get(tag, ()))
-            hint = did_you_mean(name, valid)
+            if _passed_over(name, valid, strict):
+                _leave(left, f"{quoted(name, 60)[1:-1]} of <{tag}>", element)
+                continue
+            hint = did_you_mean(misspelt(name, valid) or name, valid)
             raise element.refuse(f"attribute {quoted(name, 60)} is unknown, expected {', '.join(valid) or 'none'}{hint}")
     if tag == "joint" and element.attributes["type"] not in JOINT_TYPES:
         raise element.refuse(f"type is {quoted(element.attributes['type'])}, expected one of {', '.join(JOINT_TYPES)}")

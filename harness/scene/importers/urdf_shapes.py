@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
+from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
 from plumbline.harness.scene.importers.decomposition import pieces_of
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import Folders
-from plumbline.harness.scene.importers.meshes import hull_of, load_mesh
+from plumbline.harness.scene.importers.meshes import coarser, hull_of, load_mesh, simplified
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
 from plumbline.harness.scene.importers.robot import Geometry, Look, Solid
 from plumbline.harness.scene.importers.solids import moved, of_mesh, of_shape, together
@@ -33,6 +35,8 @@ class Shapes:
         self._spread: list[str] = []
         self._drawn = 0
         self._pieces: dict[str, int] = {}
+        self._coarser: dict[str, float] = {}
+        self._bytes: dict[Path, int] = {}
         self._read: dict[tuple[str, tuple[float, ...]], tuple[list[ConvexHull], float, Solid]] = {}
 
     def of(self, link: Element) -> tuple[Geometry, ...]:
@@ -66,21 +70,33 @@ class Shapes:
     def _shape(self, collision: Element, link: str) -> tuple[Sequence[Shape], Solid] | None:
         form = _form(collision)
         if form.tag == "mesh":
-            return self._mesh(form, f"{collision.where}: mesh filename", link)
-        shape = _primitive(form)
+            return self.mesh(form.attributes["filename"], _scale(form), f"{collision.where}: mesh filename", link)
+        return self.primitive(_primitive(form))
+
+    def primitive(self, shape: Shape) -> tuple[Sequence[Shape], Solid]:
+        """A shape that has a word in a scene, and what it is filled with."""
         self._exact += 1
         return [shape], of_shape(shape)
 
-    def _mesh(self, mesh: Element, where: str, link: str) -> tuple[Sequence[Shape], Solid] | None:
-        scale, filename = _scale(mesh), mesh.attributes["filename"]
-        path = self._folders.found(filename, where)
+    def mesh(
+        self, filename: str, scale: tuple[float, float, float], where: str, link: str
+    ) -> tuple[Sequence[Shape], Solid] | None:
+        """What stands for a link's mesh, and the mesh filled; None where there is no such file. Raises: RobotError."""
+        path = None if self._folders.strays(filename) else self._folders.found(filename, where)
         if path is None:
-            self._missing.setdefault(self._folders.missing(filename), []).append(link)
+            why = self._folders.missing(filename)
+            self._missing.setdefault(why if why.startswith("package ") else f"{quoted(filename, 200)}: {why}", []).append(link)
             return None
         key = (str(path), scale)
         if key not in self._read:
+            self._bytes[path] = path.stat().st_size
+            if beyond_all := beyond("meshes", sum(self._bytes.values()), "bytes of all meshes"):
+                raise RobotError(f"{where}: {beyond_all}")
             self._read[key] = self._loaded(path, np.array(scale), where)
-        shapes, excess, solid = self._read[key]
+        whole, excess, solid = self._read[key]
+        shapes, off = zip(*map(simplified, whole), strict=True)
+        if max(off) > 0:
+            self._coarser[link] = max(*off, self._coarser.get(link, 0.0))
         worst = self._excess.get(link, excess)
         self._excess[link] = excess if np.isnan(worst) else max(worst, excess) if not np.isnan(excess) else worst
         self._pieces[link] = self._pieces.get(link, 0) + len(shapes)
@@ -139,6 +155,7 @@ class Shapes:
                 value=max(known) if known else None,
                 unit="1" if known else "",
             )
+        rows += coarser(self._coarser)
         for why, links in self._missing.items():
             rows += Fidelity.left_out(
                 "collision mesh", links, f"{why}: nothing touches these shapes, masses and joints stay as they are"

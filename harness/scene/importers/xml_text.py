@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from plumbline.harness.intake.allowance import beyond
+from plumbline.harness.intake.allowance import allowance, beyond
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted, readable
 
@@ -27,7 +27,10 @@ class Element:
 
     def first(self, tag: str) -> "Element | None":
         """The first child of a tag, or None."""
-        return next((child for child in self.children if child.tag == tag), None)
+        for child in self.children:
+            if child.tag == tag:
+                return child
+        return None
 
     def walk(self) -> "Iterator[Element]":
         """The element itself and all below it, in the order of the text."""
@@ -77,10 +80,9 @@ def elements(text: str, file: str) -> Element:
         def startElement(self, name: str, attrs: Any) -> None:
             element = Element(name, dict(attrs), file, self.locator.getLineNumber())
             self.count += 1
-            if excess := beyond("parts", self.count, "elements") or beyond(
-                "depth", len(self.open) + 1, "elements in each other"
-            ):
-                raise element.refuse(excess)
+            if self.count > allowed.parts or len(self.open) >= allowed.depth:
+                parts = beyond("parts", self.count, "elements")
+                raise element.refuse(parts or beyond("depth", len(self.open) + 1, "elements in each other"))
             if self.open:
                 self.open[-1].children.append(element)
             else:
@@ -94,6 +96,7 @@ def elements(text: str, file: str) -> Element:
             if self.open:
                 self.open[-1].text += content
 
+    allowed = allowance()
     reader, parser, source = Reader(), make_parser(), InputSource()
     parser.forbid_dtd = True
     parser.setContentHandler(reader)

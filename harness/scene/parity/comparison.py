@@ -14,7 +14,9 @@ import numpy as np
 
 from plumbline.harness.scene.importers.poses import Array
 from plumbline.harness.scene.parity.consequence import Change, joint_changed, mass_changed, reference, worth
+from plumbline.harness.scene.parity.contacts import renamed_pairs, shape_rows, touch_rows
 from plumbline.harness.scene.parity.difference import Difference, Quantity, Value
+from plumbline.harness.scene.parity.drives import drive_rows
 from plumbline.harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
 from plumbline.harness.scene.parity.laws import rows_of
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
@@ -37,6 +39,8 @@ def renamed(robot: RobotFacts, names: "dict[str, str]") -> RobotFacts:
         robot,
         joints=tuple(replace(joint, name=new(joint.name), parent=new(joint.parent)) for joint in robot.joints),
         masses={new(name): replace(solid, joint=new(name)) for name, solid in robot.masses.items()},
+        shapes={new(name): shapes for name, shapes in robot.shapes.items()},
+        touches=renamed_pairs(robot.touches, names),
         laws=tuple(
             replace(law, name=new(law.name) if law.kind == "mimic" else law.name, partners=tuple(map(new, law.partners)))
             for law in robot.laws
@@ -78,6 +82,10 @@ def compare(a: RobotFacts, b: RobotFacts, tolerance: float = TOLERANCE, seed: in
             rows += _mass(name, a.masses.get(name), b.masses.get(name), extent, tolerance)
     slides = frozenset(joint.name for joint in a.joints if joint.kind == "prismatic")
     rows += [(row, None) for row in rows_of(a.laws, b.laws, slides, extent, tolerance)]
+    if "shape" not in a.wordless | b.wordless:
+        rows += [(row, None) for row in shape_rows(a, b, extent, tolerance)]
+    if "touch" not in a.wordless | b.wordless:
+        rows += [(row, None) for row in touch_rows(a, b, tolerance)]
     if a.gravity is not None and b.gravity is not None:
         size = float(np.linalg.norm(np.subtract(a.gravity, b.gravity)))
         scale = max(float(np.linalg.norm(a.gravity)), _SMALLEST)
@@ -98,7 +106,44 @@ def compare(a: RobotFacts, b: RobotFacts, tolerance: float = TOLERANCE, seed: in
     states = drawn(a, b, seed)
     if not a.joints:
         return [row for row, _ in rows]
+    if "drive" not in a.wordless | b.wordless:
+        for k, (mine, other, first) in enumerate(zip(a.joints, b.joints, first_rates(a), strict=False)):
+            if mine.kind in ("revolute", "prismatic"):
+                rows += [(row, None) for row in drive_rows(mine, other, k, first, states, extent, tolerance)]
     return [*_with_worth(a, gravity, states, rows), *_derived(a, b, gravity, states, tolerance)]
+
+
+_COMPARED = (
+    ("joints, axes and anchors", ()),
+    ("limits", ("lower", "upper")),
+    ("dampers, springs and dry friction", ("damping", "stiffness", "friction_loss")),
+    ("armature", ("armature",)),
+    ("efforts and speeds", ("effort", "speed")),
+    ("masses and inertias", ()),
+    ("mimics, loops and tendons", ()),
+    ("drives and their gains", ("drive",)),
+    ("shapes", ("shape",)),
+    ("pairs that touch and their friction", ("touch",)),
+)
+"""What is compared, and the words that both descriptions need for it."""
+NEVER = ("sensors", "looks", "how soft contacts are", "where it starts")
+
+
+def compared(a: RobotFacts, b: RobotFacts) -> tuple[list[str], list[str]]:
+    """What `compare` looks at, and what it does not, each with who has no word for it."""
+    looked_at, passed_over = [], []
+    for subject, words in _COMPARED:
+        lacking = {side: [word for word in words if word in robot.wordless] for side, robot in (("A", a), ("B", b))}
+        silent = [side for side, missing in lacking.items() if missing]
+        if len({word for missing in lacking.values() for word in missing}) < max(1, len(words)):
+            looked_at.append(subject)
+        if silent:
+            missing = sorted({word for side in silent for word in lacking[side]})
+            named = subject if len(missing) == len(words) else " and ".join(missing).replace("_", " ")
+            passed_over.append(f"{named} ({' and '.join(silent)} {'has' if len(silent) == 1 else 'have'} no word for it)")
+    if a.gravity is not None and b.gravity is not None:
+        looked_at.append("gravity")
+    return looked_at, [*passed_over, *NEVER]
 
 
 def _in_order(a: RobotFacts, b: RobotFacts) -> RobotFacts:
@@ -136,9 +181,10 @@ def _joint(
     def add(quantity: Quantity, value_A: Value, value_B: Value, unit: str, size: float | None, relative: float | None,
             change: Change | None = None, words: str = "") -> None:  # fmt: skip
         if relative is None or not relative <= tolerance:
+            own = size if quantity in ("friction_loss", "effort") else None  # these are forces themselves
             row = Difference(
                 quantity=quantity, element=a.name, value_A=value_A, value_B=value_B, unit=unit, tolerance=tolerance,
-                absolute=size, relative=relative, words=words,
+                absolute=size, relative=relative, torque=own, torque_unit="" if own is None else unit, words=words,
             )  # fmt: skip
             rows.append((row, change))
 
@@ -233,14 +279,14 @@ def _with_worth(
     a: RobotFacts, gravity: Array, states: list[Configuration], rows: list[tuple[Difference, Change | None]]
 ) -> list[Difference]:
     """The rows with what each is worth."""
-    of = reference(a, gravity, states) if any(change is not None for _, change in rows) else None
-    if of is None:
+    if all(change is None for _, change in rows):
         return [row for row, _ in rows]
+    of = reference(a, gravity, states)
     worthy = []
     for row, change in rows:
         if change is not None:
             torque, unit = worth(of, change)
-            words = f"worth up to {torque:.3g} {unit} at the states drawn"
+            words = f"worth up to {torque:.3g} {unit} at the states drawn and in a sweep of all joints"
             row = replace(row, torque=torque, torque_unit=unit, words=words)
         worthy.append(row)
     return worthy

@@ -1,9 +1,11 @@
 """What a robot is, whoever read it: joints as lines in W at the zero configuration, and masses by the joint that moves them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from plumbline.harness.scene import Surface
 from plumbline.harness.scene.importers.poses import Array
-from plumbline.harness.scene.importers.robot import Kind
+from plumbline.harness.scene.importers.robot import Geometry, Kind, Servo
 from plumbline.harness.scene.values import Vector3
 
 FIXED = ""
@@ -18,7 +20,7 @@ class JointFacts:
         parent: the joint that moves what it hangs on, FIXED for none. axis, anchor [m]: its line in W, all coordinates at 0. An
         axis is a unit vector but where a loader keeps another length: then rates count as many times, and poses do not.
         lower, upper [rad or m]: None is open. damping [N m s/rad or N s/m], stiffness, rest: of a passive spring. armature
-        [kg m2 or kg]. friction_loss, effort [N m or N], speed [rad/s or m/s]: None is unbounded.
+        [kg m2 or kg]. friction_loss, effort [N m or N], speed [rad/s or m/s]: None is unbounded. drive: None for none.
     """
 
     name: str
@@ -35,6 +37,7 @@ class JointFacts:
     friction_loss: float = 0.0
     effort: float | None = None
     speed: float | None = None
+    drive: Servo | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,8 +81,9 @@ class RobotFacts:
 
     Terms:
         joints: parents before children. masses: by the name of their joint; what is fixed to the world has none. gravity
-        [m/s2]: None where nothing is said. laws: mimics, closed loops, tendons and the like. wordless: fields of JointFacts
-        that this format or loader has no word for.
+        [m/s2]: None where nothing is said. laws: mimics, closed loops, tendons and the like. shapes: what touches, in W, all
+        coordinates at 0, by the joint that moves it, FIXED for what is still. touches: the laws of those that may touch, by
+        pair of joints. wordless: what this format or loader has no word for: fields of JointFacts, 'shape', 'touch'.
     """
 
     source: str
@@ -87,6 +91,8 @@ class RobotFacts:
     masses: dict[str, MassFacts]
     gravity: Vector3 | None = None
     laws: tuple[Law, ...] = ()
+    shapes: Mapping[str, tuple[Geometry, ...]] = field(default_factory=dict)
+    touches: Mapping[frozenset[str], Surface] = field(default_factory=dict)
     wordless: frozenset[str] = field(default_factory=frozenset)
 
     def joint(self, name: str) -> JointFacts:

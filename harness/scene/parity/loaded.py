@@ -32,6 +32,10 @@ class Request:
     packages: Mapping[str, Path] = field(default_factory=dict)
 
 
+UNTOLD = frozenset(("drive", "shape", "touch"))
+"""What is asked of no loader."""
+
+
 def in_packages(reference: str, packages: Mapping[str, Path]) -> Path | None:
     """The file that a package:// reference names; None for another reference, or an unknown package."""
     parts = _PACKAGED.fullmatch(reference)
@@ -92,7 +96,7 @@ def gathered(
         masses[name] = MassFacts(
             joint=name, members=tuple(members[name]), mass=whole.mass, centre=whole.centre, inertia=whole.inertia
         )
-    return RobotFacts(source=source, joints=tuple(joints), masses=masses, laws=laws, wordless=wordless)
+    return RobotFacts(source=source, joints=tuple(joints), masses=masses, laws=laws, wordless=wordless | UNTOLD)
 
 
 def _under(joint: JointFacts, parent: str) -> JointFacts:

@@ -1,17 +1,23 @@
 """What a file states of its robot, as the neutral import reads it."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
 from plumbline.harness.intake.import_wishes import Root, Wishes
+from plumbline.harness.scene import Surface
+from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.kinematics import Posed, posed
+from plumbline.harness.scene.importers.materials import laws_of
 from plumbline.harness.scene.importers.merging import grouped
 from plumbline.harness.scene.importers.poses import IDENTITY, Array
 from plumbline.harness.scene.importers.reading import robot_of
-from plumbline.harness.scene.importers.robot import Coordinate, Link, Robot
+from plumbline.harness.scene.importers.robot import Coordinate, Geometry, Link, Robot
 from plumbline.harness.scene.importers.solids import moved
+from plumbline.harness.scene.parity.contacts import stronger
 from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 
 _DRIVEN = "actuator"
@@ -76,14 +82,43 @@ def of_robot(robot: Robot, dropped: frozenset[str] = frozenset()) -> RobotFacts:
             inertia=np.zeros((3, 3)) if solid is None or solid.inertia is None else solid.inertia,
         )
     laws = _laws(robot, at, last, dropped)
+    shapes: dict[str, tuple[Geometry, ...]] = {}
+    for lead, group in grouped(robot).items():
+        placed = tuple(Geometry(shape.shape, at.pose[lead] @ shape.X_LG, shape.contact) for shape in group.geometries)
+        if placed:
+            shapes[last[lead]] = (*shapes.get(last[lead], ()), *placed)
     return RobotFacts(
         source=robot.source,
         joints=tuple(joints),
         masses=masses,
         gravity=robot.gravity,
         laws=laws,
-        wordless=robot.wordless,
+        shapes=shapes,
+        touches={} if robot.contacts is None else _touches(robot, last),
+        wordless=robot.wordless | ({"touch"} if robot.contacts is None else set()),
     )
+
+
+def _touches(robot: Robot, last: Mapping[str, str]) -> dict[frozenset[str], Surface]:
+    """The laws of what may touch, by the joints that move the two."""
+    groups = grouped(robot)
+    laws = laws_of(robot, groups, Companion())
+    surfaces = {law.pair: law for law in laws.surfaces}
+    materials = {
+        lead: {laws.still[lead, shape.contact] for shape in group.geometries} if group.still else {laws.material[lead]}
+        for lead, group in groups.items()
+        if group.geometries
+    }
+    touches: dict[frozenset[str], Surface] = {}
+    for a, b in combinations(materials, 2):
+        joined = groups[b].parent == a and not robot.collide and (robot.filter_world or not groups[a].still)
+        if joined or (groups[a].still and groups[b].still):
+            continue
+        pair = frozenset((last[a], last[b]))
+        for law in (surfaces.get(frozenset((x, y))) for x in materials[a] for y in materials[b]):
+            if law is not None:
+                touches[pair] = stronger(touches.get(pair), law)
+    return touches
 
 
 def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: frozenset[str]) -> tuple[Law, ...]:
@@ -145,4 +180,5 @@ def _joint(c: Coordinate, parent: str, axis: Array, anchor: Array, dropped: froz
         friction_loss=0.0 if "friction_loss" in dropped else c.friction_loss,
         effort=c.effort,
         speed=c.speed,
+        drive=c.servo,
     )

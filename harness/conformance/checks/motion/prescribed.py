@@ -192,7 +192,8 @@ def prescribed_frame_leaves_behind_what_slides(adapter: Adapter, settings: Setti
     along = Shift(axis_W=(1.0, 0.0, 0.0), motion=Sinusoid(amplitude=0.2, frequency=2.0))
     across = Shift(axis_W=(0.0, 1.0, 0.0), motion=Sinusoid(amplitude=0.1, frequency=1.0))
     frame = Body(name="frame", motion="kinematic", prescribed=Prescribed(shifts=(along, across)))
-    slider = replace(free("slider", mass=0.7), p_WB=(0.3, 0.0, 0.0))
+    # Across the slide it begins as fast as the frame does.
+    slider = replace(free("slider", mass=0.7), p_WB=(0.3, 0.0, 0.0), v_WB=(0.0, 0.2 * math.pi, 0.0))
     slide = Prismatic(name="slide", parent="frame", child="slider", anchor_W=_NOWHERE, axis_W=(1.0, 0.0, 0.0))
     steps = 190
     end = _led(adapter, Scene(bodies=(frame, slider), joints=(slide,), gravity=_NOWHERE), settings.with_dt(FINE), steps)

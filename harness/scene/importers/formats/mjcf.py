@@ -20,7 +20,7 @@ def read(path: Path, reading: Reading) -> "Robot":
     where = named(path)
     root = elements(text_of(path, where), where)
     if root.tag == "robot":
-        return urdf.read(path, reading.folders, reading.companion.density, reading.convex, reading.tell)
+        return urdf.read(path, reading)
     said = reading.companion
     return replace(mjcf.read(path, root, reading.folders, said.keyframe, said.cameras), wordless=frozenset({"speed"}))
 

@@ -13,7 +13,7 @@ def read(path: Path, reading: Reading) -> "Robot":
     """The robot of a URDF file. Raises: RobotError."""
     from plumbline.harness.scene.importers import urdf  # late: endings are asked for more often than robots
 
-    return urdf.read(path, reading.folders, reading.companion.density, reading.convex, reading.tell)
+    return urdf.read(path, reading)
 
 
 IMPORTER = Importer(name="urdf", title="URDF", endings=(".urdf",), read=read)

@@ -12,14 +12,14 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
 from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged, silenced
-from plumbline.harness.history.exact_changes import ExactChanges
+from plumbline.harness.history.exact_changes import exact_changes
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import NEAR, Named, change_id
-from plumbline.harness.history.kept_readings import KeptReadings
+from plumbline.harness.history.kept_readings import kept_readings
 from plumbline.harness.history.night_readings import NightOf
 from plumbline.harness.history.normalisation import over_segments
 from plumbline.harness.history.price_steps import PriceStep, price_steps
-from plumbline.harness.history.series import Readings, Series
+from plumbline.harness.history.series import Series, series_of
 from plumbline.harness.statistics.change_points import levelled
 from plumbline.harness.statistics.drift import one_drift
 
@@ -98,19 +98,15 @@ class Trends:
 
 def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
-    readings, exact, kept = Readings(), ExactChanges(), KeptReadings(history)
-    titles: dict[str, str] = {}
-    for night in history.nights():
-        if night.plan.get("complete", True):  # a run folder that was put there by hand has no plan
-            store = night.store()
-            readings.add(kept.numbers(night, store))
-            exact.add(night, kept.answers(night, store))
-            titles |= store.titles
-    series = readings.series()
+    # A run folder that was put there by hand has no plan.
+    over = [night for night in history.nights() if night.plan.get("complete", True)]
+    said = [kept_readings(history, night, night.store()) for night in over]
+    titles = {name: title for one in said for name, title in (one.night.titles or {}).items()}
+    series = series_of(said)
     steps = tuple(price_steps(series))
-    nights = tuple(readings.nights)
-    every = [*exact.changes, *((step.night, step.change) for step in steps)]
-    plans = [night.plan for night in history.whole_nights()]
+    nights = tuple(one.night for one in said)
+    every = [*exact_changes(over, said), *((step.night, step.change) for step in steps)]
+    plans = [night.plan for night in over if night.whole]
     dated = date(nights, every, acknowledged(history), named_by(plans), same_slope(steps))
     return Trends(root=str(history.root), nights=nights, series=series, steps=steps, dated=dated, titles=titles)
 

@@ -9,7 +9,7 @@ from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import last_seen
 from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
-from plumbline.harness.history.kept_readings import KeptReadings
+from plumbline.harness.history.kept_readings import of_others
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import read_journal
 
@@ -44,7 +44,7 @@ def pruning(history: History, *, older: float | None = None, keep_nights: int | 
     needed = {seen.night for seen in last_seen(history.whole_nights()).values()}
     going = tuple(night for night in old if night not in needed)
     answers, trajectories = _unnamed(history, [night for night in nights if night not in going])
-    readings = KeptReadings(history).of_others({night.stamp for night in nights if night not in going})
+    readings = of_others(history, {night.stamp for night in nights if night not in going})
     paths = [*(night.folder for night in going), *answers, *trajectories, *readings]
     standing = tuple(night for night in old if night in needed)
     return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths, shared=False))

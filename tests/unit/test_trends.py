@@ -13,11 +13,11 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
-from plumbline.harness.history.night_readings import NightOf, Subject
+from plumbline.harness.history.night_readings import NightOf
 from plumbline.harness.history.normalisation import yardsticks
 from plumbline.harness.history.price_steps import PriceStep, price_steps
 from plumbline.harness.history.regressions import Trends, date, read_trends
-from plumbline.harness.history.series import Series
+from plumbline.harness.history.series import Series, Subject
 from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
@@ -206,7 +206,7 @@ def test_a_night_that_is_over_is_read_once_and_again_where_its_files_are_others(
         assert (one.subject, one.trials, one.hashes) == (other.subject, other.trials, other.hashes)
         np.testing.assert_array_equal(one.free, other.free)
     write_json(history.nights()[1].folder / "machine.json", {"processor": "another"})
-    damaged = history.root / "readings" / f"{stamps[2]}.numbers.json"
+    damaged = history.root / "readings" / f"{stamps[2]}.json"
     damaged.write_bytes(damaged.read_bytes().replace(b"joint_pendulum", b"joint_pendulam"))
     assert [night.processor for night in read_trends(history).nights] == ["A", "another", "A"]
     assert read == [*stamps, *stamps[1:]]

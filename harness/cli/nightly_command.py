@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.safe_text import quoted
@@ -31,8 +32,10 @@ _SPARE = 3600.0
 @click.command()
 @click.option("--history", "address", required=True, metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
 @click.option("--budget", type=Seconds(10.0, 7 * 86400.0), metavar="T", help="Wall time for all of it: 30m, 2h [no end].")
-@click.option("--engine", "engines", multiple=True, help="Only this engine; may be repeated.")
+@click.option("--engine", "engines", multiple=True, help="Only this engine, or its ==VERSION or =WHEEL; may be repeated.")
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where it is worse; may be repeated [ours].")
+@click.option("--judged", "least", type=click.FloatRange(0.0, 1.0), default=0.0, metavar="SHARE",
+              help="Exit 1 where less could be judged, of answers or prices of gated engines, like 0.9.")  # fmt: skip
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--study", default="nightly", show_default=True, help="Another study, built in or a file.")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
@@ -66,15 +69,17 @@ def _asked(
 ) -> "Asked":
     from plumbline.harness.cli.run_study import study_and_cases
     from plumbline.harness.history.night import Asked
-    from plumbline.harness.study import plugins
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.experiment import StudyError
+    from plumbline.harness.study.roll_call import twice
 
     try:
         plan, cases = study_and_cases(study, globs)
     except StudyError as error:
         stop(USAGE, str(error))
-    adapters = {name: plugins.adapter(name) for name in engines} if engines else plugins.adapters()
+    if double := twice(engines):
+        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint="--engine")
+    adapters = chosen_engines(engines)
     for engine in gated:
         if engine not in adapters:
             raise click.BadParameter(
@@ -86,12 +91,20 @@ def _asked(
 
 def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
     """Carry it out and close it. Returns: is a gated engine worse, or a page of the report not made?"""
-    from plumbline.harness.findings.changes.words import headline
+    from plumbline.harness.findings.changes.words import gate_in_short, headline, judged_in_short
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.findings.vendor.shelf import shelf
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-    from plumbline.harness.history.sentences import in_short, left_out_in_short, unanswered_in_short, worse_in_short
+    from plumbline.harness.history.sentences import (
+        in_short,
+        left_out_in_short,
+        outcomes_in_short,
+        unanswered_in_short,
+        unconfirmed_in_short,
+        without_answers,
+        worse_in_short,
+    )
     from plumbline.harness.study.experiment import StudyError
 
     night, not_made = night_to_do(history, asked), list[str]()
@@ -121,20 +134,35 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
         stop(INTERRUPTED, f"interrupted; the same command goes on with the night {night.stamp}")
     if elsewhere is not None:
         elsewhere.send()
+    if news is not None:
+        say(judged_in_short(news.changes.judged_of(asked.gated)))
     say(in_short(account))
-    for line in (left_out_in_short(account["left_out"]), unanswered_in_short(account["unanswered"])):
+    for line in (
+        outcomes_in_short(account),
+        left_out_in_short(account["left_out"]),
+        unanswered_in_short(account["unanswered"]),
+    ):
         if line:
             say(line)
     for turn in changed:
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
-    barred = () if news is None else news.regressions(asked.gated)
-    for line in (*worse_in_short(account["told"], asked.gated), *not_made):
+    barred = [*news.regressions(asked.gated)] if news is not None else []
+    mute = [f"gate: {sentence}" for sentence in without_answers(account, asked.gated)]
+    if asked.least > (0.0 if news is None else news.changes.judged_of(asked.gated).share):
+        said = "nothing of it was seen before" if news is None else gate_in_short(news.changes, asked.gated, asked.least)
+        mute.append(f"gate: not judged: {said}" if news is None else f"gate: {said}")
+    for line in (
+        *worse_in_short(account["told"], asked.gated),
+        *unconfirmed_in_short(account["unconfirmed"]),
+        *mute,
+        *not_made,
+    ):
         say(line)
     say(str(summary))
     if notify is not None:
         _notify(notify, summary)
-    return bool(barred or not_made)
+    return bool(barred or mute or not_made)
 
 
 @contextmanager
@@ -170,7 +198,7 @@ def _write_comparison(done: "Done", news: "News | None") -> None:
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
-        for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
+        for name, content in changes_files(news.changes, done.store, done.asked.gated, done.asked.least).items():
             write_atomically(folder / name, content)
         changes_page(news.changes, folder, done.asked.gated)
 
@@ -184,7 +212,7 @@ def _write_summary(
     from plumbline.harness.store.disk import write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]
-    standing = open_since(plans, acknowledged(history), () if news is None else news.ended)
+    standing = open_since(plans, acknowledged(history), () if news is None else news.ended, account["told"])
     path = done.night.folder / "changes" / "summary.md"
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path

@@ -7,7 +7,7 @@ import pandas as pd
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import answer_changes
 from plumbline.harness.findings.changes.limits import moved_limits, searched_by
-from plumbline.harness.findings.changes.matching import Pair
+from plumbline.harness.findings.changes.matching import LOST, Pair
 from plumbline.harness.findings.changes.repetitions import lost_and_won
 from plumbline.harness.findings.limits_found import Search
 from plumbline.harness.findings.tables.determinism import Agreement
@@ -41,17 +41,23 @@ def exact_changes(nights: Sequence[Night], said: Sequence[Readings]) -> Iterator
 def _otherwise(tables: Sequence[pd.DataFrame]) -> dict[int, dict[int, list[str]]]:
     """Keys of answers that are others than the last time, by the index of the night, and of the one that answered them last.
 
-    No change is told of two answers whose status, bits and measured values are all the same.
+    No change is told of two answers whose status, bits and measured values are all the same. One that was lost in between is
+    compared with the last that there was, too.
     """
     columns = ["key", "status", "hash", "measured"]
     answers = [table.loc[table["kind"] == "answer", columns].assign(night=k) for k, table in enumerate(tables)]
     table = pd.concat(answers, ignore_index=True) if answers else pd.DataFrame(columns=[*columns, "night"])
     table = table[~table["status"].isin(_SILENT)]
+    both = _changed(table), _changed(table[~table["status"].isin(LOST)])
+    found: dict[int, dict[int, list[str]]] = {}
+    for row in pd.concat(both).drop_duplicates(["key", "night", "before"]).itertuples():
+        found.setdefault(int(row.night), {}).setdefault(int(row.before), []).append(str(row.key))
+    return found
+
+
+def _changed(table: pd.DataFrame) -> pd.DataFrame:
+    """The answers that are others than the one before them, with the night of that as `before`."""
     before = table.groupby("key", sort=False)[["status", "hash", "measured", "night"]].shift()
     other_bits = (table["hash"] != "") & (table["hash"] != before["hash"])
     other = (table["status"] != before["status"]) | (table["measured"] != before["measured"]) | other_bits
-    changed = table[before["night"].notna() & other].assign(before=before["night"])
-    found: dict[int, dict[int, list[str]]] = {}
-    for row in changed.itertuples():
-        found.setdefault(int(row.night), {}).setdefault(int(row.before), []).append(str(row.key))
-    return found
+    return table.assign(before=before["night"])[before["night"].notna() & other]

@@ -12,7 +12,7 @@ from plumbline.harness.case import Case
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import acknowledged
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.blocks import LATELY, Key, Seen, Sight, last_seen, last_unanswered
+from plumbline.harness.history.blocks import LATELY, Key, Seen, Sight, cells_of, last_seen, last_unanswered
 from plumbline.harness.history.budget import Budget, Closings, bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, first_seen, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
@@ -33,7 +33,8 @@ from plumbline.harness.study.study import Study
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse. seed: '' for the
+    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse; least:
+    share of what they were asked that has to be judged. seed: '' for the
     night's own name."""
 
     study: Study
@@ -43,6 +44,7 @@ class Asked:
     workers: int = 2
     keep: Keep = "changed"
     gated: tuple[str, ...] = ()
+    least: float = 0.0
     seed: str = ""
 
     @property
@@ -63,9 +65,9 @@ class Done:
     store: Store
 
     @property
-    def blocks(self) -> set[Key]:
-        """Those that were carried out to their end."""
-        return self.steering.done
+    def blocks(self) -> dict[Key, str]:
+        """The digests of those that were carried out to their end."""
+        return {block.key: block.digest for block in self.steering.blocks if block.key in self.steering.done}
 
 
 def night_to_do(history: History, asked: Asked) -> Night:
@@ -99,6 +101,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
         "keep": asked.keep,
         "seed": seed,
         "gated": list(asked.gated),
+        "least": asked.least,
         "complete": False,
     }
 
@@ -158,7 +161,7 @@ def compared(history: History, done: Done) -> News | None:
     def over(rows: Sequence[Change]) -> OverNights:
         return over_nights(history, before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
 
-    return news_of(done.store, done.night.stamp, done.seen, done.blocks, known, _first_told(history), over)
+    return news_of(done.store, done.night.stamp, before, done.blocks, known, _first_told(history), over)
 
 
 def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
@@ -168,6 +171,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
     clocked = trials[trials["cpu_per_unit"] > 0]
     unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
+    cells = cells_of(trials.itertuples())
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
     first = _first_told(history)
     changed = (
@@ -191,7 +195,13 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "again": int((trials["again"] != "").sum()),
         "disagreements": sum(row.kind == "digest" for row in rows),
         "clocked": len(clocked),
-        "blocks": steering.sights(unstable, worse),
+        "blocks": [row | {"saw": cells.get((row["experiment"], row["case"]), {})} for row in steering.sights(unstable, worse)],
+        "outcomes": {
+            str(engine): {str(status): int(count) for status, count in of["status"].value_counts().items()}
+            for engine, of in trials.groupby("engine", sort=False)
+        },
+        "versions": {engine: saw["version"] for of in cells.values() for engine, saw in of.items() if saw["version"]},
+        "unconfirmed": [told(row, news.changes, night.stamp) for row in rows if news and row.sense == "unconfirmed"],
         "left_out": [asdict(entry) for entry in steering.out],
         "unanswered": [asdict(waiting) for waiting in steering.unanswered],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],

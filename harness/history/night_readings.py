@@ -28,8 +28,8 @@ COLUMNS: Mapping[str, Any] = {
     "canary": np.nan, "status": "", "measured": "",
 }  # fmt: skip
 """Of the table, with what stands where nothing is said. kind: 'answer', or as in `Measured`. key: what all nights of a series
-have in common. experiment to unit: as in a `Change`. part, version: nights of others are not compared. canary [s]: clocked beside
-a price. measured: a digest of all metrics of an answer."""
+have in common. experiment to unit: as in a `Change`. part, version: nights of others are not compared. canary [s]: clocked
+beside a price. measured: a digest of all metrics of an answer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,8 +48,11 @@ class NightOf:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Readings:
-    """All that is compared of a night. Terms: table: with COLUMNS. searches: without those for remedies. repetitions: by what was
-    repeated and how; nothing where a trajectory that they are read off is not to be had."""
+    """All that is compared of a night.
+
+    Terms: table: with COLUMNS. searches: without those for remedies. repetitions: by what was repeated and how; nothing where a
+    trajectory that they are read off is not to be had.
+    """
 
     night: NightOf
     table: pd.DataFrame
@@ -96,7 +99,7 @@ def _of_trials(store: Store, machine: str, canaries: Mapping[Any, float]) -> Ite
         if row.trial not in asked:
             continue
         trial = str(row.trial)
-        about = {name: str(getattr(row, name)) for name in ("experiment", "case", "engine", "track", "trial")}
+        about: dict[str, Any] = {name: str(getattr(row, name)) for name in ("experiment", "case", "engine", "track", "trial")}
         about |= {"where": where_of(row, store.catalogue), "dt": float(row.dt), "version": str(row.engine_version)}
         if row.cpu_per_unit is not None and row.cpu_per_unit > 0:
             # A timing kept from another machine has that one's digest. Before it was said what was clocked, it could be a part

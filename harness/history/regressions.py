@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
 from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged, silenced
@@ -218,6 +219,8 @@ def _mended(night: int, change: Change, every: Sequence[tuple[int, Change]]) -> 
             (other.kind, other.case, other.engine, other.track, other.where, other.dt)
         )
         if later <= night or not same or {change.sense, other.sense} != {"worse", "better"}:
+            continue
+        if change.kind == "verdict" and change.sense == "worse" and not as_good(str(other.after), str(change.before)):
             continue
         if not size or not other.ratio:
             return later

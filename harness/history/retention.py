@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.blocks import last_seen
+from plumbline.harness.history.blocks import last_to_see
 from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.kept_readings import of_others
@@ -33,7 +33,7 @@ class Pruning:
 def pruning(history: History, *, older: float | None = None, keep_nights: int | None = None) -> Pruning:
     """What would go of a history. Args: older [s]: nights that began longer ago; keep_nights: all but the last so many.
 
-    A night goes where both say so, or the one that is given; never one that is the last to have done a block.
+    A night goes where both say so, or the one that is given; never one that is the last to have seen an engine in a block.
     Raises: StoreError.
     """
     nights = history.nights()
@@ -41,7 +41,7 @@ def pruning(history: History, *, older: float | None = None, keep_nights: int | 
     late = nights[-keep_nights:] if keep_nights else ()
     given = older is not None or keep_nights is not None
     old = [n for n in nights if given and n not in late and (before is None or n.began < before)]
-    needed = {seen.night for seen in last_seen(history.whole_nights()).values()}
+    needed = last_to_see(history.whole_nights())
     going = tuple(night for night in old if night not in needed)
     answers, trajectories = _unnamed(history, [night for night in nights if night not in going])
     readings = of_others(history, {night.stamp for night in nights if night not in going})

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 import pandas as pd
@@ -53,7 +54,7 @@ class Series:
         return quotients
 
 
-def series_of(nights: Sequence[Readings], kinds: Collection[Measured] = ("price", "error", "limit")) -> tuple[Series, ...]:
+def series_of(nights: Sequence[Readings], kinds: Collection[Measured] = get_args(Measured)) -> tuple[Series, ...]:
     """All series of these kinds, in the order in which they were first seen; prices with what they are divided by.
 
     Args: nights: the earliest first.

@@ -60,7 +60,7 @@ def over_nights(
     if len(said) < FEWEST:
         return OverNights()
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
-    steps = tuple(price_steps(series_of(said, ("price",)), CHANCE_OF_ALL / len(said)))
+    steps = tuple(price_steps(series_of(said, {"price"}), CHANCE_OF_ALL / len(said)))
     plans = [night.plan for night in late]
     told = [*named_by(plans), *(Named.of(row, tonight.stamp) for row in own)]
     changes, slope = [(step.night, step.change) for step in steps], same_slope(steps)

@@ -1,11 +1,13 @@
 """The command of every night: carry it out within its budget, say what changed, keep it."""
 
 import math
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +28,9 @@ if TYPE_CHECKING:
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
 _SPARE = 3600.0
-"""Seconds beyond its budget."""
+"""Seconds beyond its budget; and for which a command that is notified may run, where there is none."""
+_LEAST = 10.0
+"""Seconds that such a command has at least."""
 
 
 @click.command()
@@ -59,7 +63,9 @@ def nightly(address: str, budget: float | None, notify: str | None, reported: bo
             elsewhere.fetch()
         history = created(root)
         held.enter_context(locked(history))
-        barred = _night(history, asked, elsewhere, notify, reported)
+        barred, summary, left = _night(history, asked, elsewhere, reported)
+    if notify is not None:
+        _notify(notify, summary, left())
     if barred:
         sys.exit(GATE)
 
@@ -89,8 +95,13 @@ def _asked(
     return Asked(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
 
 
-def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
-    """Carry it out and close it. Returns: is a gated engine worse, or a page of the report not made?"""
+def _night(
+    history: "History", asked: "Asked", elsewhere: "Elsewhere | None", reported: bool
+) -> tuple[bool, Path, Callable[[], float]]:
+    """Carry it out and close it.
+
+    Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
+    """
     from plumbline.harness.findings.changes.words import gate_in_short, headline, judged_in_short
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.findings.vendor.shelf import shelf
@@ -144,6 +155,8 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     ):
         if line:
             say(line)
+    for text in account["unread"]:
+        say(f"left out: {text}")
     for turn in changed:
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
@@ -160,9 +173,7 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
     ):
         say(line)
     say(str(summary))
-    if notify is not None:
-        _notify(notify, summary)
-    return bool(barred or mute or not_made)
+    return bool(barred or mute or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
 
 
 @contextmanager
@@ -218,8 +229,16 @@ def _write_summary(
     return path
 
 
-def _notify(command: str, summary: Path) -> None:
-    """Give the summary to a command; that it fails is said, and changes nothing."""
-    ended = subprocess.run(command, shell=True, input=summary.read_bytes(), check=False)
-    if ended.returncode:
-        say(f"--notify: exit code {ended.returncode}: {command}", err=True)
+def _notify(command: str, summary: Path, left: float) -> None:
+    """Give the summary to a command; that it fails is said, and changes nothing. Args: left [s]: of the budget, with which it
+    ends, and all that it began."""
+    most = min(max(left, _LEAST), _SPARE)
+    with subprocess.Popen(command, shell=True, stdin=subprocess.PIPE, start_new_session=True) as process:
+        try:
+            process.communicate(summary.read_bytes(), most)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            say(f"--notify: ended after {most:.0f} s, with the budget: {command}", err=True)
+            return
+    if process.returncode:
+        say(f"--notify: exit code {process.returncode}: {command}", err=True)

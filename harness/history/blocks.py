@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from plumbline.harness.findings.changes.matching import LOST
 from plumbline.harness.history.folder import Night
@@ -18,7 +18,8 @@ Key: TypeAlias = tuple[str, str]
 Cell: TypeAlias = tuple[str, str, str, str]
 """Experiment, case, engine and track; of a search for settings, the track that they descend from."""
 Saw: TypeAlias = Mapping[str, Mapping[str, Any]]
-"""By engine: its version, its tracks, and how many of its trials had no answer, as 'version', 'tracks' and 'lost'."""
+"""By engine: its version, its tracks, how many trials it had, and how many of them had no answer, as 'version', 'tracks',
+'trials' and 'lost'."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,8 +159,9 @@ def cells_of(rows: Iterable[Any]) -> dict[Key, dict[str, dict[str, Any]]]:
     cells: dict[Key, dict[str, dict[str, Any]]] = {}
     for row in rows:
         known = cells.setdefault((row.experiment, row.case), {})
-        saw = known.setdefault(row.engine, {"version": str(row.engine_version), "tracks": [], "lost": 0})
+        saw = known.setdefault(row.engine, {"version": str(row.engine_version), "tracks": [], "trials": 0, "lost": 0})
         saw["tracks"] = sorted({*saw["tracks"], cell_of(row)[3]})
+        saw["trials"] += 1
         saw["lost"] += row.status in LOST
     return cells
 
@@ -169,17 +171,30 @@ def cell_of(row: Any) -> Cell:
     return row.experiment, row.case, row.engine, str(row.track).partition(",")[0]
 
 
-def seen_cells(night: Night) -> dict[Cell, int]:
-    """The cells of the blocks that a night did all of, with how many trials of the engine had no answer there.
+class Answered(NamedTuple):
+    """How many trials an engine had in a block, and how many of them had no answer."""
+
+    trials: int
+    lost: int
+
+    @property
+    def mute(self) -> bool:
+        """Had none of them an answer?"""
+        return self.lost >= self.trials
+
+
+def seen_cells(night: Night) -> dict[Cell, Answered]:
+    """The cells of the blocks that a night did all of.
 
     What a night of an older version does not say is read off its journal. Raises: StoreError.
     """
-    cells: dict[Cell, int] = {}
+    cells: dict[Cell, Answered] = {}
     for sight in map(Sight.from_plain, night.plan.get("blocks", ())):
         if sight.done:
             saw = sight.saw or _of_journal(night.folder).get((sight.experiment, sight.case), {})
             for engine, of_engine in saw.items():
-                cells |= {(sight.experiment, sight.case, engine, track): of_engine["lost"] for track in of_engine["tracks"]}
+                answered = Answered(of_engine["trials"], of_engine["lost"])
+                cells |= {(sight.experiment, sight.case, engine, track): answered for track in of_engine["tracks"]}
     return cells
 
 
@@ -197,10 +212,10 @@ def last_to_see(nights: Sequence[Night]) -> set[Night]:
     last: dict[Cell, Night] = {}
     fewest: dict[Cell, tuple[int, Night]] = {}
     for night in reversed(nights):
-        for cell, lost in seen_cells(night).items():
+        for cell, answered in seen_cells(night).items():
             last.setdefault(cell, night)
-            if cell not in fewest or lost < fewest[cell][0]:
-                fewest[cell] = lost, night
+            if cell not in fewest or answered.lost < fewest[cell][0]:
+                fewest[cell] = answered.lost, night
     return {*last.values(), *(night for _, night in fewest.values())}
 
 

@@ -3,6 +3,8 @@
 An answer that the night before had lost is compared with the last one that there was: else a fault would hide behind a crash.
 """
 
+import sys
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
@@ -15,8 +17,12 @@ from plumbline.harness.history.blocks import Cell, Key, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id
 from plumbline.harness.history.slow_drift import OverNights
+from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
+EARLIER = 3
+"""Nights up to which back a question is looked for that the last night to see its cell was not asked: a narrower study may have
+come in between."""
 Wanted: TypeAlias = Mapping[Cell, Collection[str] | None]
 """Cells that are compared: all of each for None, or some of its trials."""
 
@@ -104,22 +110,28 @@ def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) 
             rows.setdefault(cell_of(row), []).append(row)
     waiting: dict[Cell, Collection[str] | None] = dict.fromkeys(rows)
     fresh, parts, recalled = _with_news(store), list[Changes](), dict[Cell, Night]()
+    looked_at = Counter[Cell]()
     for night in reversed(before):
-        then = {(sight["experiment"], sight["case"]): sight["digest"] for sight in night.plan.get("blocks", ())}
-        here = [cell for cell in seen_cells(night) if cell in waiting]
-        same = [cell for cell in here if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
-        again: Wanted = {cell: waiting[cell] for cell in here if waiting[cell] is not None}
-        first: Wanted = {cell: None for cell in here if cell not in again and cell not in same}
-        regained = set[str]()
+        try:
+            seen = seen_cells(night)
+            then = {(sight["experiment"], sight["case"]): sight["digest"] for sight in night.plan.get("blocks", ())}
+            # Where all was lost then, too, there is nothing that what was lost since could be compared with.
+            here = [cell for cell in seen if cell in waiting and (waiting[cell] is None or not seen[cell].mute)]
+            same = [cell for cell in here if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
+            again: Wanted = {cell: waiting[cell] for cell in here if waiting[cell] is not None}
+            first: Wanted = {cell: None for cell in here if cell not in again and cell not in same}
+            made = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
+        except DamagedFile as error:
+            print(f"{error}; what it said is left out", file=sys.stderr)
+            continue
         recalled |= dict.fromkeys((cell for cell in same if cell not in again), night)
-        for wanted in filter(None, (first, again)):
-            part = _of_cells(store, night, wanted)
-            regained |= {*part.regained}
-            parts.append(part if wanted is first else _counted_already(part))
+        parts += [part if wanted is first else _counted_already(part) for wanted, part in made]
+        looked_at.update(here)
         for cell in here:
-            if lost := {row.trial for row in rows[cell]} & regained:
-                waiting[cell] = lost
-            else:
+            lost = {trial for _, part in made for trial in part.regained}
+            lost |= {trial for _, part in made for trial in part.new if looked_at[cell] <= EARLIER}
+            waiting[cell] = lost & {row.trial for row in rows[cell]}
+            if not waiting[cell]:
                 del waiting[cell]
         if not waiting:
             break

@@ -7,6 +7,7 @@ the file is damaged, the night is read anew.
 import hashlib
 import json
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -48,8 +49,9 @@ def kept_readings(history: History, night: Night, store: Store) -> Readings:
         pass  # it is made of what is there still
     said = readings_of(night, store)
     content = {"dates": dates, "rests_on": _rests_on(night, files), "said": json.dumps(_plain(said))}
-    disk.make_folder(path.parent)
-    disk.write_atomically(path, sealed_json(path.name, content))
+    with suppress(OSError):  # of a history that can only be read, each reader reads the nights anew
+        disk.make_folder(path.parent)
+        disk.write_atomically(path, sealed_json(path.name, content))
     return said
 
 

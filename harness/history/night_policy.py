@@ -19,7 +19,7 @@ from plumbline.harness.history.plan import Left, LeftOut, Plan, ranked
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.journal import DamagedFile, StoreError
 from plumbline.harness.store.record import Record, Timing, digest
 from plumbline.harness.study.trial import Trial
 
@@ -124,7 +124,10 @@ class Steering(Guide):
         record = replace(record, trajectory_kept=record.trajectory_hash is not None and self._stays(trial, record))
         self.hashes |= {record.trajectory_hash} if record.trajectory_kept else set()
         if record.again != record.answer:
-            self.pool.keep(record, self.stamp)
+            try:
+                self.pool.keep(record, self.stamp)
+            except DamagedFile as error:
+                print(f"{error}; the answer is kept by the night alone", file=sys.stderr)
         return record
 
     def beside(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> list[Trial]:
@@ -224,7 +227,7 @@ class Steering(Guide):
     def _pooled(self, trial: Trial) -> Answer | None:
         try:
             found = self.pool.answer(trial.trial)
-        except DamagedFile as error:
+        except StoreError as error:
             print(f"{error}; its answer is computed again", file=sys.stderr)
             return None
         if found is None or (found.record.status in MACHINE_BOUND and found.record.answered_on != self.machine):

@@ -19,7 +19,8 @@ class Pruning:
     """What goes.
 
     Terms: nights; answers, trajectories: files of the pool. readings: of nights that are gone or go. standing: old nights that
-    stay, since each is the last that saw something. bytes: what is freed.
+    stay, since each is the last that saw something. bytes: what is freed. links:
+    what would go, but lies elsewhere by a link.
     """
 
     nights: tuple[Night, ...]
@@ -28,6 +29,7 @@ class Pruning:
     readings: tuple[Path, ...]
     standing: tuple[Night, ...]
     bytes: int
+    links: tuple[Path, ...] = ()
 
 
 def pruning(history: History, *, older: float | None = None, keep_nights: int | None = None) -> Pruning:
@@ -45,9 +47,21 @@ def pruning(history: History, *, older: float | None = None, keep_nights: int | 
     going = tuple(night for night in old if night not in needed)
     answers, trajectories = _unnamed(history, [night for night in nights if night not in going])
     readings = of_others(history, {night.stamp for night in nights if night not in going})
+    elsewhere = {
+        path for path in (*(night.folder for night in going), *answers, *trajectories, *readings) if not _within(path, history)
+    }
+    going = tuple(night for night in going if night.folder not in elsewhere)
+    answers, trajectories, readings = (
+        tuple(path for path in paths if path not in elsewhere) for paths in (answers, trajectories, readings)
+    )
     paths = [*(night.folder for night in going), *answers, *trajectories, *readings]
     standing = tuple(night for night in old if night in needed)
-    return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths, shared=False))
+    return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths, shared=False), tuple(sorted(elsewhere)))
+
+
+def _within(path: Path, history: History) -> bool:
+    """Does it lie where its name says, and not elsewhere by a link of it or of a folder above it?"""
+    return path.resolve() == history.root.resolve() / path.relative_to(history.root)
 
 
 def prune(what: Pruning) -> None:

@@ -166,6 +166,7 @@ def summary(
     """
     tail = ["", "## Findings about engines", "", *(f"* {markdown_cell(each)}" for each in findings)] if findings else []
     tail += ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
+    tail += [line for text in plan.get("unread", ()) for line in ("", f"Left out: {markdown_cell(text)}.")]
     for line in (outcomes_in_short(plan), left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))):
         if line:
             tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from plumbline.harness.findings.changes import Change
@@ -12,6 +13,7 @@ from plumbline.harness.history.kept_readings import kept_readings
 from plumbline.harness.history.price_steps import CHANCE_OF_ALL, price_steps
 from plumbline.harness.history.regressions import Dated, date, named_by, same_slope
 from plumbline.harness.history.series import series_of
+from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
 MOST = 90
@@ -55,8 +57,9 @@ def over_nights(
     for night in reversed(late):
         if time.monotonic() - begun > left * SHARE:
             break
-        said.insert(0, kept_readings(history, night, night.store()))
-    late = late[len(late) + 1 - len(said) :]
+        with suppress(DamagedFile):  # what reads all nights names it
+            said.insert(0, kept_readings(history, night, night.store()))
+    late = [night for night in late if night.stamp in {one.night.stamp for one in said}]
     if len(said) < FEWEST:
         return OverNights()
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.

@@ -4,14 +4,14 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from plumbline.harness.history.acknowledged import acknowledged
+from plumbline.harness.history.acknowledged import read_acknowledged
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import NIGHT, History
 from plumbline.harness.history.kept_readings import FOLDER
 from plumbline.harness.run.verify import Problem, problems
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
-from plumbline.harness.store.journal import DamagedFile, StoreError
+from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.seal import Damaged, require_seal
 from plumbline.harness.store.trajectory_file import kept_hash
 
@@ -22,9 +22,7 @@ _KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER
 def problems_of(history: History) -> Iterator[Problem]:
     """All that is wrong with a history, file by file; it is only read. Raises: StoreError."""
     yield from _sealed(history.root / "history.json", "restore it")
-    try:
-        acknowledged(history)
-    except DamagedFile as error:
+    for error in (*read_acknowledged(history)[1], *history.unread()):
         yield Problem(error.path, error.what, error.cure)
     for night in history.nights():
         path = night.folder / NIGHT

@@ -251,3 +251,16 @@ def test_a_night_takes_versions_of_an_engine_as_a_run_does(
     done = printed(*words, "--engine", "mujoco==3.3.0", "--gate", "mujoco")
     assert seen == [("mujoco==3.3.0",)]
     assert "'mujoco' is not asked, expected some of mujoco==3.3.0" in done.stderr
+
+
+def test_a_study_of_fewer_steps_hides_no_fault_at_the_others(root: Path) -> None:
+    ladder = STUDY.experiments[1]
+    friction = replace(ladder, cases=("friction_stop",))
+    fewer = replace(friction, dt=(1 / 60,))
+    with planted():
+        night(root, asked(replace(STUDY, experiments=(friction,))))
+        night(root, asked(replace(STUDY, experiments=(fewer,))))
+    with planted(ROUGHER):
+        _, news, _ = night(root, asked(replace(STUDY, experiments=(friction,))))
+    assert news is not None
+    assert {round(1 / row.dt) for row in news.regressions(("reference",))} == {60, 240}

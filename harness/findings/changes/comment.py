@@ -29,8 +29,9 @@ _SECTIONS = (
 def comment(changes: Changes, gated: Collection[str] = (), least: float = 0.0) -> str:
     """The summary in Markdown, never longer than LONGEST_COMMENT. Args: least: see `gate_in_short`."""
     lines = ["# What changed", "", markdown_cell(first_line(changes)), "", f"**{markdown_cell(headline(changes))}.**"]
-    lines += ["", f"{judged_in_short(changes.judged_of())[0].upper()}{judged_in_short(changes.judged_of())[1:]}."]
-    if gated:
+    if not gated:
+        lines += ["", f"{judged_in_short(changes.judged_of()).capitalize()}."]
+    else:
         lines += ["", f"Gate ({markdown_cell(', '.join(sorted(gated)))}): {gate_in_short(changes, gated, least)}."]
     lines += [f"Not compared: {markdown_cell(text)}" for text in changes.unread]
     for title, senses in (*_SECTIONS, ("Circumstances", ("neither",))):

@@ -64,6 +64,7 @@ def compare(store_a: Store, store_b: Store, about: Callable[[Any], bool] = lambd
         titles={**store_a.titles, **store_b.titles},
         judged=_judged(store_a, store_b, pairs),
         regained=tuple(str(pair.b.trial) for pair in pairs if pair.a.status in LOST and pair.b.status not in LOST),
+        new=tuple(str(pair.b.trial) for pair in every if pair.a is None and getattr(pair.b, "round", 0) == 0),
     )
 
 

@@ -119,7 +119,7 @@ class Changes:
 
     Terms: same: trials of the same bits on both sides; matched: trials on both sides; clocked: prices on both sides. unread:
     what could not be compared, and why. titles: of cases and engines, by name. judged: by engine, how much could be.
-    regained: trials of B with an answer, whose like in A had lost it.
+    regained, new: trials of B with an answer, whose like in A had lost it; that A was not asked, and no search went on to.
     """
 
     a: Side
@@ -132,6 +132,7 @@ class Changes:
     titles: Mapping[str, str] = field(default_factory=dict)
     judged: Mapping[str, Judged] = field(default_factory=dict)
     regained: tuple[str, ...] = ()
+    new: tuple[str, ...] = ()
 
     def judged_of(self, engines: Collection[str] = ()) -> Judged:
         """How much could be judged of these engines, or of all."""

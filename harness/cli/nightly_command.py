@@ -34,7 +34,7 @@ _LEAST = 10.0
 
 
 @click.command()
-@click.option("--history", "address", required=True, metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
+@click.option("--history", "address", metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
 @click.option("--budget", type=Seconds(10.0, 7 * 86400.0), metavar="T", help="Wall time for all of it: 30m, 2h [no end].")
 @click.option("--engine", "engines", multiple=True, help="Only this engine, or its ==VERSION or =WHEEL; may be repeated.")
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where it is worse; may be repeated [ours].")
@@ -48,12 +48,18 @@ _LEAST = 10.0
 @click.option("--notify", metavar="CMD", help="A shell command that is given summary.md on its standard input.")
 @click.option("--seed", default="", metavar="TEXT", help="Of what is drawn at random [the night's name].")
 @click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
-def nightly(address: str, budget: float | None, notify: str | None, reported: bool, **given: Any) -> None:
+@click.option("--drill", "drilled", is_flag=True, help="Plant two faults in nights of their own: exit 0 where both are named.")
+def nightly(address: str | None, budget: float | None, notify: str | None, reported: bool, drilled: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
     from plumbline.harness.history.folder import created
     from plumbline.harness.history.lock import locked
     from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
 
+    if drilled:
+        _drill(given["engines"])
+        return
+    if address is None:
+        raise click.MissingParameter(param_hint="--history", param_type="option")
     asked = _asked(budget=math.inf if budget is None else budget, **given)
     elsewhere = copy_of(address) if is_elsewhere(address) else None
     root = Path(address) if elsewhere is None else elsewhere.root
@@ -68,6 +74,29 @@ def nightly(address: str, budget: float | None, notify: str | None, reported: bo
         _notify(notify, summary, left())
     if barred:
         sys.exit(GATE)
+
+
+def _drill(engines: Sequence[str]) -> None:
+    """Two nights of their own, the second with two faults; exit 1 where its gate does not name both."""
+    from tempfile import mkdtemp
+
+    from plumbline.harness.history.drill import FRICTION, TIME, nights
+    from plumbline.harness.study.plugins import version_of
+
+    engine = engines[0] if engines else next(name for name, one in chosen_engines(()).items() if version_of(one)[1] is None)
+    folder = Path(mkdtemp(prefix="plumbline-drill-"))
+    say(f"drill: two nights of two cases on {engine}, in {folder}")
+    before, after = nights(folder, engine)
+    say(f"first night: exit {before.code}; second: exit {after.code}")
+    for what, seen in ((f"{TIME:g} times the CPU time", after.time), (f"{FRICTION:g} times the friction", after.friction)):
+        say(f"{'named' if seen else 'NOT NAMED'}: {what}{': ' if seen else ''}{seen}")
+    if (before.code, after.code) == (0, GATE) and after.time and after.friction:
+        shutil.rmtree(folder)
+        say("this set-up sees a regression")
+        return
+    say((before.said if before.code else after.said).strip())
+    say(f"this set-up would not see them; {folder} holds both nights: a busier machine needs more samples, or other hours")
+    sys.exit(GATE)
 
 
 def _asked(

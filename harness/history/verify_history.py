@@ -24,13 +24,14 @@ def problems_of(history: History) -> Iterator[Problem]:
     yield from _sealed(history.root / "history.json", "restore it")
     for error in (*read_acknowledged(history)[1], *history.unread()):
         yield Problem(error.path, error.what, error.cure)
+    sound = set[tuple[int, int]]()
+    yield from _pool(Pool(history.pool), sound)
     for night in history.nights():
         path = night.folder / NIGHT
         yield from _sealed(path, "restore it, or delete the night")
         if not night.whole:
             yield Problem(path, "the night did not come to its end", "the next call goes on with it where it asks the same")
-        yield from problems(night.folder)
-    yield from _pool(Pool(history.pool))
+        yield from problems(night.folder, sound)
     for path in sorted(history.root.glob("*")):
         if path.name not in _KNOWN:
             yield Problem(path, "is not of this history", "nothing needs it; delete it")
@@ -46,7 +47,8 @@ def _sealed(path: Path, cure: str) -> Iterator[Problem]:
         yield Problem(path, str(error), cure)
 
 
-def _pool(pool: Pool) -> Iterator[Problem]:
+def _pool(pool: Pool, sound: set[tuple[int, int]]) -> Iterator[Problem]:
+    """Args: sound: takes in the trajectories that are; a night's own are mostly the same files under other names."""
     for path in pool.answers():
         yield from _sealed(path, _AGAIN)
         try:
@@ -60,5 +62,6 @@ def _pool(pool: Pool) -> Iterator[Problem]:
             require_seal(path, disk.read(path))
             if kept_hash(read_arrays(path)) != path.stem:
                 raise Damaged("its answer is not the one that its name says")
+            sound.add((path.stat().st_dev, path.stat().st_ino))
         except (Damaged, KeyError) as error:
             yield Problem(path, str(error), "delete it; its hash is kept in the journals")

@@ -3,7 +3,7 @@
 import hashlib
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,8 +45,12 @@ class Problem:
         return f"{self.path}: {self.what}; {self.cure}"
 
 
-def problems(folder: Path) -> Iterator[Problem]:
-    """All that is wrong with a run folder, file by file; it is only read. Raises: StoreError, where it is no run folder."""
+def problems(folder: Path, sound: Container[tuple[int, int]] = ()) -> Iterator[Problem]:
+    """All that is wrong with a run folder, file by file; it is only read.
+
+    Args: sound: device and number of trajectories that are known to be what their names say, whatever folder they lie in.
+    Raises: StoreError, where it is no run folder.
+    """
     store = Store(folder)
     journal = store.folder / "journal.jsonl"
     if not journal.is_file():
@@ -62,7 +66,7 @@ def problems(folder: Path) -> Iterator[Problem]:
     yield from _plain_files(store.folder, written)
     yield from _tables(store.folder, written)
     yield from _clocked(store, written)
-    yield from _trajectories(store.folder, written)
+    yield from _trajectories(store.folder, written, sound)
     yield from _truths(store.folder)
     yield from _imports(store.folder)
     yield from _summaries(store, written)
@@ -160,7 +164,7 @@ def _equal(content: bytes, frame: pd.DataFrame) -> bool:
     return set(kept.columns) <= set(frame.columns) and bool(kept[names].equals(frame[names].astype(kept[names].dtypes)))
 
 
-def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
+def _trajectories(folder: Path, written: Written, sound: Container[tuple[int, int]]) -> Iterator[Problem]:
     directory = folder / "trajectories"
     named = {record.trajectory_hash for record in written.records.values()} - {None}
     idle = {record.trajectory_hash for record in written.lost.values()}
@@ -171,6 +175,8 @@ def _trajectories(folder: Path, written: Written) -> Iterator[Problem]:
     for path in sorted(directory.glob("*")):
         if path.suffix != ".npz" or path.stem not in named | idle or not path.is_file():
             yield Problem(path, "belongs to no trial", _DELETE)
+            continue
+        if (path.stat().st_dev, path.stat().st_ino) in sound:
             continue
         try:
             require_seal(path, disk.read(path))

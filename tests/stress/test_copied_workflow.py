@@ -1,4 +1,4 @@
-"""The workflow and the cron line that docs/nightly.md offers: their commands are read from these files and run by a plain shell."""
+"""The workflow and the cron line of docs/nightly.md: their commands are read from these files and run by a plain shell."""
 
 import os
 import re

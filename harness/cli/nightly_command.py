@@ -83,7 +83,9 @@ def _drill(engines: Sequence[str]) -> None:
     from plumbline.harness.history.drill import FRICTION, TIME, nights
     from plumbline.harness.study.plugins import version_of
 
-    engine = engines[0] if engines else next(name for name, one in chosen_engines(()).items() if version_of(one)[1] is None)
+    engine = (
+        engines[0] if engines else next(name for name, adapter in chosen_engines(()).items() if version_of(adapter)[1] is None)
+    )
     folder = Path(mkdtemp(prefix="plumbline-drill-"))
     say(f"drill: two nights of two cases on {engine}, in {folder}")
     before, after = nights(folder, engine)
@@ -94,7 +96,7 @@ def _drill(engines: Sequence[str]) -> None:
         shutil.rmtree(folder)
         say("this set-up sees a regression")
         return
-    say((before.said if before.code else after.said).strip())
+    say((before.output if before.code else after.output).strip())
     say(f"this set-up would not see them; {folder} holds both nights: a busier machine needs more samples, or other hours")
     sys.exit(GATE)
 
@@ -192,8 +194,8 @@ def _night(
     barred = [*news.regressions(asked.gated)] if news is not None else []
     mute = [f"gate: {sentence}" for sentence in without_answers(account, asked.gated)]
     if asked.least > (0.0 if news is None else news.changes.judged_of(asked.gated).share):
-        said = "nothing of it was seen before" if news is None else gate_in_short(news.changes, asked.gated, asked.least)
-        mute.append(f"gate: not judged: {said}" if news is None else f"gate: {said}")
+        seen = "" if news is None else gate_in_short(news.changes, asked.gated, asked.least)
+        mute.append(f"gate: {seen or 'not judged: nothing of it was seen before'}")
     for line in (
         *worse_in_short(account["told"], asked.gated),
         *unconfirmed_in_short(account["unconfirmed"]),

@@ -151,15 +151,15 @@ def last_seen(nights: Sequence[Night]) -> dict[Key, Seen]:
             troubled = known.troubled or (age < LATELY and sight.worse > 0)
             least = known.of_all if known.of_all is not None else of_all
             seen[key] = Seen(night=known.night, sight=known.sight, of_all=least, troubled=troubled)
-    return {key: replace(known, of_engine=of_engine.get(key, {})) for key, known in seen.items()}
+    return {key: replace(last, of_engine=of_engine.get(key, {})) for key, last in seen.items()}
 
 
 def cells_of(rows: Iterable[Any]) -> dict[Key, dict[str, dict[str, Any]]]:
     """By block what `Saw` holds. Args: rows: of the table `trials`."""
     cells: dict[Key, dict[str, dict[str, Any]]] = {}
     for row in rows:
-        known = cells.setdefault((row.experiment, row.case), {})
-        saw = known.setdefault(row.engine, {"version": str(row.engine_version), "tracks": [], "trials": 0, "lost": 0})
+        engines = cells.setdefault((row.experiment, row.case), {})
+        saw = engines.setdefault(row.engine, {"version": str(row.engine_version), "tracks": [], "trials": 0, "lost": 0})
         saw["tracks"] = sorted({*saw["tracks"], cell_of(row)[3]})
         saw["trials"] += 1
         saw["lost"] += row.status in LOST

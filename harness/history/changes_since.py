@@ -69,30 +69,32 @@ def news_of(
     beside it.
     Raises: StoreError.
     """
-    parts, recalled = _compared(store, before, blocks)
-    if not parts:
+    differences, recalled = _compared(store, before, blocks)
+    if not differences:
         return None
     others = {row.trial_b: row for row in _disagreements(store)}
     every = heaviest_first(
-        dict.fromkeys([*(row for part in parts for row in part.rows if not _left_aside(row, others)), *others.values()])
+        dict.fromkeys(
+            [*(row for difference in differences for row in difference.rows if not _left_aside(row, others)), *others.values()]
+        )
     )
     stamps = [*(night.stamp for night in before), stamp]
     told = tuple(row for row in every if silenced(Named.of(row, first_seen(row, earlier, stamp)), known, stamps) is None)
     nights_told = over(every)
     since = {heaviest_first([row])[0]: began for row, began in zip(nights_told.rows, nights_told.since, strict=True)}
-    judged = [part.judged for part in parts] + [
+    judged = [difference.judged for difference in differences] + [
         {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
         for row in recalled
         if row.status != "unsupported"
     ]
     changes = replace(
-        parts[0],
-        b=replace(parts[0].b, trials=len(store.trials)),
+        differences[0],
+        b=replace(differences[0].b, trials=len(store.trials)),
         rows=heaviest_first([*told, *since]),
-        matched=sum(part.matched for part in parts) + len(recalled),
-        same=sum(part.same for part in parts) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
-        clocked=sum(part.clocked for part in parts),
-        unread=tuple(dict.fromkeys(text for part in parts for text in part.unread)),
+        matched=sum(difference.matched for difference in differences) + len(recalled),
+        same=sum(difference.same for difference in differences) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
+        clocked=sum(difference.clocked for difference in differences),
+        unread=tuple(dict.fromkeys(text for difference in differences for text in difference.unread)),
         judged={
             engine: sum((each[engine] for each in judged if engine in each), Judged())
             for engine in dict.fromkeys(engine for each in judged for engine in each)
@@ -109,36 +111,36 @@ def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) 
         if (row.experiment, row.case) in blocks:
             rows.setdefault(cell_of(row), []).append(row)
     waiting: dict[Cell, Collection[str] | None] = dict.fromkeys(rows)
-    fresh, parts, recalled = _with_news(store), list[Changes](), dict[Cell, Night]()
+    fresh, differences, recalled = _with_news(store), list[Changes](), dict[Cell, Night]()
     looked_at = Counter[Cell]()
     for night in reversed(before):
         try:
             seen = seen_cells(night)
             then = {(sight["experiment"], sight["case"]): sight["digest"] for sight in night.plan.get("blocks", ())}
             # Where all was lost then, too, there is nothing that what was lost since could be compared with.
-            here = [cell for cell in seen if cell in waiting and (waiting[cell] is None or not seen[cell].mute)]
-            same = [cell for cell in here if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
-            again: Wanted = {cell: waiting[cell] for cell in here if waiting[cell] is not None}
-            first: Wanted = {cell: None for cell in here if cell not in again and cell not in same}
-            made = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
+            cells = [cell for cell in seen if cell in waiting and (waiting[cell] is None or not seen[cell].mute)]
+            same = [cell for cell in cells if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
+            again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
+            first: Wanted = {cell: None for cell in cells if cell not in again and cell not in same}
+            compared = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
         except DamagedFile as error:
             print(f"{error}; what it said is left out", file=sys.stderr)
             continue
         recalled |= dict.fromkeys((cell for cell in same if cell not in again), night)
-        parts += [part if wanted is first else _counted_already(part) for wanted, part in made]
-        looked_at.update(here)
-        for cell in here:
-            lost = {trial for _, part in made for trial in part.regained}
-            lost |= {trial for _, part in made for trial in part.new if looked_at[cell] <= EARLIER}
+        differences += [difference if wanted is first else _counted_already(difference) for wanted, difference in compared]
+        looked_at.update(cells)
+        for cell in cells:
+            lost = {trial for _, difference in compared for trial in difference.regained}
+            lost |= {trial for _, difference in compared for trial in difference.new if looked_at[cell] <= EARLIER}
             waiting[cell] = lost & {row.trial for row in rows[cell]}
             if not waiting[cell]:
                 del waiting[cell]
         if not waiting:
             break
-    if recalled and not parts:  # what is the same as then says whom it was compared with
+    if recalled and not differences:  # what is the same as then says whom it was compared with
         cell, night = recalled.popitem()
-        parts = [_of_cells(store, night, {cell: None})]
-    return parts, [row for cell in recalled for row in rows[cell]]
+        differences = [_of_cells(store, night, {cell: None})]
+    return differences, [row for cell in recalled for row in rows[cell]]
 
 
 def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
@@ -147,10 +149,10 @@ def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
     return compare(night.store_of(keys), store.part(keys), lambda row: _is_among(row, wanted))
 
 
-def _counted_already(part: Changes) -> Changes:
-    """A part without the counts of what an earlier one has counted: it adds what could be judged after all."""
-    judged = {engine: replace(each, all_answers=0) for engine, each in part.judged.items()}
-    return replace(part, matched=0, judged=judged)
+def _counted_already(difference: Changes) -> Changes:
+    """Differences without the counts of what an earlier one has counted: it adds what could be judged after all."""
+    judged = {engine: replace(each, all_answers=0) for engine, each in difference.judged.items()}
+    return replace(difference, matched=0, judged=judged)
 
 
 def _is_among(row: Any, wanted: Wanted) -> bool:

@@ -95,21 +95,21 @@ def planted(inner: Adapter, *, time: float, friction: float) -> Adapter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Night:
-    """How one night of a drill ended. Terms: code: of its process. told: what got worse. said: what it printed."""
+    """How one night of a drill ended. Terms: code: of its process. worse: what got so. output: what it printed."""
 
     code: int
-    told: tuple[dict[str, Any], ...]
-    said: str
+    worse: tuple[dict[str, Any], ...]
+    output: str
 
     @property
     def time(self) -> str:
         """The sentence that tells of the time; '' for none."""
-        return next((str(row["sentence"]) for row in self.told if row["kind"] == "price"), "")
+        return next((str(row["sentence"]) for row in self.worse if row["kind"] == "price"), "")
 
     @property
     def friction(self) -> str:
         """The sentence that tells of the friction; '' for none."""
-        answers = (row for row in self.told if row["kind"] in ("error", "verdict"))
+        answers = (row for row in self.worse if row["kind"] in ("error", "verdict"))
         return next((str(row["sentence"]) for row in answers if row["case"] == "friction_stop"), "")
 
 
@@ -132,7 +132,7 @@ def nights(folder: Path, engine: str) -> Iterator[Night]:
             text=True,
             check=False,
         )
-        yield Night(code=ended.returncode, told=_worse(root), said=ended.stdout + ended.stderr)
+        yield Night(code=ended.returncode, worse=_worse(root), output=ended.stdout + ended.stderr)
 
 
 def _worse(root: Path) -> tuple[dict[str, Any], ...]:

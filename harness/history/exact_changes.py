@@ -18,24 +18,24 @@ _SILENT = ("unavailable", "interrupted")
 """Statuses that say nothing of an engine: the answer before still stands."""
 
 
-def exact_changes(nights: Sequence[Night], said: Sequence[Readings]) -> Iterator[tuple[int, Change]]:
+def exact_changes(nights: Sequence[Night], readings: Sequence[Readings]) -> Iterator[tuple[int, Change]]:
     """What changed, each with the index of its night, in order; the tables of two nights are read where an answer is another.
 
-    Args: nights: the earliest first; said: of each. Raises: StoreError.
+    Args: nights: the earliest first; readings: of each. Raises: StoreError.
     """
-    otherwise = _otherwise([one.table for one in said])
+    otherwise = _otherwise([reading.table for reading in readings])
     searched: dict[tuple[object, ...], Search] = {}
     repeated: dict[str, Agreement] = {}
-    for index, one in enumerate(said):
+    for index, reading in enumerate(readings):
         changes: list[Iterable[Change]] = []
         for earlier, keys in otherwise.get(index, {}).items():
             before, after = nights[earlier].store(), nights[index].store()
             then, now = questions(before), questions(after)
             changes.append(answer_changes(before, after, [Pair(then[key], now[key]) for key in keys]))
-        changes += [moved_limits(searched.values(), one.searches), lost_and_won(repeated, one.repetitions)]
+        changes += [moved_limits(searched.values(), reading.searches), lost_and_won(repeated, reading.repetitions)]
         yield from ((index, change) for group in changes for change in group)
-        searched |= {searched_by(search): search for search in one.searches}
-        repeated |= one.repetitions
+        searched |= {searched_by(search): search for search in reading.searches}
+        repeated |= reading.repetitions
 
 
 def _otherwise(tables: Sequence[pd.DataFrame]) -> dict[int, dict[int, list[str]]]:
@@ -49,10 +49,10 @@ def _otherwise(tables: Sequence[pd.DataFrame]) -> dict[int, dict[int, list[str]]
     table = pd.concat(answers, ignore_index=True) if answers else pd.DataFrame(columns=[*columns, "night"])
     table = table[~table["status"].isin(_SILENT)]
     both = _changed(table), _changed(table[~table["status"].isin(LOST)])
-    found: dict[int, dict[int, list[str]]] = {}
+    otherwise: dict[int, dict[int, list[str]]] = {}
     for row in pd.concat(both).drop_duplicates(["key", "night", "before"]).itertuples():
-        found.setdefault(int(row.night), {}).setdefault(int(row.before), []).append(str(row.key))
-    return found
+        otherwise.setdefault(int(row.night), {}).setdefault(int(row.before), []).append(str(row.key))
+    return otherwise
 
 
 def _changed(table: pd.DataFrame) -> pd.DataFrame:

@@ -42,17 +42,17 @@ def kept_readings(history: History, night: Night, store: Store) -> Readings:
     files = _files(night)
     dates = [_text_digest(), str(night.folder), *(f"{file.name} {_size_and_date(file)}" for file in files)]
     try:
-        kept = read_plain(path)
-        if kept["dates"] == dates or kept["rests_on"] == _rests_on(night, files):
-            return _restored(json.loads(kept["said"]))
+        stored = read_plain(path)
+        if stored["dates"] == dates or stored["rests_on"] == _rests_on(night, files):
+            return _restored(json.loads(stored["said"]))
     except (StoreError, KeyError, TypeError, ValueError):
         pass  # it is made of what is there still
-    said = readings_of(night, store)
-    content = {"dates": dates, "rests_on": _rests_on(night, files), "said": json.dumps(_plain(said))}
+    reading = readings_of(night, store)
+    content = {"dates": dates, "rests_on": _rests_on(night, files), "said": json.dumps(_plain(reading))}
     with suppress(OSError):  # of a history that can only be read, each reader reads the nights anew
         disk.make_folder(path.parent)
         disk.write_atomically(path, sealed_json(path.name, content))
-    return said
+    return reading
 
 
 def of_others(history: History, stamps: Collection[str]) -> tuple[Path, ...]:
@@ -66,22 +66,22 @@ def path_of(history: History, stamp: str) -> Path:
     return history.root / FOLDER / f"{stamp}.json"
 
 
-def _plain(said: Readings) -> dict[str, Any]:
+def _plain(reading: Readings) -> dict[str, Any]:
     return {  # numbers that are not finite among them
-        "night": asdict(said.night),
-        "columns": {name: said.table[name].tolist() for name in said.table.columns},
-        "searches": [asdict(search) for search in said.searches],
-        "repetitions": {name: asdict(agreement) for name, agreement in said.repetitions.items()},
+        "night": asdict(reading.night),
+        "columns": {name: reading.table[name].tolist() for name in reading.table.columns},
+        "searches": [asdict(search) for search in reading.searches],
+        "repetitions": {name: asdict(agreement) for name, agreement in reading.repetitions.items()},
     }
 
 
-def _restored(kept: Mapping[str, Any]) -> Readings:
+def _restored(plain: Mapping[str, Any]) -> Readings:
     """Raises: ValueError, KeyError, TypeError."""
     return Readings(
-        night=NightOf(**kept["night"]),
-        table=pd.DataFrame(kept["columns"]),
-        searches=_form(tuple[Search, ...]).validate_python(kept["searches"]) if kept["searches"] else (),
-        repetitions=_form(dict[str, Agreement]).validate_python(kept["repetitions"]) if kept["repetitions"] else {},
+        night=NightOf(**plain["night"]),
+        table=pd.DataFrame(plain["columns"]),
+        searches=_form(tuple[Search, ...]).validate_python(plain["searches"]) if plain["searches"] else (),
+        repetitions=_form(dict[str, Agreement]).validate_python(plain["repetitions"]) if plain["repetitions"] else {},
     )
 
 

@@ -95,14 +95,14 @@ def _damage(night: Night) -> DamagedFile | None:
 
 def _readable(nights: Sequence[Night]) -> tuple[list[Night], list[DamagedFile]]:
     """Nights without those that something was last seen in and that cannot be read; and why these cannot."""
-    kept, unread = list(nights), list[DamagedFile]()
+    readable, unread = list(nights), list[DamagedFile]()
     while True:
-        wanted = {night for seen in last_seen(kept).values() for night in seen.nights}
+        wanted = {night for seen in last_seen(readable).values() for night in seen.nights}
         damaged = {night: damage for night in wanted if (damage := _damage(night)) is not None}
         if not damaged:
-            return kept, unread
+            return readable, unread
         unread += damaged.values()
-        kept = [night for night in kept if night not in damaged]
+        readable = [night for night in readable if night not in damaged]
 
 
 def carry_out_night(history: History, asked: Asked, night: Night) -> Done:

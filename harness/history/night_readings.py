@@ -67,8 +67,8 @@ def readings_of(night: Night, store: Store) -> Readings:
     versions = {str(e): ", ".join(sorted(set(map(str, g["engine_version"])))) for e, g in answered.groupby("engine")}
     canaries = {} if samples.empty else samples.groupby("trial")["canary"].median().to_dict()
     machine = machine_digest(store.machine)
-    found = tuple(search for search in searches(store) if not search.remedied)
-    rows = (*_of_trials(store, machine, canaries), *_of_limits(found, versions), *_of_answers(store))
+    searched = tuple(search for search in searches(store) if not search.remedied)
+    rows = (*_of_trials(store, machine, canaries), *_of_limits(searched, versions), *_of_answers(store))
     try:
         repeated = agreements_by_cell(store)
     except StoreError:
@@ -84,7 +84,7 @@ def readings_of(night: Night, store: Store) -> Readings:
             titles=store.titles,
         ),
         table=pd.DataFrame([{**COLUMNS, **row} for row in rows], columns=[*COLUMNS]),
-        searches=found,
+        searches=searched,
         repetitions={_named("repeated", cell): agreement for cell, agreement in repeated.items()},
     )
 
@@ -125,8 +125,8 @@ def _of_trials(store: Store, machine: str, canaries: Mapping[Any, float]) -> Ite
             }
 
 
-def _of_limits(found: tuple[Search, ...], versions: Mapping[str, str]) -> Iterator[dict[str, Any]]:
-    for search in found:
+def _of_limits(searched: tuple[Search, ...], versions: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    for search in searched:
         if search.held is not None:
             yield {name: getattr(search, name) for name in ("experiment", "case", "where", "engine", "dt", "unit")} | {
                 "kind": "limit",

@@ -106,20 +106,20 @@ def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
     # A run folder that was put there by hand has no plan.
     unread = list(history.unread())
-    over, said = list[Night](), list[Readings]()
+    over, readings = list[Night](), list[Readings]()
     for night in history.nights():
         if night.plan.get("complete", True):
             try:
-                said.append(kept_readings(history, night, night.store()))
+                readings.append(kept_readings(history, night, night.store()))
             except DamagedFile as error:
                 unread.append(error)
             else:
                 over.append(night)
-    titles = {name: title for one in said for name, title in (one.night.titles or {}).items()}
-    series = series_of(said)
+    titles = {name: title for reading in readings for name, title in (reading.night.titles or {}).items()}
+    series = series_of(readings)
     steps = tuple(price_steps(series))
-    nights = tuple(one.night for one in said)
-    every = [*exact_changes(over, said), *((step.night, step.change) for step in steps)]
+    nights = tuple(reading.night for reading in readings)
+    every = [*exact_changes(over, readings), *((step.night, step.change) for step in steps)]
     plans = [night.plan for night in over if night.whole]
     dated = date(nights, every, acknowledged(history), named_by(plans), same_slope(steps))
     return Trends(

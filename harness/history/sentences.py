@@ -114,7 +114,7 @@ def open_since(
     standing: list[Mapping[str, Any]] = []
     for rows in (*(plan.get("told", ()) for plan in plans), [row for row in tonight if not row["regression"]]):
         better = [row for row in rows if row["sense"] == "better"]
-        standing = [row for row in standing if not any(_mends(one, row) for one in better)]
+        standing = [row for row in standing if not any(_mends(change, row) for change in better)]
         standing += [row for row in rows if row["regression"]]
     stamps = [str(plan["stamp"]) for plan in plans]
     first: dict[str, Mapping[str, Any]] = {}

@@ -59,7 +59,7 @@ def series_of(nights: Sequence[Readings], kinds: Collection[Measured] = get_args
 
     Args: nights: the earliest first.
     """
-    table = pd.concat([said.table.assign(night=k) for k, said in enumerate(nights)]) if nights else pd.DataFrame()
+    table = pd.concat([reading.table.assign(night=k) for k, reading in enumerate(nights)]) if nights else pd.DataFrame()
     if table.empty or not table["kind"].isin(kinds).any():
         return ()
     table = table[table["kind"].isin(kinds)]
@@ -88,14 +88,14 @@ def series_of(nights: Sequence[Readings], kinds: Collection[Measured] = get_args
         )
         for k, subject in enumerate(first[[*SUBJECT]].to_dict("records"))
     ]
-    prices = [k for k, one in enumerate(every) if one.subject.kind == "price"]
+    prices = [k for k, series in enumerate(every) if series.subject.kind == "price"]
     over = yardsticks(
         [every[k].values for k in prices],
         [every[k].segments for k in prices],
         [every[k].subject.engine for k in prices],
         [canaries[k] for k in prices],
-        np.array([said.night.canary for said in nights]),
-        np.unique([said.night.machine for said in nights], return_inverse=True)[1],
+        np.array([reading.night.canary for reading in nights]),
+        np.unique([reading.night.machine for reading in nights], return_inverse=True)[1],
     )
     for k, (factor, beside) in zip(prices, over, strict=True):
         every[k] = replace(every[k], over=factor, beside=beside)

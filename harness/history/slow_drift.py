@@ -53,17 +53,17 @@ def over_nights(
     late = list(before[-MOST:])
     if len(late) + 1 < FEWEST:
         return OverNights()
-    begun, said = time.monotonic(), [kept_readings(history, tonight, store)]
+    begun, readings = time.monotonic(), [kept_readings(history, tonight, store)]
     for night in reversed(late):
         if time.monotonic() - begun > left * SHARE:
             break
         with suppress(DamagedFile):  # what reads all nights names it
-            said.insert(0, kept_readings(history, night, night.store()))
-    late = [night for night in late if night.stamp in {one.night.stamp for one in said}]
-    if len(said) < FEWEST:
+            readings.insert(0, kept_readings(history, night, night.store()))
+    late = [night for night in late if night.stamp in {reading.night.stamp for reading in readings}]
+    if len(readings) < FEWEST:
         return OverNights()
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
-    steps = tuple(price_steps(series_of(said, {"price"}), CHANCE_OF_ALL / len(said)))
+    steps = tuple(price_steps(series_of(readings, {"price"}), CHANCE_OF_ALL / len(readings)))
     plans = [night.plan for night in late]
     told = [*named_by(plans), *(Named.of(row, tonight.stamp) for row in own)]
     changes, slope = [(step.night, step.change) for step in steps], same_slope(steps)
@@ -71,7 +71,7 @@ def over_nights(
     while True:
         # What is told of one is told of what goes on with it: a drift has several steps, and one name.
         names = [*told, *(Named.of(one.first, one.stamp) for one in fresh)]
-        dated = date([one.night for one in said], changes, known, names, slope)
+        dated = date([reading.night for reading in readings], changes, known, names, slope)
         untold = next((one for one in dated if one.first.regression and one.state == "open" and not one.told), None)
         if untold is None:
             break

@@ -73,7 +73,7 @@ def unstable(slow: float) -> Iterator[None]:
 @dataclass(frozen=True)
 class Planted:
     """Terms: nights: what each stands under; asks: what those ask that do not ask for all. codes: of the gate on both engines;
-    none where one night of them all ends with 1. says: by the number of a night from 0, or of `ANY`, what stands in its lines;
+    none where any night may be the one that ends with 1. says: by the number of a night from 0, or of `ANY`, what stands in its lines;
     '' for none of any change."""
 
     name: str
@@ -100,8 +100,8 @@ HISTORIES = (
     Planted("a step of 3 %, below what one night tells", (sound, dear(1.03), dear(1.03)), (0, 0, 0), {1: "", 2: ""}),
     Planted("a spike of 50 %", (sound, dear(1.5), sound), (0, 1, 0), {1: "as a whole", 2: "cheaper"}),
     Planted(
-        "a drift of 1 % a night over 20, noise of 1 %",
-        tuple(dear(1.01**k * float(np.exp(stray))) for k, stray in enumerate(np.random.default_rng(5).normal(0, 0.01, 20))),
+        "a drift of 0.7 % a night over 33, noise of 2 %",
+        tuple(dear(1.007**k * float(np.exp(stray))) for k, stray in enumerate(np.random.default_rng(5).normal(0, 0.02, 33))),
         (),
         {ANY: "over all nights"},
     ),
@@ -205,5 +205,5 @@ def test_each_night_of_a_planted_history_says_what_was_planted(history: Planted,
         said = nights[number][1] if number != ANY else [text for _, texts, _ in nights for text in texts]
         assert any(words in text for text in said) if words else not said, (number, said)
     codes = [code for code, _, _ in nights]
-    assert codes == list(history.codes) if history.codes else sum(codes) == 1
+    assert codes == list(history.codes) if history.codes else 1 in codes
     assert f"| {history.name} |" in DOCUMENT.read_text()

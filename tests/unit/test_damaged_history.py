@@ -1,4 +1,4 @@
-"""Histories that would stop a night: damaged files, names that are no dates, what is no file; the night names it and goes on."""
+"""Histories that would stop a night: damaged files, names that are no dates, what is no file; it names them and goes on."""
 
 import os
 import shutil

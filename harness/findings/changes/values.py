@@ -109,7 +109,9 @@ class Judged:
     @property
     def share(self) -> float:
         """The lower of the two shares, of those that were asked for; 0 where nothing was."""
-        shares = [part / whole for part, whole in ((self.answers, self.all_answers), (self.prices, self.all_prices)) if whole]
+        shares = [
+            judged / whole for judged, whole in ((self.answers, self.all_answers), (self.prices, self.all_prices)) if whole
+        ]
         return min(shares, default=0.0)
 
 

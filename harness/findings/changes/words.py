@@ -38,8 +38,8 @@ def judged_in_short(judged: Judged) -> str:
     """How much could be judged: 'accuracy: all judged; prices: 17 of 48 judged'."""
     parts = (("accuracy", judged.answers, judged.all_answers), ("prices", judged.prices, judged.all_prices))
     return "; ".join(
-        f"{what}: {'none to judge' if not whole else 'all judged' if part == whole else f'{part} of {whole} judged'}"
-        for what, part, whole in parts
+        f"{what}: {'none to judge' if not whole else 'all judged' if count == whole else f'{count} of {whole} judged'}"
+        for what, count, whole in parts
     )
 
 

@@ -103,7 +103,7 @@ HISTORIES = (
         "a drift of 0.7 % a night over 33, noise of 2 %",
         tuple(dear(1.007**k * float(np.exp(stray))) for k, stray in enumerate(np.random.default_rng(5).normal(0, 0.02, 33))),
         (),
-        {ANY: "over all nights"},
+        {ANY: "reference: as a whole"},
     ),
     Planted("3 % more friction", (sound, rough, rough), (0, 1, 0), {1: "friction_stop on reference", 2: ""}),
     Planted("the same, mended", (sound, rough, sound), (0, 1, 0), {2: "now passed"}),

@@ -24,11 +24,14 @@ _MOST = 60
 @click.option("--format", "form", type=click.Choice(["text", "json", "markdown"]), default="text", show_default=True)
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Also a page, and files for build servers.")
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where this engine is worse; may be repeated.")
-def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tuple[str, ...]) -> None:
+@click.option("--judged", "least", type=click.FloatRange(0.0, 1.0), default=0.0, metavar="SHARE",
+              help="Exit 1 where less could be judged, of answers or prices of gated engines, like 0.9.")  # fmt: skip
+def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tuple[str, ...], least: float) -> None:
     """What changed from DIR_A to DIR_B: accuracy exactly, time over what else was clocked in the same run."""
     from plumbline.harness.findings.changes import compare
     from plumbline.harness.findings.changes.comment import comment
     from plumbline.harness.findings.changes.files import flat_rows
+    from plumbline.harness.findings.changes.words import gate_in_short
 
     store_a, store_b = opened(folder_a), opened(folder_b)
     for engine in gated:
@@ -38,25 +41,29 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
     if form == "json":
         print_json(flat_rows(changes))
     elif form == "markdown":
-        click.echo(comment(changes, gated), nl=False)
+        click.echo(comment(changes, gated, least), nl=False)
     else:
         _print(changes)
     if out is not None:
-        say(str(_write(changes, store_b, out, gated)), err=form != "text")
+        say(str(_write(changes, store_b, out, gated, least)), err=form != "text")
     barred = changes.regressions(gated)
     for row in barred:
         from plumbline.harness.findings.changes.words import sentence
 
         say(f"gate: {sentence(row)}", err=True)
-    if barred:
+    short = changes.judged_of(gated).share < least
+    if short:
+        say(f"gate: {gate_in_short(changes, gated, least)}", err=True)
+    if barred or short:
         sys.exit(GATE)
 
 
 def _print(changes: "Changes") -> None:
-    from plumbline.harness.findings.changes.words import command, first_line, folded, headline, one_a_side
+    from plumbline.harness.findings.changes.words import command, first_line, folded, headline, judged_in_short, one_a_side
 
     say(first_line(changes))
     say(f"{headline(changes)}; {changes.clocked} were clocked on both")
+    say(judged_in_short(changes.judged_of()))
     groups = one_a_side(folded(changes.rows))
     for text, group in groups[:_MOST]:
         say(text)
@@ -68,13 +75,13 @@ def _print(changes: "Changes") -> None:
         say(f"not compared: {text}", err=True)
 
 
-def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...]) -> Path:
+def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...], least: float) -> Path:
     """The files of a comparison. Returns: its page."""
     from plumbline.harness.findings.changes.files import changes_files
     from plumbline.harness.store.disk import make_folder, write_atomically
     from plumbline.reports import changes_page
 
     make_folder(out)
-    for name, content in changes_files(changes, store, gated).items():
+    for name, content in changes_files(changes, store, gated, least).items():
         write_atomically(out / name, content)
     return changes_page(changes, out, gated)

@@ -35,6 +35,9 @@ def history(address: str, prune: bool, older: float | None, keep_nights: int | N
         return
     with at_hand(address) as kept:
         nights = list(rows(kept))
+        unread = kept.unread()
+    for error in unread:
+        say(f"left out: {error}", err=True)
     if as_json:
         print_json(nights)
         return
@@ -84,6 +87,8 @@ def _prune(address: str, older: float | None, keep_nights: int | None, dry_run: 
             say(f"{'would go' if dry_run else 'goes'}: night {night.stamp}")
         for night in what.standing:
             say(f"stays: night {night.stamp}, the last that did some of its work")
+        for path in what.links:
+            say(f"stays: {path} lies elsewhere by a link; delete it there")
         say(
             f"{len(what.nights)} nights, {len(what.answers)} answers and {len(what.trajectories)} trajectories of the pool: "
             f"{what.bytes / 2**20:.1f} MB {'would be freed; without --dry-run they go' if dry_run else 'freed'}"

@@ -42,12 +42,16 @@ def trends(address: str, as_json: bool) -> None:
 
     with at_hand(address) as kept:
         read = read_trends(kept)
-        page = trends_page(read, kept.root / "report")
         if as_json:
             print_json(_rows(read))
         else:
             _print(read, address)
-        say(str(page), err=as_json)
+        for error in read.unread:
+            say(f"left out: {error}", err=True)
+        try:
+            say(str(trends_page(read, kept.root / "report")), err=as_json)
+        except OSError as error:
+            say(f"{kept.root / 'report'}: the page was not written: {error.strerror or error}", err=True)
 
 
 def _print(read: "Trends", address: str) -> None:

@@ -1,17 +1,20 @@
 """The command of every night: carry it out within its budget, say what changed, keep it."""
 
 import math
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.safe_text import quoted
@@ -25,14 +28,18 @@ if TYPE_CHECKING:
 _UNBOUNDED = 86400.0
 """Seconds that a night without a budget may hold an address for."""
 _SPARE = 3600.0
-"""Seconds beyond its budget."""
+"""Seconds beyond its budget; and for which a command that is notified may run, where there is none."""
+_LEAST = 10.0
+"""Seconds that such a command has at least."""
 
 
 @click.command()
-@click.option("--history", "address", required=True, metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
+@click.option("--history", "address", metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
 @click.option("--budget", type=Seconds(10.0, 7 * 86400.0), metavar="T", help="Wall time for all of it: 30m, 2h [no end].")
-@click.option("--engine", "engines", multiple=True, help="Only this engine; may be repeated.")
+@click.option("--engine", "engines", multiple=True, help="Only this engine, or its ==VERSION or =WHEEL; may be repeated.")
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where it is worse; may be repeated [ours].")
+@click.option("--judged", "least", type=click.FloatRange(0.0, 1.0), default=0.0, metavar="SHARE",
+              help="Exit 1 where less could be judged, of answers or prices of gated engines, like 0.9.")  # fmt: skip
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--study", default="nightly", show_default=True, help="Another study, built in or a file.")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
@@ -41,12 +48,18 @@ _SPARE = 3600.0
 @click.option("--notify", metavar="CMD", help="A shell command that is given summary.md on its standard input.")
 @click.option("--seed", default="", metavar="TEXT", help="Of what is drawn at random [the night's name].")
 @click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
-def nightly(address: str, budget: float | None, notify: str | None, reported: bool, **given: Any) -> None:
+@click.option("--drill", "drilled", is_flag=True, help="Plant two faults in nights of their own: exit 0 where both are named.")
+def nightly(address: str | None, budget: float | None, notify: str | None, reported: bool, drilled: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
     from plumbline.harness.history.folder import created
     from plumbline.harness.history.lock import locked
     from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
 
+    if drilled:
+        _drill(given["engines"])
+        return
+    if address is None:
+        raise click.MissingParameter(param_hint="--history", param_type="option")
     asked = _asked(budget=math.inf if budget is None else budget, **given)
     elsewhere = copy_of(address) if is_elsewhere(address) else None
     root = Path(address) if elsewhere is None else elsewhere.root
@@ -56,9 +69,36 @@ def nightly(address: str, budget: float | None, notify: str | None, reported: bo
             elsewhere.fetch()
         history = created(root)
         held.enter_context(locked(history))
-        barred = _night(history, asked, elsewhere, notify, reported)
+        barred, summary, left = _night(history, asked, elsewhere, reported)
+    if notify is not None:
+        _notify(notify, summary, left())
     if barred:
         sys.exit(GATE)
+
+
+def _drill(engines: Sequence[str]) -> None:
+    """Two nights of their own, the second with two faults; exit 1 where its gate does not name both."""
+    from tempfile import mkdtemp
+
+    from plumbline.harness.history.drill import FRICTION, TIME, nights
+    from plumbline.harness.study.plugins import version_of
+
+    engine = (
+        engines[0] if engines else next(name for name, adapter in chosen_engines(()).items() if version_of(adapter)[1] is None)
+    )
+    folder = Path(mkdtemp(prefix="plumbline-drill-"))
+    say(f"drill: two nights of two cases on {engine}, in {folder}")
+    before, after = nights(folder, engine)
+    say(f"first night: exit {before.code}; second: exit {after.code}")
+    for what, seen in ((f"{TIME:g} times the CPU time", after.time), (f"{FRICTION:g} times the friction", after.friction)):
+        say(f"{'named' if seen else 'NOT NAMED'}: {what}{': ' if seen else ''}{seen}")
+    if (before.code, after.code) == (0, GATE) and after.time and after.friction:
+        shutil.rmtree(folder)
+        say("this set-up sees a regression")
+        return
+    say((before.output if before.code else after.output).strip())
+    say(f"this set-up would not see them; {folder} holds both nights: a busier machine needs more samples, or other hours")
+    sys.exit(GATE)
 
 
 def _asked(
@@ -66,15 +106,17 @@ def _asked(
 ) -> "Asked":
     from plumbline.harness.cli.run_study import study_and_cases
     from plumbline.harness.history.night import Asked
-    from plumbline.harness.study import plugins
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.experiment import StudyError
+    from plumbline.harness.study.roll_call import twice
 
     try:
         plan, cases = study_and_cases(study, globs)
     except StudyError as error:
         stop(USAGE, str(error))
-    adapters = {name: plugins.adapter(name) for name in engines} if engines else plugins.adapters()
+    if double := twice(engines):
+        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint="--engine")
+    adapters = chosen_engines(engines)
     for engine in gated:
         if engine not in adapters:
             raise click.BadParameter(
@@ -84,14 +126,27 @@ def _asked(
     return Asked(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
 
 
-def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", notify: str | None, reported: bool) -> bool:
-    """Carry it out and close it. Returns: is a gated engine worse, or a page of the report not made?"""
-    from plumbline.harness.findings.changes.words import headline
+def _night(
+    history: "History", asked: "Asked", elsewhere: "Elsewhere | None", reported: bool
+) -> tuple[bool, Path, Callable[[], float]]:
+    """Carry it out and close it.
+
+    Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
+    """
+    from plumbline.harness.findings.changes.words import gate_in_short, headline, judged_in_short
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.findings.vendor.shelf import shelf
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-    from plumbline.harness.history.sentences import in_short, left_out_in_short, unanswered_in_short, worse_in_short
+    from plumbline.harness.history.sentences import (
+        in_short,
+        left_out_in_short,
+        outcomes_in_short,
+        unanswered_in_short,
+        unconfirmed_in_short,
+        without_answers,
+        worse_in_short,
+    )
     from plumbline.harness.study.experiment import StudyError
 
     night, not_made = night_to_do(history, asked), list[str]()
@@ -121,20 +176,35 @@ def _night(history: "History", asked: "Asked", elsewhere: "Elsewhere | None", no
         stop(INTERRUPTED, f"interrupted; the same command goes on with the night {night.stamp}")
     if elsewhere is not None:
         elsewhere.send()
+    if news is not None:
+        say(judged_in_short(news.changes.judged_of(asked.gated)))
     say(in_short(account))
-    for line in (left_out_in_short(account["left_out"]), unanswered_in_short(account["unanswered"])):
+    for line in (
+        outcomes_in_short(account),
+        left_out_in_short(account["left_out"]),
+        unanswered_in_short(account["unanswered"]),
+    ):
         if line:
             say(line)
+    for text in account["unread"]:
+        say(f"left out: {text}")
     for turn in changed:
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
-    barred = () if news is None else news.regressions(asked.gated)
-    for line in (*worse_in_short(account["told"], asked.gated), *not_made):
+    barred = [*news.regressions(asked.gated)] if news is not None else []
+    mute = [f"gate: {sentence}" for sentence in without_answers(account, asked.gated)]
+    if asked.least > (0.0 if news is None else news.changes.judged_of(asked.gated).share):
+        seen = "" if news is None else gate_in_short(news.changes, asked.gated, asked.least)
+        mute.append(f"gate: {seen or 'not judged: nothing of it was seen before'}")
+    for line in (
+        *worse_in_short(account["told"], asked.gated),
+        *unconfirmed_in_short(account["unconfirmed"]),
+        *mute,
+        *not_made,
+    ):
         say(line)
     say(str(summary))
-    if notify is not None:
-        _notify(notify, summary)
-    return bool(barred or not_made)
+    return bool(barred or mute or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
 
 
 @contextmanager
@@ -170,7 +240,7 @@ def _write_comparison(done: "Done", news: "News | None") -> None:
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
-        for name, content in changes_files(news.changes, done.store, done.asked.gated).items():
+        for name, content in changes_files(news.changes, done.store, done.asked.gated, done.asked.least).items():
             write_atomically(folder / name, content)
         changes_page(news.changes, folder, done.asked.gated)
 
@@ -184,14 +254,22 @@ def _write_summary(
     from plumbline.harness.store.disk import write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]
-    standing = open_since(plans, acknowledged(history), () if news is None else news.ended)
+    standing = open_since(plans, acknowledged(history), () if news is None else news.ended, account["told"])
     path = done.night.folder / "changes" / "summary.md"
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path
 
 
-def _notify(command: str, summary: Path) -> None:
-    """Give the summary to a command; that it fails is said, and changes nothing."""
-    ended = subprocess.run(command, shell=True, input=summary.read_bytes(), check=False)
-    if ended.returncode:
-        say(f"--notify: exit code {ended.returncode}: {command}", err=True)
+def _notify(command: str, summary: Path, left: float) -> None:
+    """Give the summary to a command; that it fails is said, and changes nothing. Args: left [s]: of the budget, with which it
+    ends, and all that it began."""
+    most = min(max(left, _LEAST), _SPARE)
+    with subprocess.Popen(command, shell=True, stdin=subprocess.PIPE, start_new_session=True) as process:
+        try:
+            process.communicate(summary.read_bytes(), most)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            say(f"--notify: ended after {most:.0f} s, with the budget: {command}", err=True)
+            return
+    if process.returncode:
+        say(f"--notify: exit code {process.returncode}: {command}", err=True)

@@ -1,6 +1,7 @@
 """Changes that somebody has seen: what is acknowledged is not told again."""
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -24,10 +25,15 @@ class Acknowledgement:
 
 
 def acknowledged(history: History) -> dict[str, Acknowledgement]:
-    """All that was acknowledged, by id, the last note of each. Raises: DamagedFile, OSError."""
-    path = history.acknowledgements
+    """All that was acknowledged, by id, the last note of each; without lines that cannot be read. Raises: OSError."""
+    return read_acknowledged(history)[0]
+
+
+def read_acknowledged(history: History) -> tuple[dict[str, Acknowledgement], list[DamagedFile]]:
+    """The same, with what cannot be read. Raises: OSError."""
+    path, damaged = history.acknowledgements, list[DamagedFile]()
     if not path.is_file():
-        return {}
+        return {}, [DamagedFile(path, "is no file", "delete it")] if os.path.lexists(path) else []
     known: dict[str, Acknowledgement] = {}
     for number, line in enumerate(disk.read(path).decode("utf-8", errors="replace").splitlines(), start=1):
         if not line.strip():
@@ -37,10 +43,11 @@ def acknowledged(history: History) -> dict[str, Acknowledgement]:
             what = Named(id=str(row["id"]), **{name: str(row.get(name, "")) for name in _WHAT})
             entry = Acknowledgement(what=what, note=str(row["note"]), when=str(row["when"]))
         except (ValueError, KeyError, TypeError) as error:
-            cure = "mend or delete the line"
-            raise DamagedFile(path, f"line {number}: {error!r}, expected id, note and when", cure) from error
+            what_is_wrong = f"line {number}: {error!r}, expected id, note and when"
+            damaged.append(DamagedFile(path, what_is_wrong, "mend or delete the line"))
+            continue
         known[entry.what.id] = entry
-    return known
+    return known, damaged
 
 
 def silenced(change: Named, known: dict[str, Acknowledgement], stamps: Sequence[str]) -> Acknowledgement | None:

@@ -55,15 +55,20 @@ class Pool:
         if not path.is_file():
             return None
         kept = read_plain(path)
-        if kept["schema"] > SCHEMA:
-            raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")
-        check_schema(path, kept["record_schema"])
-        return Answer(Record.from_plain(kept["record"]), str(kept["night"]))
+        try:
+            if kept["schema"] > SCHEMA:
+                raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")
+            check_schema(path, kept["record_schema"])
+            return Answer(Record.from_plain(kept["record"]), str(kept["night"]))
+        except (KeyError, TypeError, ValueError) as error:
+            raise DamagedFile(path, f"is no answer of this schema: {error!r}", "delete it") from error
 
     def keep(self, record: Record, night: str) -> None:
-        """Keep an answer, in place of one of its name. Raises: OSError."""
+        """Keep an answer, in place of one of its name. Raises: DamagedFile, where something else lies there; OSError."""
         if record.status not in POOLED:
             return
+        if os.path.lexists(self.path_of(record.trial)) and not self.path_of(record.trial).is_file():
+            raise DamagedFile(self.path_of(record.trial), "is no file", "delete it")
         plain = replace(record, recalled="", again="").plain()
         content: dict[str, Any] = {"schema": SCHEMA, "record_schema": SCHEMA_VERSION, "night": night, "record": plain}
         path = self.path_of(record.trial)

@@ -1,16 +1,30 @@
-"""What changed tonight: every block against the last night that did all of it, and other answers to the same digest."""
+"""What changed tonight: each engine in each block against the last night that saw it there; other answers to the same digest.
 
+An answer that the night before had lost is compared with the last one that there was: else a fault would hide behind a crash.
+"""
+
+import sys
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias
 
-from plumbline.harness.findings.changes import Change, Changes, compare
-from plumbline.harness.findings.changes.matching import where_of
+from plumbline.harness.findings.changes import Change, Changes, Judged, compare
+from plumbline.harness.findings.changes.matching import LOST, where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.history.acknowledged import Acknowledgement, silenced
-from plumbline.harness.history.blocks import Key, Seen
+from plumbline.harness.history.blocks import Cell, Key, cell_of, seen_cells
+from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id
 from plumbline.harness.history.slow_drift import OverNights
+from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
+
+EARLIER = 3
+"""Nights up to which back a question is looked for that the last night to see its cell was not asked: a narrower study may have
+come in between."""
+Wanted: TypeAlias = Mapping[Cell, Collection[str] | None]
+"""Cells that are compared: all of each for None, or some of its trials."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,46 +56,110 @@ def first_seen(change: Change, earlier: Mapping[str, str], stamp: str) -> str:
 def news_of(
     store: Store,
     stamp: str,
-    seen: Mapping[Key, Seen],
-    blocks: Collection[Key],
+    before: Sequence[Night],
+    blocks: Mapping[Key, str],
     known: dict[str, Acknowledgement],
     earlier: Mapping[str, str],
     over: Callable[[Sequence[Change]], OverNights] = lambda _rows: OverNights(),
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
-    Args: store, stamp: of the night. blocks: that it carried out. known: what was acknowledged. earlier: see `first_seen`.
-    over: of what the night tells by itself, what all nights tell beside it.
+    Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out, with their digests.
+    known: what was acknowledged. earlier: see `first_seen`. over: of what the night tells by itself, what all nights tell
+    beside it.
     Raises: StoreError.
     """
-    known_blocks = {key for key in blocks if key in seen}
-    if not known_blocks:
+    differences, recalled = _compared(store, before, blocks)
+    if not differences:
         return None
-    fresh = _with_news(store) & known_blocks or {min(known_blocks)}
-    before: dict[str, set[Key]] = {}
-    for key in fresh:
-        before.setdefault(seen[key].night.stamp, set()).add(key)
-    nights = {seen[key].night.stamp: seen[key].night for key in fresh}
-    parts = [compare(nights[stamp].store_of(keys), store.part(keys)) for stamp, keys in sorted(before.items(), reverse=True)]
     others = {row.trial_b: row for row in _disagreements(store)}
     every = heaviest_first(
-        dict.fromkeys([*(row for part in parts for row in part.rows if not _left_aside(row, others)), *others.values()])
+        dict.fromkeys(
+            [*(row for difference in differences for row in difference.rows if not _left_aside(row, others)), *others.values()]
+        )
     )
-    recalled = store.part(known_blocks - fresh).trials
-    stamps = sorted({*(sight.night.stamp for sight in seen.values()), stamp})
+    stamps = [*(night.stamp for night in before), stamp]
     told = tuple(row for row in every if silenced(Named.of(row, first_seen(row, earlier, stamp)), known, stamps) is None)
     nights_told = over(every)
     since = {heaviest_first([row])[0]: began for row, began in zip(nights_told.rows, nights_told.since, strict=True)}
+    judged = [difference.judged for difference in differences] + [
+        {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
+        for row in recalled
+        if row.status != "unsupported"
+    ]
     changes = replace(
-        parts[0],
-        b=replace(parts[0].b, trials=len(store.trials)),
+        differences[0],
+        b=replace(differences[0].b, trials=len(store.trials)),
         rows=heaviest_first([*told, *since]),
-        matched=sum(part.matched for part in parts) + len(recalled),
-        same=sum(part.same for part in parts) + int(recalled["trajectory_hash"].notna().sum()),
-        clocked=sum(part.clocked for part in parts),
-        unread=tuple(dict.fromkeys(text for part in parts for text in part.unread)),
+        matched=sum(difference.matched for difference in differences) + len(recalled),
+        same=sum(difference.same for difference in differences) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
+        clocked=sum(difference.clocked for difference in differences),
+        unread=tuple(dict.fromkeys(text for difference in differences for text in difference.unread)),
+        judged={
+            engine: sum((each[engine] for each in judged if engine in each), Judged())
+            for engine in dict.fromkeys(engine for each in judged for engine in each)
+        },
     )
     return News(changes, tuple(row for row in every if row not in told), since, nights_told.ended)
+
+
+def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) -> tuple[list[Changes], list[Any]]:
+    """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
+    before it. Returns: what differs, and rows of the table `trials` that were recalled and are the same as then."""
+    rows: dict[Cell, list[Any]] = {}
+    for row in store.trials.itertuples():
+        if (row.experiment, row.case) in blocks:
+            rows.setdefault(cell_of(row), []).append(row)
+    waiting: dict[Cell, Collection[str] | None] = dict.fromkeys(rows)
+    fresh, differences, recalled = _with_news(store), list[Changes](), dict[Cell, Night]()
+    looked_at = Counter[Cell]()
+    for night in reversed(before):
+        try:
+            seen = seen_cells(night)
+            then = {(sight["experiment"], sight["case"]): sight["digest"] for sight in night.plan.get("blocks", ())}
+            # Where all was lost then, too, there is nothing that what was lost since could be compared with.
+            cells = [cell for cell in seen if cell in waiting and (waiting[cell] is None or not seen[cell].mute)]
+            same = [cell for cell in cells if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
+            again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
+            first: Wanted = {cell: None for cell in cells if cell not in again and cell not in same}
+            compared = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
+        except DamagedFile as error:
+            print(f"{error}; what it said is left out", file=sys.stderr)
+            continue
+        recalled |= dict.fromkeys((cell for cell in same if cell not in again), night)
+        differences += [difference if wanted is first else _counted_already(difference) for wanted, difference in compared]
+        looked_at.update(cells)
+        for cell in cells:
+            lost = {trial for _, difference in compared for trial in difference.regained}
+            lost |= {trial for _, difference in compared for trial in difference.new if looked_at[cell] <= EARLIER}
+            waiting[cell] = lost & {row.trial for row in rows[cell]}
+            if not waiting[cell]:
+                del waiting[cell]
+        if not waiting:
+            break
+    if recalled and not differences:  # what is the same as then says whom it was compared with
+        cell, night = recalled.popitem()
+        differences = [_of_cells(store, night, {cell: None})]
+    return differences, [row for cell in recalled for row in rows[cell]]
+
+
+def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
+    """What differs from a night in these cells, or in these trials of them."""
+    keys = {cell[:2] for cell in wanted}
+    return compare(night.store_of(keys), store.part(keys), lambda row: _is_among(row, wanted))
+
+
+def _counted_already(difference: Changes) -> Changes:
+    """Differences without the counts of what an earlier one has counted: it adds what could be judged after all."""
+    judged = {engine: replace(each, all_answers=0) for engine, each in difference.judged.items()}
+    return replace(difference, matched=0, judged=judged)
+
+
+def _is_among(row: Any, wanted: Wanted) -> bool:
+    """Is a trial of these cells, or of these trials of a cell?"""
+    cell = cell_of(row)
+    trials = wanted.get(cell)
+    return cell in wanted and (trials is None or row.trial in trials)
 
 
 def _with_news(store: Store) -> set[Key]:

@@ -1,9 +1,11 @@
 """Where a history keeps what: its own file, its nights by their stamps, its pool, the changes that somebody acknowledged."""
 
+import os
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,9 @@ SCHEMA = 1
 NIGHT = "night.json"
 """What a night adds to its run folder: what was planned, left out and recalled; written last, so that a night is whole that has
 one which says so."""
+_LATEST = timedelta(days=366)
+"""A night that is named for a later time than this after now was named by mistake; all nights after it would be, too."""
+_DELETE = "restore it, or delete the night"
 _STAMP = "%Y%m%dT%H%M%SZ"
 _STAMPED = re.compile(r"\d{8}T\d{6}Z")
 
@@ -45,12 +50,36 @@ class Night:
     @property
     def plan(self) -> Mapping[str, Any]:
         """What `night.json` says; nothing where it was never written. Raises: DamagedFile, StoreError."""
-        return _readable(self.folder / NIGHT)
+        path = self.folder / NIGHT
+        if os.path.lexists(path) and not path.is_file():
+            raise DamagedFile(path, "is no file", "restore it")
+        status = path.stat() if path.is_file() else None
+        return _plan(path, None if status is None else (status.st_size, status.st_mtime_ns, status.st_ino))
 
     @property
     def whole(self) -> bool:
         """Did it come to its end? Raises: DamagedFile."""
         return bool(self.plan.get("complete"))
+
+    def unread(self) -> DamagedFile | None:
+        """Why it cannot be used as a night, but for what its journal holds; None where it can."""
+        journal = self.folder / "journal.jsonl"
+        try:
+            if self.began > datetime.now(UTC) + _LATEST:
+                return DamagedFile(self.folder, "is named for a time to come", "rename or delete it")
+        except ValueError:
+            return DamagedFile(self.folder, "has a name that is no date", "rename or delete it")
+        if not journal.is_file():
+            return DamagedFile(journal, "is no file", _DELETE)
+        try:
+            blocks = self.plan.get("blocks", ())
+            if not isinstance(blocks, list | tuple):
+                return DamagedFile(self.folder / NIGHT, "its blocks are no list", _DELETE)
+        except DamagedFile as error:
+            return error
+        except StoreError as error:
+            return DamagedFile(self.folder / NIGHT, str(error), _DELETE)
+        return None
 
     def store(self) -> Store:
         """Its tables. Raises: NoRun."""
@@ -87,16 +116,31 @@ class History:
         return Night(stamp, self.root / "nights" / stamp)
 
     def nights(self) -> tuple[Night, ...]:
-        """All nights that hold a run, the earliest first, the one that is under way among them."""
+        """All nights that hold a run and can be read, the earliest first, the one that is under way among them."""
+        return tuple(night for night in self._every() if night.unread() is None)
+
+    def unread(self) -> tuple[DamagedFile, ...]:
+        """What is left out of `nights`, with what there is to do."""
+        return tuple(error for night in self._every() if (error := night.unread()) is not None)
+
+    def _every(self) -> list[Night]:
         folders = sorted(path for path in (self.root / "nights").glob("*") if _STAMPED.fullmatch(path.name))
-        return tuple(Night(path.name, path) for path in folders if (path / "journal.jsonl").is_file())
+        return [Night(path.name, path) for path in folders if os.path.lexists(path / "journal.jsonl")]
 
     def whole_nights(self) -> tuple[Night, ...]:
         """The nights that came to their end, the earliest first. Raises: DamagedFile."""
         return tuple(night for night in self.nights() if night.whole)
 
 
+@lru_cache(maxsize=256)
+def _plan(path: Path, _status: tuple[int, int, int] | None) -> Mapping[str, Any]:
+    """Read once as long as it is the same file."""
+    return _readable(path)
+
+
 def _readable(path: Path) -> dict[str, Any]:
+    if os.path.lexists(path) and not path.is_file():
+        raise DamagedFile(path, "is no file", "restore it")
     kept = read_plain(path)
     if kept.get("schema", SCHEMA) > SCHEMA:
         raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")

@@ -107,15 +107,15 @@ class KnownSearches:
                 groups.add(group_of(trial))
                 yield trial
 
-    def _store(self, key: Key) -> Store:
-        night = self.seen[key].night
+    def _store(self, key: Key, engine: str) -> Store:
+        night = self.seen[key].night_of(engine)
         if night.stamp not in self._stores:
             self._stores[night.stamp] = night.store()
         return self._stores[night.stamp]
 
     def _rows(self, trial: Trial) -> list[dict[str, Any]]:
         """What the last night that saw a trial's block has of its engine."""
-        store = self._store((trial.experiment.name, trial.case))
+        store = self._store((trial.experiment.name, trial.case), trial.engine)
         table = store.trials
         mine = table[
             (table["experiment"] == trial.experiment.name) & (table["case"] == trial.case) & (table["engine"] == trial.engine)
@@ -127,7 +127,7 @@ class KnownSearches:
         key = (trial.experiment.name, trial.case)
         if key not in self.seen:
             return None
-        case, table = self.cases[trial.case], self._store(key).measurements
+        case, table = self.cases[trial.case], self._store(key, trial.engine).measurements
         errors = {row.trial: abs(float(row.value)) for row in table[table["metric"] == case.headline].itertuples()}
         clocked = [
             (row, max(error / case.scale, SMALLEST), float(row["cpu_per_unit"]))

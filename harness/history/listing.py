@@ -5,39 +5,51 @@ from typing import Any
 
 from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
+from plumbline.harness.history.kept_readings import kept_readings
+from plumbline.harness.history.sentences import outcomes_in_short
 
 COLUMNS = (
     "night", "state", "machine", "versions", "answers", "recalled", "computed", "again", "disagreements", "clocked", "left_out",
-    "worse", "better", "seconds", "megabytes",
+    "worse", "better", "seconds", "megabytes", "outcomes",
 )  # fmt: skip
+_COUNTS = ("answers", "recalled", "computed", "again", "clocked")
 
 
 def rows(history: History) -> Iterator[dict[str, Any]]:
     """One for each night, the earliest first, with COLUMNS. Raises: StoreError."""
     for night in history.nights():
-        yield _row(night)
+        yield _row(history, night)
 
 
-def _row(night: Night) -> dict[str, Any]:
+def _row(history: History, night: Night) -> dict[str, Any]:
     plan, store = night.plan, night.store()
-    trials = store.trials
-    asked = trials[trials["status"] != "unavailable"]
-    versions = {str(row.engine): str(row.engine_version) for row in asked.itertuples()}
     told = plan.get("told", ())
+    # What a night does not say that is under way, or of an older version, is read off its records.
+    counts = {name: plan[name] for name in _COUNTS} if all(name in plan for name in _COUNTS) else _counted(night)
+    versions = plan["versions"] if "versions" in plan else kept_readings(history, night, store).night.versions
     return {
         "night": night.stamp,
-        "state": "whole" if night.whole else "unfinished",
+        "state": "whole" if plan.get("complete") else "unfinished",
         "machine": f"{store.machine.get('processor', '')} x{store.machine.get('cores', '?')}",
         "versions": ", ".join(f"{engine} {version}" for engine, version in sorted(versions.items())),
-        "answers": len(trials),
-        "recalled": int((trials["recalled"] != "").sum()),
-        "computed": int((trials["recalled"] == "").sum()),
-        "again": int((trials["again"] != "").sum()),
+        **{name: counts[name] for name in _COUNTS[:-1]},
         "disagreements": int(plan.get("disagreements", 0)),
-        "clocked": int((trials["cpu_per_unit"] > 0).sum()),
+        "clocked": counts["clocked"],
         "left_out": len(plan.get("left_out", ())),
         "worse": sum(row["regression"] for row in told),
         "better": sum(row["sense"] == "better" for row in told),
         "seconds": plan.get("seconds", {}).get("whole"),
         "megabytes": bytes_of([night.folder], shared=False) / 2**20,
+        "outcomes": outcomes_in_short(plan).removeprefix("outcomes: "),
+    }
+
+
+def _counted(night: Night) -> dict[str, int]:
+    trials = night.store().trials
+    return {
+        "answers": len(trials),
+        "recalled": int((trials["recalled"] != "").sum()),
+        "computed": int((trials["recalled"] == "").sum()),
+        "again": int((trials["again"] != "").sum()),
+        "clocked": int((trials["cpu_per_unit"] > 0).sum()),
     }

@@ -26,6 +26,8 @@ def locked(history: History) -> Iterator[None]:
 
     Raises: StoreError, where another process holds it. OSError.
     """
+    if os.path.lexists(history.lock) and not history.lock.is_file():
+        raise StoreError(f"{history.lock}: is no file; delete it")
     descriptor = disk.calls.open(history.lock, os.O_RDWR | os.O_CREAT)
     try:
         try:

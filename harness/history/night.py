@@ -10,9 +10,9 @@ from typing import Any
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.findings.changes import Change
-from plumbline.harness.history.acknowledged import acknowledged
+from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.blocks import LATELY, Key, Seen, Sight, last_seen, last_unanswered
+from plumbline.harness.history.blocks import LATELY, Key, Sight, cells_of, last_seen, last_unanswered
 from plumbline.harness.history.budget import Budget, Closings, bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, first_seen, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
@@ -24,7 +24,7 @@ from plumbline.harness.history.slow_drift import OverNights, over_nights
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.interrupt import until
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import read_journal
+from plumbline.harness.store.journal import DamagedFile, read_journal
 from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
 from plumbline.harness.store.record import Record, digest
 from plumbline.harness.store.store import Store, write_json
@@ -33,7 +33,8 @@ from plumbline.harness.study.study import Study
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Asked:
-    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse. seed: '' for the
+    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse; least:
+    share of what they were asked that has to be judged. seed: '' for the
     night's own name."""
 
     study: Study
@@ -43,6 +44,7 @@ class Asked:
     workers: int = 2
     keep: Keep = "changed"
     gated: tuple[str, ...] = ()
+    least: float = 0.0
     seed: str = ""
 
     @property
@@ -53,30 +55,54 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """A night that was carried out. Terms: seen: what was known of each block before. store: its tables, read once."""
+    """A night that was carried out. Terms: before: the nights that it is compared with. unread: what was left out of these, and
+    why. store: its tables, read once."""
 
     night: Night
     asked: Asked
-    seen: Mapping[Key, Seen]
+    before: Sequence[Night]
+    unread: tuple[DamagedFile, ...]
     steering: Steering
     budget: Budget
     store: Store
 
     @property
-    def blocks(self) -> set[Key]:
-        """Those that were carried out to their end."""
-        return self.steering.done
+    def blocks(self) -> dict[Key, str]:
+        """The digests of those that were carried out to their end."""
+        return {block.key: block.digest for block in self.steering.blocks if block.key in self.steering.done}
 
 
 def night_to_do(history: History, asked: Asked) -> Night:
-    """The last night, where it asked the same and did not come to its end; otherwise a new one. Raises: DamagedFile."""
+    """The last night, where it asked the same, did not come to its end and can be read; otherwise a new one."""
     nights = history.nights()
-    if nights and not nights[-1].whole and nights[-1].plan.get("asked") == asked.digest:
-        return nights[-1]
+    last = nights[-1] if nights else None
+    if last is not None and not last.whole and last.plan.get("asked") == asked.digest and _damage(last) is None:
+        return last
     stamp = stamp_of(datetime.now(UTC))
     if nights and nights[-1].stamp >= stamp:
         stamp = stamp_of(datetime.fromtimestamp(nights[-1].began.timestamp() + 1, UTC))
     return history.night(stamp)
+
+
+def _damage(night: Night) -> DamagedFile | None:
+    """Why its records cannot be read; None where they can."""
+    try:
+        read_journal(night.folder / "journal.jsonl")
+    except DamagedFile as error:
+        return error
+    return None
+
+
+def _readable(nights: Sequence[Night]) -> tuple[list[Night], list[DamagedFile]]:
+    """Nights without those that something was last seen in and that cannot be read; and why these cannot."""
+    readable, unread = list(nights), list[DamagedFile]()
+    while True:
+        wanted = {night for seen in last_seen(readable).values() for night in seen.nights}
+        damaged = {night: damage for night in wanted if (damage := _damage(night)) is not None}
+        if not damaged:
+            return readable, unread
+        unread += damaged.values()
+        readable = [night for night in readable if night not in damaged]
 
 
 def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
@@ -85,7 +111,9 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     Args: night: as `night_to_do` gave it.
     Raises: StoreError, StudyError, OSError.
     """
-    before = history.whole_nights()
+    before, unread = _readable(history.whole_nights())
+    unfinished = [other for other in history.nights() if not other.whole and other != night]
+    unread += [damage for other in unfinished if (damage := _damage(other)) is not None]
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
     budget = Budget.of(asked.budget, Closings.of([earlier.plan for earlier in before[-LATELY:]]))
@@ -99,6 +127,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
         "keep": asked.keep,
         "seed": seed,
         "gated": list(asked.gated),
+        "least": asked.least,
         "complete": False,
     }
 
@@ -138,7 +167,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     steering.close()
     store = night.store()
     _without_idle_logs(night, set(store.trials["trial"]))
-    return Done(night, asked, seen, steering, budget, store)
+    return Done(night, asked, before, (*history.unread(), *read_acknowledged(history)[1], *unread), steering, budget, store)
 
 
 def _without_idle_logs(night: Night, recorded: set[str]) -> None:
@@ -153,12 +182,12 @@ def _without_idle_logs(night: Night, recorded: set[str]) -> None:
 
 def compared(history: History, done: Done) -> News | None:
     """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
-    known, before = acknowledged(history), [night for night in history.whole_nights() if night != done.night]
+    known, before = acknowledged(history), done.before
 
     def over(rows: Sequence[Change]) -> OverNights:
         return over_nights(history, before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
 
-    return news_of(done.store, done.night.stamp, done.seen, done.blocks, known, _first_told(history), over)
+    return news_of(done.store, done.night.stamp, before, done.blocks, known, _first_told(history), over)
 
 
 def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
@@ -168,6 +197,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
     clocked = trials[trials["cpu_per_unit"] > 0]
     unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
+    cells = cells_of(trials.itertuples())
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
     first = _first_told(history)
     changed = (
@@ -191,7 +221,14 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "again": int((trials["again"] != "").sum()),
         "disagreements": sum(row.kind == "digest" for row in rows),
         "clocked": len(clocked),
-        "blocks": steering.sights(unstable, worse),
+        "blocks": [row | {"saw": cells.get((row["experiment"], row["case"]), {})} for row in steering.sights(unstable, worse)],
+        "outcomes": {
+            str(engine): {str(status): int(count) for status, count in of["status"].value_counts().items()}
+            for engine, of in trials.groupby("engine", sort=False)
+        },
+        "versions": {engine: saw["version"] for of in cells.values() for engine, saw in of.items() if saw["version"]},
+        "unconfirmed": [told(row, news.changes, night.stamp) for row in rows if news and row.sense == "unconfirmed"],
+        "unread": [str(error) for error in done.unread],
         "left_out": [asdict(entry) for entry in steering.out],
         "unanswered": [asdict(waiting) for waiting in steering.unanswered],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],

@@ -10,15 +10,17 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+from plumbline.harness.findings.changes.prices import TOLD
 from plumbline.harness.history.answer_store import MACHINE_BOUND, Answer, Pool
 from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
 from plumbline.harness.history.known_searches import KnownSearches
+from plumbline.harness.history.last_answers import LastAnswer
 from plumbline.harness.history.plan import Left, LeftOut, Plan, ranked
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import DamagedFile
-from plumbline.harness.store.record import Record, digest
+from plumbline.harness.store.journal import DamagedFile, StoreError
+from plumbline.harness.store.record import Record, Timing, digest
 from plumbline.harness.study.trial import Trial
 
 AGAIN = 1 / 20
@@ -41,7 +43,7 @@ class Steering(Guide):
     Terms:
         folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
         nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. last: of a
-        trial, whatever it rests on, the last status and hash. distrusted: by case and engine, the night before which nothing
+        trial, whatever it rests on, the last answer. distrusted: by case and engine, the night before which nothing
         is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
         know. hashes: of trajectories that stay. unanswered: what was waited for when time was up.
     """
@@ -54,7 +56,7 @@ class Steering(Guide):
     keep: Keep
     seen: Mapping[Key, Seen]
     waited: Mapping[Cell, str]
-    last: Callable[[Trial], tuple[str, str | None] | None]
+    last: Callable[[Trial], LastAnswer | None]
     searched: KnownSearches
     distrusted: dict[tuple[str, str], str]
     left: Left
@@ -68,6 +70,7 @@ class Steering(Guide):
     _plan: Plan | None = None
     _again: dict[str, Record] = field(default_factory=dict)
     _mark: float = 0.0
+    _clocking: float = 0.0
     hashes: set[str | None] = field(default_factory=set)
     _kept: int = 0
 
@@ -121,7 +124,10 @@ class Steering(Guide):
         record = replace(record, trajectory_kept=record.trajectory_hash is not None and self._stays(trial, record))
         self.hashes |= {record.trajectory_hash} if record.trajectory_kept else set()
         if record.again != record.answer:
-            self.pool.keep(record, self.stamp)
+            try:
+                self.pool.keep(record, self.stamp)
+            except DamagedFile as error:
+                print(f"{error}; the answer is kept by the night alone", file=sys.stderr)
         return record
 
     def beside(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> list[Trial]:
@@ -145,7 +151,18 @@ class Steering(Guide):
         """Take note of what that took."""
         tally, now = self._tally((trials[0].experiment.name, trials[0].case)), time.monotonic()
         tally.clocked += len(trials)
-        tally.clock_seconds, self._mark = tally.clock_seconds + now - self._mark, now
+        self._clocking = now - self._mark
+        tally.clock_seconds, self._mark = tally.clock_seconds + self._clocking, now
+
+    def doubts(self, timings: Sequence[Timing]) -> bool:
+        """Is one unstable and dearer than the last time, with time left to clock them once more?"""
+        trials = {trial.trial: trial for block in self.blocks for trial in block.trials}
+        for timing in timings:
+            trial = trials.get(timing.trial)
+            before = None if trial is None or not timing.unstable_timing else self.last(trial)
+            if before is not None and (timing.cpu_per_unit or 0.0) > (1 + TOLD) * before.price:
+                return self.left() > self._clocking
+        return False
 
     def broken_off(self, under_way: Sequence[UnderWay]) -> None:
         """Keep what the night waited for in the end."""
@@ -210,7 +227,7 @@ class Steering(Guide):
     def _pooled(self, trial: Trial) -> Answer | None:
         try:
             found = self.pool.answer(trial.trial)
-        except DamagedFile as error:
+        except StoreError as error:
             print(f"{error}; its answer is computed again", file=sys.stderr)
             return None
         if found is None or (found.record.status in MACHINE_BOUND and found.record.answered_on != self.machine):
@@ -231,7 +248,8 @@ class Steering(Guide):
         if record.trajectory_hash is not None and self.pool.trajectory_path(record.trajectory_hash).is_file():
             return True
         before = self.last(trial)
-        if self.keep == "changed" and record.status == "passed" and before == ("passed", record.trajectory_hash):
+        as_before = before is not None and (before.status, before.hash) == ("passed", record.trajectory_hash)
+        if self.keep == "changed" and record.status == "passed" and as_before:
             return False
         size = self._size(str(record.trajectory_hash))
         if self._kept + size > MOST_KEPT:

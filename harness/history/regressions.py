@@ -9,19 +9,21 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
 from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged, silenced
-from plumbline.harness.history.exact_changes import ExactChanges
-from plumbline.harness.history.folder import History
+from plumbline.harness.history.exact_changes import exact_changes
+from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, change_id
-from plumbline.harness.history.kept_readings import KeptReadings
-from plumbline.harness.history.night_readings import NightOf
+from plumbline.harness.history.kept_readings import kept_readings
+from plumbline.harness.history.night_readings import NightOf, Readings
 from plumbline.harness.history.normalisation import over_segments
 from plumbline.harness.history.price_steps import PriceStep, price_steps
-from plumbline.harness.history.series import Readings, Series
+from plumbline.harness.history.series import Series, series_of
 from plumbline.harness.statistics.change_points import levelled
 from plumbline.harness.statistics.drift import one_drift
+from plumbline.harness.store.journal import DamagedFile
 
 State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
@@ -71,8 +73,11 @@ class Dated:
 
 @dataclass(frozen=True, eq=False)
 class Trends:
-    """A history as people look at it. Terms: root: its folder. nights: the earliest first. series, steps: of them. dated: every
-    change, by its night. titles: of cases and engines by their names, as the last night that has them calls them."""
+    """A history as people look at it.
+
+    Terms: root: its folder. nights: the earliest first. series, steps: of them. dated: every change, by its night. titles: of
+    cases and engines by their names, as the last night that has them calls them. unread: what is left out, and why.
+    """
 
     root: str
     nights: tuple[NightOf, ...]
@@ -80,6 +85,7 @@ class Trends:
     steps: tuple[PriceStep, ...]
     dated: tuple[Dated, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
+    unread: tuple[DamagedFile, ...] = ()
 
     def called(self, name: str) -> str:
         """The title of a case or an engine; its name where no night has one."""
@@ -98,21 +104,27 @@ class Trends:
 
 def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
-    readings, exact, kept = Readings(), ExactChanges(), KeptReadings(history)
-    titles: dict[str, str] = {}
+    # A run folder that was put there by hand has no plan.
+    unread = list(history.unread())
+    over, readings = list[Night](), list[Readings]()
     for night in history.nights():
-        if night.plan.get("complete", True):  # a run folder that was put there by hand has no plan
-            store = night.store()
-            readings.add(kept.numbers(night, store))
-            exact.add(night, kept.answers(night, store))
-            titles |= store.titles
-    series = readings.series()
+        if night.plan.get("complete", True):
+            try:
+                readings.append(kept_readings(history, night, night.store()))
+            except DamagedFile as error:
+                unread.append(error)
+            else:
+                over.append(night)
+    titles = {name: title for reading in readings for name, title in (reading.night.titles or {}).items()}
+    series = series_of(readings)
     steps = tuple(price_steps(series))
-    nights = tuple(readings.nights)
-    every = [*exact.changes, *((step.night, step.change) for step in steps)]
-    plans = [night.plan for night in history.whole_nights()]
+    nights = tuple(reading.night for reading in readings)
+    every = [*exact_changes(over, readings), *((step.night, step.change) for step in steps)]
+    plans = [night.plan for night in over if night.whole]
     dated = date(nights, every, acknowledged(history), named_by(plans), same_slope(steps))
-    return Trends(root=str(history.root), nights=nights, series=series, steps=steps, dated=dated, titles=titles)
+    return Trends(
+        root=str(history.root), nights=nights, series=series, steps=steps, dated=dated, titles=titles, unread=tuple(unread)
+    )
 
 
 def named_by(plans: Iterable[Any]) -> list[Named]:
@@ -222,6 +234,8 @@ def _mended(night: int, change: Change, every: Sequence[tuple[int, Change]]) -> 
             (other.kind, other.case, other.engine, other.track, other.where, other.dt)
         )
         if later <= night or not same or {change.sense, other.sense} != {"worse", "better"}:
+            continue
+        if change.kind == "verdict" and change.sense == "worse" and not as_good(str(other.after), str(change.before)):
             continue
         if not size or not other.ratio:
             return later

@@ -1,12 +1,14 @@
 """What a night has to say, in sentences: made last, for people and comments, and never read back."""
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes
+from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.comment import comment
+from plumbline.harness.findings.changes.matching import LOST
 from plumbline.harness.findings.changes.words import command, sentence
 from plumbline.harness.history.acknowledged import Acknowledgement, silenced
 from plumbline.harness.history.changes_since import News
@@ -34,6 +36,10 @@ def told(row: Change, changes: Changes, since: str) -> dict[str, Any]:
         "engine": row.engine,
         "track": row.track,
         "metric": row.metric,
+        "where": row.where,
+        "dt": row.dt,
+        "before": row.before,
+        "after": row.after,
         "regression": row.regression,
         "sentence": sentence(row),
         "command": command(row, changes),
@@ -95,21 +101,60 @@ def in_short(plan: Mapping[str, Any]) -> str:
 
 
 def open_since(
-    plans: Sequence[Mapping[str, Any]], known: dict[str, Acknowledgement], over: Collection[str] = ()
+    plans: Sequence[Mapping[str, Any]],
+    known: dict[str, Acknowledgement],
+    over: Collection[str] = (),
+    tonight: Sequence[Mapping[str, Any]] = (),
 ) -> list[Mapping[str, Any]]:
-    """Regressions that nobody acknowledged and that no later night took back, the earliest first.
+    """Regressions of earlier nights that nobody acknowledged and that no later night took back, the earliest first.
 
     Args: plans: of the nights before, the earliest first. over: ids of changes that the nights together say have ended.
+    tonight: what this night tells.
     """
-    standing: dict[str, Mapping[str, Any]] = {}
-    for plan in plans:
-        for row in plan.get("told", ()):
-            if row["regression"]:
-                standing.setdefault(row["lasting"], row)
-            elif row["sense"] == "better":
-                standing.pop(row["lasting"], None)
+    standing: list[Mapping[str, Any]] = []
+    for rows in (*(plan.get("told", ()) for plan in plans), [row for row in tonight if not row["regression"]]):
+        better = [row for row in rows if row["sense"] == "better"]
+        standing = [row for row in standing if not any(_mends(change, row) for change in better)]
+        standing += [row for row in rows if row["regression"]]
     stamps = [str(plan["stamp"]) for plan in plans]
-    return [row for row in standing.values() if row["id"] not in over and silenced(Named.told(row), known, stamps) is None]
+    first: dict[str, Mapping[str, Any]] = {}
+    for row in standing:
+        if row["id"] not in over and silenced(Named.told(row), known, stamps) is None:
+            first.setdefault(row["lasting"], row)
+    return [*first.values()]
+
+
+def _mends(better: Mapping[str, Any], worse: Mapping[str, Any]) -> bool:
+    """Does a change take another one back? Nights of an older version do not say at which step and from what to what."""
+    verdicts = better["kind"] == worse["kind"] == "verdict"
+    about = ["kind", "case", "engine", "track"] + ([] if verdicts or better["kind"] == "price" else ["metric"])
+    about += ["where", "dt"] if "dt" in better and "dt" in worse else []
+    if any(better[name] != worse[name] for name in about):
+        return False
+    return not (verdicts and "before" in worse) or as_good(str(better.get("after")), str(worse["before"]))
+
+
+def outcomes_in_short(plan: Mapping[str, Any]) -> str:
+    """How trials ended, engine by engine: 'outcomes: mujoco 12 passed, 4 crashed'; '' in nights of an older version."""
+    outcomes = plan.get("outcomes", {})
+    return f"outcomes: {'; '.join(_outcomes(engine, of) for engine, of in outcomes.items())}" if outcomes else ""
+
+
+def without_answers(plan: Mapping[str, Any], engines: Iterable[str]) -> list[str]:
+    """A sentence for each of these engines that was asked and has no answer at all."""
+    outcomes: Mapping[str, Mapping[str, int]] = plan.get("outcomes", {})
+    mute = [each for each in engines if each in outcomes and not outcomes[each].keys() - {*LOST, "unsupported"}]
+    return [f"no answer of this engine: {_outcomes(engine, outcomes[engine])}" for engine in mute]
+
+
+def _outcomes(engine: str, counts: Mapping[str, int]) -> str:
+    return f"{engine} {', '.join(f'{count} {status}' for status, count in counts.items())}"
+
+
+def unconfirmed_in_short(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Lines of prices that are dearer by timings too unstable to judge by, each with what measures it again."""
+    lines = [line for row in rows[:_FIRST] for line in (row["sentence"], f"    {row['command']}")]
+    return [*lines, f"… and {len(rows) - _FIRST} more unconfirmed, in changes.json"] if len(rows) > _FIRST else lines
 
 
 def summary(
@@ -121,9 +166,12 @@ def summary(
     """
     tail = ["", "## Findings about engines", "", *(f"* {markdown_cell(each)}" for each in findings)] if findings else []
     tail += ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
-    for line in (left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))):
+    tail += [line for text in plan.get("unread", ()) for line in ("", f"Left out: {markdown_cell(text)}.")]
+    for line in (outcomes_in_short(plan), left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))):
         if line:
             tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]
+    for line in without_answers(plan, plan.get("gated", ())):
+        tail += ["", f"Gate: {markdown_cell(line)}."]
     if news is not None and news.acknowledged:
         tail += ["", f"Acknowledged and not told again: {len(news.acknowledged)}."]
     for row in standing[:_FIRST]:
@@ -134,5 +182,5 @@ def summary(
     if news is None:
         head = "# What changed\n\nNothing of this night was seen before: there is nothing to compare it with.\n"
     else:
-        head = comment(news.changes, plan["gated"])
+        head = comment(news.changes, plan["gated"], plan.get("least", 0.0))
     return head + "\n".join(tail) + "\n"

@@ -1,15 +1,32 @@
 """Series over a history: what each night said of every price, error and limit, in segments of one machine and one version."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes.values import Beside
-from plumbline.harness.history.night_readings import Measured, NightOf, Numbers, Reading, Subject
+from plumbline.harness.history.night_readings import SUBJECT, Measured, Readings
 from plumbline.harness.history.normalisation import yardsticks
 from plumbline.harness.trajectory import Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subject:
+    """What a series is of. Terms: experiment, where, track, dt [s] as in a change; metric, unit: of its values."""
+
+    kind: Measured
+    experiment: str
+    case: str
+    where: str
+    engine: str
+    track: str
+    dt: float
+    metric: str
+    unit: str
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -37,65 +54,49 @@ class Series:
         return quotients
 
 
-@dataclass(slots=True)
-class Readings:
-    """What the nights said so far; each is added once, the earliest first. Terms: kinds: of series that are wanted."""
+def series_of(nights: Sequence[Readings], kinds: Collection[Measured] = get_args(Measured)) -> tuple[Series, ...]:
+    """All series of these kinds, in the order in which they were first seen; prices with what they are divided by.
 
-    kinds: frozenset[Measured] = frozenset({"price", "error", "limit"})
-    nights: list[NightOf] = field(default_factory=list)
-    _by: dict[str, dict[int, Reading]] = field(default_factory=dict)
-    _subjects: dict[str, Subject] = field(default_factory=dict)
-    _canary: list[float] = field(default_factory=list)
-    _segments: dict[tuple[str, str, str], int] = field(default_factory=dict)
+    Args: nights: the earliest first.
+    """
+    table = pd.concat([reading.table.assign(night=k) for k, reading in enumerate(nights)]) if nights else pd.DataFrame()
+    if table.empty or not table["kind"].isin(kinds).any():
+        return ()
+    table = table[table["kind"].isin(kinds)]
+    table = table.assign(series=pd.factorize(table["key"])[0]).sort_values(["series", "night"], kind="stable")
+    # Numbers of segments are shared by all series, so that those of one engine can be judged together.
+    table["segment"] = pd.factorize(pd.MultiIndex.from_frame(table[["engine", "part", "version"]]))[0]
+    first = table.drop_duplicates("series")
+    at, shape = (table["series"].to_numpy(), table["night"].to_numpy()), (len(first), len(nights))
 
-    def add(self, numbers: Numbers) -> None:
-        """Take in what one more night said."""
-        self.nights.append(numbers.night)
-        self._canary.append(numbers.canary)
-        for reading in numbers.readings:
-            if reading.subject.kind in self.kinds:
-                self._subjects.setdefault(reading.key, reading.subject)
-                self._by.setdefault(reading.key, {})[len(self.nights) - 1] = reading
+    def spread(column: str, none: object) -> NDArray[np.generic]:
+        over_nights = np.full(shape, none, object if isinstance(none, str) else None)
+        over_nights[at] = table[column].to_numpy()
+        return over_nights
 
-    def series(self) -> tuple[Series, ...]:
-        """All series, in the order in which they were first seen; prices with what they are divided by."""
-        every = [self._plain(key) for key in self._by]
-        prices = [number for number, series in enumerate(every) if series.subject.kind == "price"]
-        canaries = [self._of(key, lambda reading: reading.canary) for key in self._by]
-        over = yardsticks(
-            [every[k].values for k in prices],
-            [every[k].segments for k in prices],
-            [every[k].subject.engine for k in prices],
-            [canaries[k] for k in prices],
-            np.array(self._canary),
-            np.unique([night.machine for night in self.nights], return_inverse=True)[1],
-        )
-        for k, (factor, beside) in zip(prices, over, strict=True):
-            every[k] = replace(every[k], over=factor, beside=beside)
-        return tuple(every)
-
-    def _plain(self, key: str) -> Series:
-        readings, count = self._by[key], len(self.nights)
-        segments = np.full(count, -1, np.int64)
-        for night, reading in readings.items():
-            # Numbers are shared by all series, so that those of one engine can be judged together.
-            segment = (self._subjects[key].engine, *reading.segment)
-            segments[night] = self._segments.setdefault(segment, len(self._segments))
-        return Series(
-            subject=self._subjects[key],
-            values=self._of(key, lambda reading: reading.value),
-            over=np.ones(count),
+    values, segments, canaries = spread("value", np.nan), spread("segment", -1), spread("canary", np.nan)
+    words = [spread(column, "") for column in ("trial", "hash")]
+    every = [
+        Series(
+            subject=Subject(**subject),
+            values=values[k],
+            over=np.ones(len(nights)),
             beside="",
-            segments=segments,
-            trials=self._words(key, lambda reading: reading.trial),
-            hashes=self._words(key, lambda reading: reading.hash),
+            segments=segments[k],
+            trials=tuple(words[0][k]),
+            hashes=tuple(words[1][k]),
         )
-
-    def _of(self, key: str, value: Callable[[Reading], float]) -> Floats:
-        row = np.full(len(self.nights), np.nan)
-        for night, reading in self._by[key].items():
-            row[night] = value(reading)
-        return row
-
-    def _words(self, key: str, word: Callable[[Reading], str]) -> tuple[str, ...]:
-        return tuple(word(self._by[key][n]) if n in self._by[key] else "" for n in range(len(self.nights)))
+        for k, subject in enumerate(first[[*SUBJECT]].to_dict("records"))
+    ]
+    prices = [k for k, series in enumerate(every) if series.subject.kind == "price"]
+    over = yardsticks(
+        [every[k].values for k in prices],
+        [every[k].segments for k in prices],
+        [every[k].subject.engine for k in prices],
+        [canaries[k] for k in prices],
+        np.array([reading.night.canary for reading in nights]),
+        np.unique([reading.night.machine for reading in nights], return_inverse=True)[1],
+    )
+    for k, (factor, beside) in zip(prices, over, strict=True):
+        every[k] = replace(every[k], over=factor, beside=beside)
+    return tuple(every)

@@ -2,16 +2,18 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import Named
-from plumbline.harness.history.kept_readings import KeptReadings
+from plumbline.harness.history.kept_readings import kept_readings
 from plumbline.harness.history.price_steps import CHANCE_OF_ALL, price_steps
 from plumbline.harness.history.regressions import Dated, date, named_by, same_slope
-from plumbline.harness.history.series import Readings
+from plumbline.harness.history.series import series_of
+from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
 MOST = 90
@@ -51,20 +53,17 @@ def over_nights(
     late = list(before[-MOST:])
     if len(late) + 1 < FEWEST:
         return OverNights()
-    kept, begun = KeptReadings(history), time.monotonic()
-    numbers = [kept.numbers(tonight, store)]
+    begun, readings = time.monotonic(), [kept_readings(history, tonight, store)]
     for night in reversed(late):
         if time.monotonic() - begun > left * SHARE:
             break
-        numbers.append(kept.numbers(night, night.store()))
-    late = late[len(late) + 1 - len(numbers) :]
-    if len(numbers) < FEWEST:
+        with suppress(DamagedFile):  # what reads all nights names it
+            readings.insert(0, kept_readings(history, night, night.store()))
+    late = [night for night in late if night.stamp in {reading.night.stamp for reading in readings}]
+    if len(readings) < FEWEST:
         return OverNights()
-    readings = Readings(kinds=frozenset({"price"}))
-    for read in reversed(numbers):
-        readings.add(read)
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
-    steps = tuple(price_steps(readings.series(), CHANCE_OF_ALL / len(readings.nights)))
+    steps = tuple(price_steps(series_of(readings, {"price"}), CHANCE_OF_ALL / len(readings)))
     plans = [night.plan for night in late]
     told = [*named_by(plans), *(Named.of(row, tonight.stamp) for row in own)]
     changes, slope = [(step.night, step.change) for step in steps], same_slope(steps)
@@ -72,7 +71,7 @@ def over_nights(
     while True:
         # What is told of one is told of what goes on with it: a drift has several steps, and one name.
         names = [*told, *(Named.of(one.first, one.stamp) for one in fresh)]
-        dated = date(readings.nights, changes, known, names, slope)
+        dated = date([reading.night for reading in readings], changes, known, names, slope)
         untold = next((one for one in dated if one.first.regression and one.state == "open" and not one.told), None)
         if untold is None:
             break

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from plumbline.harness.run.interrupt import UnderWay
-from plumbline.harness.store.record import Record
+from plumbline.harness.store.record import Record, Timing
 from plumbline.harness.study.trial import Trial
 
 
@@ -41,6 +41,11 @@ class Guide:
 
     def clocked(self, trials: Sequence[Trial]) -> None:
         """Take note that these were clocked side by side, just now."""
+
+    def doubts(self, timings: Sequence[Timing]) -> bool:
+        """Are these, of what was clocked side by side just now, clocked once more?"""
+        del timings
+        return False
 
     def broken_off(self, under_way: Sequence[UnderWay]) -> None:
         """Take note that time was up, and what had no answer yet."""

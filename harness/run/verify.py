@@ -3,7 +3,7 @@
 import hashlib
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,8 +47,12 @@ class Problem:
         return f"{self.path}: {self.what}; {self.cure}"
 
 
-def problems(folder: Path) -> Iterator[Problem]:
-    """All that is wrong with a run folder, file by file; it is only read. Raises: StoreError, where it is no run folder."""
+def problems(folder: Path, sound: Container[tuple[int, int]] = ()) -> Iterator[Problem]:
+    """All that is wrong with a run folder, file by file; it is only read.
+
+    Args: sound: device and number of trajectories that are known to be what their names say, whatever folder they lie in.
+    Raises: StoreError, where it is no run folder.
+    """
     store = Store(folder)
     journal = store.folder / "journal.jsonl"
     if not journal.is_file():
@@ -63,7 +67,7 @@ def problems(folder: Path) -> Iterator[Problem]:
         yield Problem(journal, f"its last line is torn: {index.torn} bytes", "--resume drops them and runs that trial anew")
     yield from _plain_files(store.folder, index)
     yield from _rows(store, index)
-    yield from _trajectories(store.folder, index)
+    yield from _trajectories(store.folder, index, sound)
     yield from _truths(store.folder)
     yield from _imports(store.folder)
     yield from _summaries(store, index)
@@ -167,7 +171,7 @@ def _equal(content: bytes, due: bytes) -> bool:
     return set(stored.columns) <= set(today.columns) and bool(stored[names].equals(today[names].astype(stored[names].dtypes)))
 
 
-def _trajectories(folder: Path, index: Index) -> Iterator[Problem]:
+def _trajectories(folder: Path, index: Index, sound: Container[tuple[int, int]]) -> Iterator[Problem]:
     directory = folder / "trajectories"
     named = {record.trajectory_hash for record in index.entries.values()} - {None}
     idle = {record.trajectory_hash for record in index.lost.values()}
@@ -178,6 +182,8 @@ def _trajectories(folder: Path, index: Index) -> Iterator[Problem]:
     for path in sorted(directory.glob("*")):
         if path.suffix != ".npz" or path.stem not in named | idle or not path.is_file():
             yield Problem(path, "belongs to no trial", _DELETE)
+            continue
+        if (path.stat().st_dev, path.stat().st_ino) in sound:
             continue
         try:
             require_seal(path, disk.read(path))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes
-from plumbline.harness.findings.changes.words import command, folded, headline, one_a_side, sentence, titled
+from plumbline.harness.findings.changes.words import command, folded, headline, judged_in_short, one_a_side, sentence, titled
 from plumbline.harness.store.disk import write_atomically
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import copy_style
@@ -14,6 +14,7 @@ from plumbline.reports.html.template import environment
 PAGE = "what-changed.html"
 _SECTIONS = (
     ("worse", "Worse", "Worse", ("worse",)),
+    ("unconfirmed", "Unconfirmed", "Unconfirmed", ("unconfirmed",)),
     ("better", "Better", "Better", ("better",)),
     ("alike", "Other bits, as good", "Alike", ("within tolerance",)),
     ("facts", "What else changed", "Also", ("neither",)),
@@ -21,12 +22,20 @@ _SECTIONS = (
 _NOTES = {
     "worse": "Verdicts, determinism, limits, errors and prices beyond what chance and the truths allow; each with the command "
     "that shows it again.",
+    "unconfirmed": "Prices that are higher beyond their own interval, by timings too unstable to judge by; each with the "
+    "command that measures it again.",
     "better": "Verdicts, determinism, limits, errors and prices that are better by more than chance and the truths allow.",
     "alike": "The answer is another to the last bit; its error moved by less than a hundredth of its bound, than the truth may "
     "be off, or than a last bit moves it.",
     "facts": "Versions, settings, sources, the machine, warnings, and which trials there are.",
 }
-_STYLE = {"worse": "failed", "better": "passed", "within tolerance": "interrupted", "neither": "unavailable"}
+_STYLE = {
+    "worse": "failed",
+    "better": "passed",
+    "within tolerance": "interrupted",
+    "neither": "unavailable",
+    "unconfirmed": "interrupted",
+}
 _MOST_SENTENCES, _MOST_ROWS, _OPEN = 200, 2000, 24
 """On a page that a phone can hold; changes.json beside it has all. So many sentences stand open, the next fold."""
 
@@ -42,6 +51,7 @@ def what_changed_page(changes: Changes, gated: Collection[str] = ()) -> str:
             changes=changes,
             gated=[changes.titles.get(name, name) for name in sorted(gated)],
             barred=len(changes.regressions(gated)),
+            judged=judged_in_short(changes.judged_of(gated)),
             open=_OPEN,
             sections=[section for section in sections if section["all"]],
             rows=[

@@ -13,11 +13,12 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
-from plumbline.harness.history.night_readings import NightOf, Subject
+from plumbline.harness.history.night_readings import NightOf
 from plumbline.harness.history.normalisation import yardsticks
-from plumbline.harness.history.price_steps import PriceStep, price_steps
+from plumbline.harness.history.price_steps import CHANCE_OF_ALL, PriceStep, price_steps
 from plumbline.harness.history.regressions import Trends, date, read_trends
-from plumbline.harness.history.series import Series
+from plumbline.harness.history.series import Series, Subject
+from plumbline.harness.history.slow_drift import FEWEST
 from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
@@ -32,10 +33,20 @@ CELLS = [(engine, case, track) for engine in "abcd" for case in "xyz" for track 
 """Four engines, three cases, two tracks: twenty-four series, six an engine, two a case on an engine."""
 
 
-def steps_of(seed: tuple[int, ...], changed: int = 1, factor: Floats | None = None) -> list[PriceStep]:
-    """What is told of a history of twenty-four series, of which the first `changed` are multiplied by `factor`."""
-    nights = history(seed, series=len(CELLS), changed=changed, factor=factor)
-    segments = np.zeros(NIGHTS, np.int64)
+def steps_of(
+    seed: tuple[int, ...],
+    changed: int = 1,
+    factor: Floats | None = None,
+    count: int = NIGHTS,
+    chance: float = CHANCE_OF_ALL,
+) -> list[PriceStep]:
+    """What is told of a history of twenty-four series, of which the first `changed` are multiplied by `factor`.
+
+    Args: count: of nights, the first so many. chance: of a history.
+    """
+    made = history(seed, series=len(CELLS), changed=changed, factor=factor)
+    nights = replace(made, prices=made.prices[:, :count], canary=made.canary[:count])
+    segments = np.zeros(count, np.int64)
     engines = [engine for engine, _, _ in CELLS]
     over = yardsticks(
         list(nights.prices), [segments] * len(CELLS), engines, [nights.canary] * len(CELLS), nights.canary, segments
@@ -44,10 +55,10 @@ def steps_of(seed: tuple[int, ...], changed: int = 1, factor: Floats | None = No
         Series(
             subject=Subject(kind="price", experiment="", case=case, where="", engine=engine, track=track, dt=0.01,
                             metric="CPU time of a step", unit="s"),
-            values=values, over=factor, beside=beside, segments=segments, trials=("t",) * NIGHTS, hashes=("",) * NIGHTS,
+            values=values, over=factor, beside=beside, segments=segments, trials=("t",) * count, hashes=("",) * count,
         )
         for (engine, case, track), values, (factor, beside) in zip(CELLS, nights.prices, over, strict=True)
-    ]))  # fmt: skip
+    ], chance))  # fmt: skip
 
 
 def step(size: float, night: int) -> Floats:
@@ -71,6 +82,18 @@ def placed(size: float, changed: int) -> int:
 @pytest.mark.timeout(1800)
 def test_sixty_whole_histories_without_a_change_tell_nothing() -> None:
     assert not [number for number in range(HISTORIES) if steps_of((11, number))]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+def test_of_a_thousand_unchanged_histories_fewer_than_one_in_a_hundred_says_a_word_in_one_of_its_nights() -> None:
+    """Each is looked at in one night, drawn from the first that looks to the sixtieth, by the chance that this night has."""
+    told = []
+    for number in range(1000):
+        count = FEWEST + number % (NIGHTS - FEWEST + 1)
+        told += [number] * bool(steps_of((17, number), count=count, chance=CHANCE_OF_ALL / count))
+    print(f"{len(told)} of 1000: {told}")
+    assert len(told) < 10
 
 
 @pytest.mark.slow
@@ -206,7 +229,7 @@ def test_a_night_that_is_over_is_read_once_and_again_where_its_files_are_others(
         assert (one.subject, one.trials, one.hashes) == (other.subject, other.trials, other.hashes)
         np.testing.assert_array_equal(one.free, other.free)
     write_json(history.nights()[1].folder / "machine.json", {"processor": "another"})
-    damaged = history.root / "readings" / f"{stamps[2]}.numbers.json"
+    damaged = history.root / "readings" / f"{stamps[2]}.json"
     damaged.write_bytes(damaged.read_bytes().replace(b"joint_pendulum", b"joint_pendulam"))
     assert [night.processor for night in read_trends(history).nights] == ["A", "another", "A"]
     assert read == [*stamps, *stamps[1:]]

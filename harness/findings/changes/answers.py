@@ -18,6 +18,11 @@ _RANK = {"passed": 0, "failed": 1, "diverged": 2, "crashed": 3, "oom": 3, "timeo
 """How far a status is from an answer that holds; an interrupted trial says nothing."""
 
 
+def as_good(status: str, before: str) -> bool:
+    """Is a status no farther from an answer that holds than another one?"""
+    return _RANK.get(status, 0) <= _RANK.get(before, len(_RANK))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Reading:
     """One metric of a pair. Terms: values in the metric's unit; low..high: of the ratio, by what the truths may be off, None
@@ -157,7 +162,8 @@ def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) 
     before, after = (_RANK.get(row.status) for row in (pair.a, pair.b))
     silent = before is None or after is None or pair.a.status == "unavailable"
     sense: Sense = "neither" if silent or before == after else "worse" if (after or 0) > (before or 0) else "better"
-    change = _change("verdict", sense, pair, judged[0] if judged else None, catalogue, str(pair.b.reason))
+    measured = judged[0] if judged and not pair.lost else None
+    change = _change("verdict", sense, pair, measured, catalogue, str(pair.b.reason))
     return replace(change, before=str(pair.a.status), after=str(pair.b.status))
 
 

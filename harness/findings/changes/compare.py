@@ -1,6 +1,7 @@
 """Two run folders side by side: what of the second differs from the first."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 from plumbline.harness.findings.changes.answers import answer_changes
 from plumbline.harness.findings.changes.circumstances import (
@@ -12,30 +13,41 @@ from plumbline.harness.findings.changes.circumstances import (
     warning_changes,
 )
 from plumbline.harness.findings.changes.limits import limit_changes
-from plumbline.harness.findings.changes.matching import matched
+from plumbline.harness.findings.changes.matching import LOST, Pair, matched, scene_of
 from plumbline.harness.findings.changes.own_verdicts import own_verdict_changes
-from plumbline.harness.findings.changes.prices import clocked, price_changes
+from plumbline.harness.findings.changes.prices import clocked, judged_prices, price_changes
 from plumbline.harness.findings.changes.repetitions import repetition_changes
-from plumbline.harness.findings.changes.values import Change, Changes, Side
+from plumbline.harness.findings.changes.values import Change, Changes, Judged, Side
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
 
 
-def compare(store_a: Store, store_b: Store) -> Changes:
-    """All that differs from `store_a` to `store_b`, heaviest first. Raises: StoreError."""
-    every = matched(store_a, store_b)
+def compare(store_a: Store, store_b: Store, about: Callable[[Any], bool] = lambda _row: True) -> Changes:
+    """All that differs from `store_a` to `store_b`, heaviest first.
+
+    Args: about: of which rows of the table `trials` it is; prices of the others are clocked beside them all the same.
+    Raises: StoreError.
+    """
+    all_pairs = matched(store_a, store_b)
+    every = [pair for pair in all_pairs if about(pair.either)]
     pairs = [pair for pair in every if pair.a is not None and pair.b is not None]
+    answered = [pair for pair in pairs if not pair.lost]
+    beside = [pair for pair in all_pairs if pair.a is not None and pair.b is not None]
+    cells = {_cell(pair.b) for pair in answered}
     unread: list[str] = []
-    rows = [
-        *answer_changes(store_a, store_b, pairs),
-        *price_changes(store_a, store_b, pairs),
+    of_groups = [
         *_where_kept(lambda: limit_changes(store_a, store_b), "limits", unread),
         *_where_kept(lambda: repetition_changes(store_a, store_b), "determinism", unread),
         *_where_kept(lambda: own_verdict_changes(store_a, store_b), "verdicts on scenes of one's own", unread),
-        *warning_changes(store_a, store_b, pairs),
-        *version_changes(store_a, store_b),
+    ]
+    rows = [
+        *answer_changes(store_a, store_b, pairs),
+        *price_changes(store_a, store_b, beside, about),
+        *(row for row in of_groups if _cell(row) in cells),
+        *warning_changes(store_a, store_b, answered),
+        *(row for row in version_changes(store_a, store_b) if row.engine in {pair.b.engine for pair in pairs}),
         *setting_changes(pairs),
         *source_changes(pairs),
         *machine_changes(store_a, store_b),
@@ -50,7 +62,27 @@ def compare(store_a: Store, store_b: Store) -> Changes:
         clocked=len(clocked(pairs)),
         unread=tuple(unread),
         titles={**store_a.titles, **store_b.titles},
+        judged=_judged(store_a, store_b, pairs),
+        regained=tuple(str(pair.b.trial) for pair in pairs if pair.a.status in LOST and pair.b.status not in LOST),
+        new=tuple(str(pair.b.trial) for pair in every if pair.a is None and getattr(pair.b, "round", 0) == 0),
     )
+
+
+def _cell(row: Any) -> tuple[str, str, str]:
+    """Case, engine and the track that a setting descends from."""
+    return scene_of(str(row.case)), str(row.engine), str(row.track).partition(",")[0]
+
+
+def _judged(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> dict[str, Judged]:
+    """By engine, how much of these pairs could be judged."""
+    judged = dict.fromkeys((str(pair.b.engine) for pair in pairs), Judged())
+    for pair in pairs:
+        if "unsupported" not in (pair.a.status, pair.b.status):
+            judged[pair.b.engine] += Judged(answers=int(pair.a.status not in LOST), all_answers=1)
+    stable = {id(pair) for pair in judged_prices(store_a, store_b, pairs)}
+    for pair in clocked(pairs):
+        judged[pair.b.engine] += Judged(prices=int(id(pair) in stable), all_prices=1)
+    return judged
 
 
 def _where_kept(read: Callable[[], Iterator[Change]], what: str, unread: list[str]) -> list[Change]:

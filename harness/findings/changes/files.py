@@ -22,12 +22,15 @@ def flat_rows(changes: Changes) -> list[dict[str, Any]]:
     ]
 
 
-def changes_files(changes: Changes, store: Store, gated: Collection[str] = ()) -> dict[str, bytes]:
-    """The content of each file by name. Args: store: of B, whose figures are exported; gated: those that may not be worse."""
+def changes_files(changes: Changes, store: Store, gated: Collection[str] = (), least: float = 0.0) -> dict[str, bytes]:
+    """The content of each file by name.
+
+    Args: store: of B, whose figures are exported. gated: those that may not be worse. least: see `gate_in_short`.
+    """
     made: dict[str, Callable[[], str]] = {
         "changes.json": lambda: json.dumps(flat_rows(changes), indent=1, default=str),
-        "summary.md": lambda: comment(changes, gated),
-        "junit.xml": lambda: junit(changes, store, gated),
+        "summary.md": lambda: comment(changes, gated, least),
+        "junit.xml": lambda: junit(changes, store, gated, least),
         "asv.json": lambda: json.dumps(asv(store), indent=1, allow_nan=False),
         "bencher.json": lambda: json.dumps(bencher(store), indent=1, allow_nan=False),
         "badge.svg": lambda: badge(changes, gated),

@@ -7,13 +7,16 @@ from collections.abc import Collection
 from xml.etree import ElementTree
 
 from plumbline.harness.findings.changes.values import Change, Changes
-from plumbline.harness.findings.changes.words import command, sentence
+from plumbline.harness.findings.changes.words import command, gate_in_short, judged_in_short, sentence
 from plumbline.harness.intake.safe_text import LONGEST_TEXT, readable, visible
 from plumbline.harness.store.store import Store
 
 
-def junit(changes: Changes, store: Store, gated: Collection[str] = ()) -> str:
-    """The document. A case that has no answer on an engine is skipped; without gated engines, all of them count."""
+def junit(changes: Changes, store: Store, gated: Collection[str] = (), least: float = 0.0) -> str:
+    """The document. A case that has no answer on an engine is skipped; without gated engines, all of them count.
+
+    Args: least: see `gate_in_short`; where too little could be judged, a test of its own fails.
+    """
     cells = {(str(case), str(engine)): trials for (case, engine), trials in store.trials.groupby(["case", "engine"], sort=True)}
     rows: dict[tuple[str, str], list[Change]] = {cell: [] for cell in cells}
     for row in changes.rows:
@@ -34,9 +37,17 @@ def junit(changes: Changes, store: Store, gated: Collection[str] = ()) -> str:
             ElementTree.SubElement(test, "skipped", message=_clean(f"{trials['status'].iloc[0]}: {trials['reason'].iloc[0]}"))
         if others := [row for row in changed if row not in worse]:
             ElementTree.SubElement(test, "system-out").text = _clean("\n".join(map(sentence, others)))
+    if gated and changes.judged_of(gated).share < least:
+        failures += 1
+        rows["gate", "judged"] = []
+        test = ElementTree.SubElement(suite, "testcase", classname="gate", name="judged", time="0")
+        message = _clean(gate_in_short(changes, gated, least))
+        ElementTree.SubElement(test, "failure", type="not judged", message=message)
     for name, count in (("tests", len(rows)), ("failures", failures), ("errors", 0), ("skipped", skipped)):
         suite.set(name, str(count))
     suite.set("time", "0")
+    judged = ElementTree.SubElement(suite, "system-out")
+    judged.text = _clean(judged_in_short(changes.judged_of(gated)) if not gated else gate_in_short(changes, gated, least))
     # Of all suites together the schema of Jenkins (junit-10.xsd) has no count of what was skipped.
     root = ElementTree.Element("testsuites", {name: value for name, value in suite.attrib.items() if name != "skipped"})
     root.append(suite)

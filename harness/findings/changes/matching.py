@@ -24,6 +24,9 @@ _SINCE = {"clocks": "work", "workers": 1}
 _APART = ("engine_version", "settings")
 """What tells trials apart that ask the same within one folder: two versions side by side, or settings that share a name."""
 
+LOST = ("crashed", "oom", "timeout", "unavailable", "interrupted")
+"""Statuses without an answer that could be compared."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pair:
@@ -36,6 +39,11 @@ class Pair:
     def either(self) -> Any:
         """The later row of those that there are."""
         return self.a if self.b is None else self.b
+
+    @property
+    def lost(self) -> bool:
+        """Is there no answer on one side at least?"""
+        return self.a.status in LOST or self.b.status in LOST
 
     @property
     def same_bits(self) -> bool:

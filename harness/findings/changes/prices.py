@@ -18,7 +18,7 @@ to stand out by more than the canary moved there, and by more than both stray to
 """
 
 import math
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.changes.matching import Pair, located
-from plumbline.harness.findings.changes.values import Beside, Change
+from plumbline.harness.findings.changes.values import Beside, Change, Sense
 from plumbline.harness.statistics.bootstrap import interval_of_drawn
 from plumbline.harness.statistics.student import percentile
 from plumbline.harness.store.store import Store
@@ -124,13 +124,28 @@ def clocked(pairs: Sequence[Pair]) -> list[Pair]:
     return [pair for pair in pairs if all(_positive(row.cpu_per_unit) for row in (pair.a, pair.b))]
 
 
-def price_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
-    """A row for each trial, and one for each engine, whose price changed beyond doubt."""
+def judged_prices(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> list[Pair]:
+    """Of the pairs those whose prices can be judged: of the same motion, and stable on both sides."""
+    before, after = _samples(store_a), _samples(store_b)
+    same = [pair for pair in clocked(pairs) if _same_motion(pair, before, after)]
+    return [pair for pair in same if not any(_unstable(row.unstable_timing) for row in (pair.a, pair.b))]
+
+
+def price_changes(
+    store_a: Store, store_b: Store, pairs: Sequence[Pair], about: Callable[[Any], bool] = lambda _row: True
+) -> Iterator[Change]:
+    """A row for each trial, and one for each engine, whose price changed beyond doubt; and for each trial that is dearer beyond
+    its own interval, by a timing too unstable to judge by.
+
+    Args: about: of which rows of the table `trials` of B it is; the others are clocked beside.
+    """
     before, after = _samples(store_a), _samples(store_b)
     same = [pair for pair in clocked(pairs) if _same_motion(pair, before, after)]
     prices = [_price(pair, before, after) for pair in same]
     for engine in dict.fromkeys(price.pair.b.engine for price in prices):
-        mine = [price for price in prices if price.pair.b.engine == engine]
+        mine = [price for price in prices if price.pair.b.engine == engine and about(price.pair.b)]
+        if not mine:
+            continue
         others = [price for price in prices if price.pair.b.engine != engine and price.steady]
         by, beside = _yardstick(mine, others), _side_by_side(others)
         yield from _of_all(engine, mine, by)
@@ -250,24 +265,29 @@ def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
 
 
 def _of_one(price: _Price, by: _Yardstick, beside: _Neighbours | None, catalogue: Mapping[str, Any]) -> Change | None:
+    """A change beyond doubt; where a timing is unstable, a dearer price beyond its own interval, as unconfirmed."""
     whole, told, swing = price.step - (price.canary if by.beside == "canary" else by.step), math.log1p(TOLD), 0.0
     if beside is not None:
         step, error, spread = price.step - beside.step, beside.error, beside.spread
     else:
         swing = price.canary - by.canary
         step, error, spread = whole if by.beside == "canary" else whole - swing, by.error, by.spread
-    if price.unstable or min(abs(step), abs(whole)) <= told or step * whole < 0.0:
+    if min(abs(step), abs(whole)) <= told or step * whole < 0.0:
         return None
     # Drawn for what may be told alone: of a thousand prices nearly all are where they were.
     half, sure = price.halves() if beside is not None else price.halves_over()
+    own = max(half, sure, abs(swing))
+    if price.unstable and step <= own:
+        return None
     half = max(half, Z_95 * math.hypot(spread, error), abs(swing))
-    if abs(step) <= max(CERTAIN * math.hypot(spread, error), half, sure):
+    if not price.unstable and abs(step) <= max(CERTAIN * math.hypot(spread, error), half, sure):
         return None
     step = min(step, whole, key=abs)
+    sense: Sense = "unconfirmed" if price.unstable else "worse" if step > 0 else "better"
     b = price.pair.b
     return Change(
         kind="price",
-        sense="worse" if step > 0 else "better",
+        sense=sense,
         **located(price.pair.a, b, catalogue),
         metric=f"CPU time of a {b.unit}" if isinstance(b.unit, str) else "CPU time",
         unit="s",

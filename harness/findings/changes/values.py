@@ -1,7 +1,7 @@
 """What differs between two run folders, as typed rows: sentences are made of them in `harness.findings.changes.words`."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 Kind = Literal[
@@ -24,8 +24,9 @@ version; the texts that an answer rests on; what an engine was set to; the machi
 ANSWERS: tuple[Kind, ...] = ("verdict", "error", "price", "limit", "determinism", "digest")
 """Kinds that say what an engine does: of these a regression can be."""
 
-Sense = Literal["worse", "better", "within tolerance", "neither"]
-"""Which way: worse and better beyond doubt; an answer of other bits that is as good; a fact that is neither good nor bad."""
+Sense = Literal["worse", "better", "within tolerance", "neither", "unconfirmed"]
+"""Which way: worse and better beyond doubt; an answer of other bits that is as good; a fact that is neither good nor bad; a
+price that is dearer beyond its own interval, by timings too unstable to judge by."""
 
 Beside = Literal["", "canary", "other engines"]
 """What a price was divided by, clocked in the same run: '' for no price; a fixed kernel; engines that did not change."""
@@ -90,11 +91,37 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """How much of what an engine was asked could be judged.
+
+    Terms: answers: with an answer before, so that another or a lost one is told; of all that were asked on both sides. prices:
+    of whole runs, stable on both sides; of all that were clocked on both.
+    """
+
+    answers: int = 0
+    all_answers: int = 0
+    prices: int = 0
+    all_prices: int = 0
+
+    def __add__(self, other: "Judged") -> "Judged":
+        return Judged(**{each.name: getattr(self, each.name) + getattr(other, each.name) for each in fields(Judged)})
+
+    @property
+    def share(self) -> float:
+        """The lower of the two shares, of those that were asked for; 0 where nothing was."""
+        shares = [
+            judged / whole for judged, whole in ((self.answers, self.all_answers), (self.prices, self.all_prices)) if whole
+        ]
+        return min(shares, default=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Changes:
     """All that differs, heaviest first.
 
     Terms: same: trials of the same bits on both sides; matched: trials on both sides; clocked: prices on both sides. unread:
-    what could not be compared, and why. titles: of cases and engines, by name.
+    what could not be compared, and why. titles: of cases and engines, by name. judged: by engine, how much could be.
+    regained, new: trials of B with an answer, whose like in A had lost it; that A was not asked, and no search went on to.
     """
 
     a: Side
@@ -105,6 +132,13 @@ class Changes:
     clocked: int
     unread: tuple[str, ...] = ()
     titles: Mapping[str, str] = field(default_factory=dict)
+    judged: Mapping[str, Judged] = field(default_factory=dict)
+    regained: tuple[str, ...] = ()
+    new: tuple[str, ...] = ()
+
+    def judged_of(self, engines: Collection[str] = ()) -> Judged:
+        """How much could be judged of these engines, or of all."""
+        return sum((each for engine, each in self.judged.items() if not engines or engine in engines), Judged())
 
     def regressions(self, engines: Iterable[str]) -> tuple[Change, ...]:
         """What of these engines is worse than before."""

@@ -10,6 +10,7 @@ _GRAVITY: tuple[tuple[Kind, Sense], ...] = (
     ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),
     ("price", "worse"),
     ("verdict", "better"), ("limit", "better"), ("error", "better"), ("price", "better"), ("determinism", "better"),
+    ("price", "unconfirmed"),
     ("version", "neither"), ("warning", "worse"), ("warning", "better"), ("warning", "neither"), ("verdict", "neither"),
     ("settings", "neither"), ("error", "neither"), ("sources", "neither"), ("machine", "neither"), ("trials", "neither"),
     ("limit", "within tolerance"), ("error", "within tolerance"), ("limit", "neither"), ("determinism", "neither"),

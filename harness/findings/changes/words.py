@@ -2,11 +2,12 @@
 
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.findings.changes.values import Change, Changes, Value
+from plumbline.harness.findings.changes.matching import LOST
+from plumbline.harness.findings.changes.values import Change, Changes, Judged, Value
 from plumbline.harness.findings.steps_taken import step_in_words
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.study.engine_versions import asked
@@ -31,6 +32,23 @@ def headline(changes: Changes) -> str:
     alike = sum(row.sense == "within tolerance" for row in changes.rows)
     summary = f"{_many(worse, 'thing')} worse, {better} better, {alike} changed within tolerance"
     return f"{summary}; of {_many(changes.matched, 'trial')} on both sides, {changes.same} are the same to the last bit"
+
+
+def judged_in_short(judged: Judged) -> str:
+    """How much could be judged: 'accuracy: all judged; prices: 17 of 48 judged'."""
+    parts = (("accuracy", judged.answers, judged.all_answers), ("prices", judged.prices, judged.all_prices))
+    return "; ".join(
+        f"{what}: {'none to judge' if not whole else 'all judged' if count == whole else f'{count} of {whole} judged'}"
+        for what, count, whole in parts
+    )
+
+
+def gate_in_short(changes: Changes, gated: Collection[str], least: float = 0.0) -> str:
+    """What a gate says of these engines. Args: least: share, below which too little could be judged."""
+    barred, judged = changes.regressions(gated), changes.judged_of(gated)
+    verdict = [_many(len(barred), "regression")] if barred else []
+    verdict += [f"not judged: less than {least:g} of it could be"] if judged.share < least else []
+    return f"{', '.join(verdict) or 'no regression'} ({judged_in_short(judged)})"
 
 
 def first_line(changes: Changes) -> str:
@@ -102,14 +120,16 @@ def sentence(row: Change) -> str:
             if row.ratio is not None and 1 / _TELLING < row.ratio < _TELLING and f"{row.ratio:.3g}" != "1"
             else ""
         )
-        return f"{subject}: {row.before}, now {row.after}: {row.detail}{by}."
+        now = f"lost: {row.after}" if row.after in LOST and row.before not in LOST else f"now {row.after}"
+        return f"{subject}: {row.before}, {now}: {row.detail}{by}."
     if row.kind == "error":
         way = {"worse": "errs more", "better": "errs less", "within tolerance": "other bits, within tolerance"}.get(
             row.sense, ""
         )
         return f"{subject}: {way or row.detail}: {_reading(row)}." if row.metric else f"{subject}: {way or row.detail}."
     if row.kind == "price":
-        way = "dearer" if row.sense == "worse" else "cheaper"
+        ways: dict[str, str] = {"worse": "dearer", "unconfirmed": "unconfirmed, its timing is unstable"}
+        way = ways.get(row.sense, "cheaper")
         whole = f"as a whole, over {_many(row.count, 'price')}, " if not row.case else ""
         bar = "" if row.low is None or row.high is None else f" ({row.low:.3g} to {row.high:.3g})"
         beside = "; ".join(filter(None, (_BESIDE.get(row.beside, "as clocked"), row.detail)))

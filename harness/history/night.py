@@ -1,10 +1,11 @@
 """One night: begun or gone on with, carried out within its budget, compared with what was seen before, and closed."""
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from plumbline.harness.adapter import Adapter
@@ -78,10 +79,12 @@ def night_to_do(history: History, asked: Asked) -> Night:
     last = nights[-1] if nights else None
     if last is not None and not last.whole and last.plan.get("asked") == asked.digest and _damage(last) is None:
         return last
-    stamp = stamp_of(datetime.now(UTC))
-    if nights and nights[-1].stamp >= stamp:
-        stamp = stamp_of(datetime.fromtimestamp(nights[-1].began.timestamp() + 1, UTC))
-    return history.night(stamp)
+    begins = datetime.now(UTC)
+    if nights and nights[-1].stamp >= stamp_of(begins):
+        begins = nights[-1].began + timedelta(seconds=1)
+    while os.path.lexists(history.night(stamp_of(begins)).folder):  # that of a night which cannot be read
+        begins += timedelta(seconds=1)
+    return history.night(stamp_of(begins))
 
 
 def _damage(night: Night) -> DamagedFile | None:

@@ -236,10 +236,13 @@ def read_lines(chain: Lines) -> Lines:
     """Take all lines of the journal at `chain.path` in, one after the other; nothing of one that is not there.
 
     Raises:
-        DamagedFile: for a corrupt line, one that is missing, doubled or moved, or another schema than this program's.
+        DamagedFile: for no regular file, a corrupt line, one that is missing, doubled or moved, or another schema than this
+        program's.
     """
     if not chain.path.exists():
         return chain
+    if not chain.path.is_file():  # of a pipe, nothing might ever come
+        raise DamagedFile(chain.path, "is no regular file", "take it away, or restore it")
     with disk.calls.reader(chain.path) as file:
         number, line = 1, file.readline()
         while line:

@@ -32,7 +32,7 @@ def commands(folder: Path, out: Path) -> Iterator[tuple[str, list[str]]]:
 
 
 def measured(arguments: list[str], told: Path) -> tuple[float, float, int]:
-    """CPU seconds, peak memory [MB] and exit code of a command, what it says in a file; nan seconds where it was stopped."""
+    """CPU seconds, peak memory [MB] and exit code of a command, -9 if `MOST` ended it; `told` gets what it says."""
     with told.open("wb") as file:
         process = subprocess.Popen([sys.executable, "-m", "plumbline", *arguments], stdout=file, stderr=file)
         timer = subprocess.Popen(["sleep", str(MOST)])

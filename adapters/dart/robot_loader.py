@@ -19,9 +19,7 @@ def load(path: Path, request: Request) -> Loaded:
     dart = dart_module()
     kind = path.suffix.lower()
     if kind not in (".urdf", ".xml", ".mjcf"):
-        raise Unsupported(
-            "the file", "DART's loaders read URDF and MJCF, and SDF and SKEL, of which there is no neutral import"
-        )
+        raise Unsupported("the file", "DART's loaders of URDF and MJCF alone are compared here; expected .urdf, .xml or .mjcf")
     heard: list[str] = []
     with overheard(heard):
         skeletons = _of_urdf(dart, path, request) if kind == ".urdf" else _of_mjcf(dart, path)

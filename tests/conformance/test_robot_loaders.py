@@ -117,7 +117,7 @@ def test_a_loader_that_refuses_or_is_not_there_says_why(tmp_path: Path) -> None:
     path.write_text(MJCF)
     pytest.importorskip("dartpy")
     (tmp_path / "arm.sdf").write_text("<sdf/>")
-    with pytest.raises(Unsupported, match="SDF and SKEL, of which there is no neutral import"):
+    with pytest.raises(Unsupported, match="of URDF and MJCF alone are compared here"):
         loaded_apart("dart", Request(), tmp_path / "arm.sdf")
     with pytest.raises(Unsupported, match="no loader of its own"):
         plugins.adapter("reference").load_robot(path, Request())

@@ -12,9 +12,9 @@ All together may cost what the `effort` says, counted in matrices and not by a c
 
 What is certified is the residual of the answer, whoever found it. A solve may miss its tolerance after all methods, which takes
 10 s or more: a converged truth waits for that, and is refused on it. A world has 50 ms a solve, unless told otherwise; misses
-are counted in `World.certificate`. Of 3000 solves of twenty piles of four boxes with masses from 1 to 1e4 kg between walls,
-none missed without a bound. Within 50 ms 42 of 720 did in six of these, by at most 7.4e-3, and 7 of 120 in another pile, by up
-to .10.
+are counted in `World.certificate`. Of 2988 solves of twenty piles of four boxes with masses from 1 to 1e4 kg between walls, 24
+need more than paths, and end within 9.2e-12; one misses. Within 50 ms 340 miss, the worst by .27. Of 1341 solves of further
+piles one ends at 3.7e-11.
 """
 
 from collections.abc import Iterator

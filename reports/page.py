@@ -3,13 +3,17 @@
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Iterable, Mapping
+from base64 import b64decode, b64encode
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.metadata import EntryPoint
+from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from plumbline.harness.intake.strangers import points, trouble
+from plumbline.harness.intake.apart import NoAnswer, apart
+from plumbline.harness.intake.strangers import facts, points, trouble
 from plumbline.harness.store.store import Store
 
 LAST = 1000
@@ -23,6 +27,8 @@ class Picture(Protocol):
         """Its file: the one of an earlier report of the folder where that shows the same, else drawn now."""
 
 
+PATIENCE = 60.0
+"""Seconds that a third party's page may take, as a trial of a study."""
 Rendered = str | bytes | Picture
 """What a file of a page holds."""
 
@@ -52,16 +58,17 @@ def pages() -> tuple[Page, ...]:
 
     Raises:
         ImportError, AttributeError: a page of ours that cannot be loaded is an error; a third party's says so in its place.
-        ValueError: two pages of one name.
+        ValueError: two pages of ours have one name; a third party's that takes a name says so in its place.
     """
     folder = str(Path(__file__).with_name("pages"))
     loaded: list[Page] = [
         importlib.import_module(f"plumbline.reports.pages.{module.name}").PAGE for module in pkgutil.iter_modules([folder])
     ]
-    loaded += [_outside(name) for name in points("plumbline.pages")]
     names = [page.name for page in loaded]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"pages: name {twice[0]!r} is taken twice, expected each name once")
+    for point in points("plumbline.pages").values():
+        loaded.append(_outside(point, {page.name for page in loaded}))
     return tuple(sorted(loaded, key=lambda page: (page.order, page.name)))
 
 
@@ -69,23 +76,61 @@ PLAIN = re.compile(r"[A-Za-z0-9_-]{1,40}")
 
 
 class NotLoaded(Exception):
-    """A third party's page cannot be loaded; the message says why."""
+    """A third party's page cannot be loaded or made; the message says why."""
 
 
-def _outside(name: str) -> Page:
-    """A third party's page, or one in its place that fails and says why."""
-    point = points("plumbline.pages")[name]
-    reason = trouble(point)
-    if not reason:
-        page = point.load()
-        if isinstance(page, Page) and PLAIN.fullmatch(page.name):
-            return page
-        reason = f"{point.value}: got {page!r:.100}, expected a Page with a plain name"
+def _outside(point: EntryPoint, taken: Collection[str]) -> Page:
+    """A third party's page, made in a process of its own, or one in its place that fails and says why."""
+    reason, known = trouble(point), facts(point)
+    if not reason and not PLAIN.fullmatch(known.name):
+        reason = f"{point.value}: got {known.name!r:.100}, expected a Page with a plain name"
+    if not reason and known.name in taken:
+        reason = f"{point.value}: the name '{known.name}' is taken by another page; choose another"
+    if reason:
 
-    def fail(_: Store) -> Mapping[str, Rendered]:
-        raise NotLoaded(reason)
+        def fail(_: Store) -> Mapping[str, Rendered]:
+            raise NotLoaded(reason)
 
-    return Page(name=re.sub(r"[^A-Za-z0-9_-]", "-", name)[:40], title=name, order=LAST, render=fail)
+        plain = re.sub(r"[^A-Za-z0-9_-]", "-", point.name)[:40]
+        free = next(name for name in (plain, *(f"{plain}-{number}" for number in count(2))) if name not in taken)
+        return Page(name=free, title=point.name, order=LAST, render=fail)
+
+    @lru_cache(maxsize=1)
+    def made(folder: Path) -> dict[str, tuple[bool, str]] | NotLoaded | None:
+        try:
+            form = dict[str, tuple[bool, str]]
+            return apart(form, PATIENCE, stranger_files, point.name, point.value, point.group, folder) or None
+        except NoAnswer as error:
+            return NotLoaded(str(error))
+
+    def concerns(store: Store) -> bool:
+        return made(store.folder) is not None
+
+    def render(store: Store) -> Mapping[str, Rendered]:
+        files = made(store.folder)
+        if isinstance(files, NotLoaded):
+            raise files
+        return {path: b64decode(text) if binary else text for path, (binary, text) in (files or {}).items()}
+
+    return Page(name=known.name, title=known.title, order=known.order, listed=known.listed, render=render, concerns=concerns)
+
+
+def stranger_files(name: str, value: str, group: str, folder: Path) -> dict[str, tuple[bool, str]]:
+    """The files of a third party's page by name, in the process that is given up to it; none where it has nothing to say.
+
+    Returns: text, and with True the base 64 of bytes; pictures are drawn. Raises: TypeError, of what is no page.
+    """
+    page, store = EntryPoint(name, value, group).load(), Store(folder)
+    if not isinstance(page, Page):
+        raise TypeError(f"got {page!r:.100}, expected a Page with a plain name")
+    if not page.concerns(store):
+        return {}
+    made = page.render(store)
+    files: dict[str, tuple[bool, str]] = {}
+    for path, file in made.items() if isinstance(made, Mapping) else made:
+        content = file if isinstance(file, str | bytes) else file.kept(folder / "report")
+        files[path] = (False, content) if isinstance(content, str) else (True, b64encode(content).decode())
+    return files
 
 
 def asked(page: Page, store: Store) -> bool:

@@ -1,8 +1,5 @@
 """The engine as a vendor: its version, and the folder that its compiled code is kept in."""
 
-import os
-from pathlib import Path
-
 from plumbline.harness.adapter import Unavailable
 
 __all__ = ["check_cache", "engine_version"]
@@ -18,11 +15,10 @@ def engine_version() -> str:
 
 
 def check_cache() -> None:
-    """Raises: Unavailable, where the folder for compiled code that the environment names can be none."""
-    named = os.environ.get("PLUMBLINE_KERNEL_CACHE", "")
-    there = next((path for path in (Path(named), *Path(named).absolute().parents) if os.access(path, os.F_OK)), Path("/"))
-    if named and not (there.is_dir() and os.access(there, os.W_OK)):
-        why = "cannot be written" if there.is_dir() else "is no folder"
-        raise Unavailable(
-            f"PLUMBLINE_KERNEL_CACHE: {named[:200]!r}: {there} {why}; unset it, or name a folder that can be made"
-        )
+    """Raises: Unavailable, where compiled code has no folder that this user alone may write to."""
+    from plumbline.engine.compile.kernel_cache import NoFolder, usable_root
+
+    try:
+        usable_root()
+    except NoFolder as error:
+        raise Unavailable(str(error)) from None

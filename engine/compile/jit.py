@@ -14,14 +14,13 @@ import gc
 import hashlib
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import platformdirs
-
+from plumbline.engine.compile.kernel_cache import make_directory, root
 from plumbline.engine.compile.sources import closure_digest
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -64,15 +63,14 @@ def prepare() -> None:
 def cache_directory(path: Path) -> Path:
     """The directory for the compiled functions of a source file, for exactly its sources, this Numba and the way of compiling.
 
-    Returns: `$PLUMBLINE_KERNEL_CACHE` or the user's cache directory, with the hash appended.
+    Returns: a directory in `kernel_cache.root`, named by the hash; it may not be there.
     """
     import numba
 
     name = str(path).removeprefix(str(Path(__file__).parents[1]))
     way = "linked" if linker() else "apart"
     digest = hashlib.sha256(" ".join((name, closure_digest(path), way, numba.__version__)).encode())
-    root = os.environ.get("PLUMBLINE_KERNEL_CACHE") or platformdirs.user_cache_dir("plumbline")
-    return Path(root) / f"kernels-{digest.hexdigest()[:16]}"
+    return root() / f"kernels-{digest.hexdigest()[:16]}"
 
 
 def kernel(function: Function) -> Function:
@@ -158,22 +156,26 @@ def _linked(function: Function, kind: str) -> Function:
 def _kept(function: Function, **options: Any) -> Function:
     """The entry with its way from and to the disk."""
     directory = cache_directory(Path(function.__code__.co_filename))
-    _config().CACHE_DIR, link = str(directory), linker()
+    link = linker()
     if link is None:
+        _config().CACHE_DIR = str(directory)
+        with suppress(OSError):
+            make_directory(directory)
         return _compiled(function, cache=True, **options)
-    kept = _compiled(function, cache=True, **link.entry_options(), **options)
+    kept = _compiled(function, **link.entry_options(), **options)
     guarded = link.compiled_under(kept, partial(_one_at_a_time, directory))
     return cast(Function, link.loaded_lightly(guarded, directory))
 
 
 @contextmanager
 def _one_at_a_time(directory: Path, name: str) -> Iterator[None]:
-    """A function's compiler behind a lock of its own, which processes share."""
-    directory.mkdir(parents=True, exist_ok=True)
-    with (directory / f"{name}.lock").open("w") as stream:
-        fcntl.flock(stream, fcntl.LOCK_EX)
-        with _nothing_collected():
-            yield
+    """A function's compiler behind a lock of its own, which processes share, unless the directory is read-only."""
+    with ExitStack() as held:
+        with suppress(OSError):
+            make_directory(directory)
+            fcntl.flock(held.enter_context((directory / f"{name}.lock").open("w")), fcntl.LOCK_EX)
+        held.enter_context(_nothing_collected())
+        yield
 
 
 @contextmanager

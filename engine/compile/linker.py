@@ -21,7 +21,7 @@ import llvmlite.binding
 import numba
 import numpy as np
 from numba.core import compiler_machinery, environment, ir, ir_utils, lowering, typed_passes, untyped_passes
-from numba.core.caching import IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.runtime.nrt import rtsys
@@ -36,6 +36,7 @@ Base: Any = CompilerBase
 Builder: Any = DefaultPassBuilder
 Environment: Any = environment
 Files: Any = IndexDataCacheFile
+Results: Any = CompileResultCacheImpl
 Library: Any = JITCodeLibrary
 Lower: Any = lowering.Lower
 Statements: Any = ir
@@ -545,11 +546,11 @@ def loaded_lightly(function: Function, directory: Path) -> Function:
     Args: directory: for exactly this source, so that neither where the source lies nor when it was written matters. Numba asks
     for both, and a fresh checkout of the same sources would compile everything anew.
     """
-    cache = getattr(function, "_cache", None)
-    if cache is None:
+    if not hasattr(function, "_cache"):
         return function
 
-    cache._impl.locator._cache_path = str(directory)
+    cache = kept_in(directory)(cast(Any, function).py_func)
+    cast(Any, function)._cache = cache
     cache._cache_file = checked_files()(str(directory), cache._impl.filename_base, ())
 
     def load(signature: Any, context: Any) -> Any:
@@ -561,6 +562,32 @@ def loaded_lightly(function: Function, directory: Path) -> Function:
     return function
 
 
+def kept_in(directory: Path) -> Any:
+    """Numba's cache of a function in this directory, which it need not be able to write to."""
+
+    class Locator(UserProvidedCacheLocator):
+        def __init__(self, py_func: Any, py_file: str) -> None:
+            self._py_file, self._lineno = py_file, py_func.__code__.co_firstlineno
+
+        @classmethod
+        def from_function(cls, py_func: Any, py_file: str) -> Any:
+            return cls(py_func, py_file)
+
+        def get_cache_path(self) -> str:
+            return str(directory)
+
+        def ensure_cache_path(self) -> None:
+            """`write_checked` makes it."""
+
+    class Impl(Results):
+        _locator_classes = [Locator]  # noqa: RUF012  # as Numba has it
+
+    class Kept(FunctionCache):
+        _impl_class = Impl
+
+    return Kept
+
+
 @cache
 def checked_files() -> type:
     """Numba's index and data files, each with a digest: what was damaged is compiled anew, never run."""
@@ -569,7 +596,7 @@ def checked_files() -> type:
         def _load_index(self) -> dict[Any, str]:
             try:
                 content = read_checked(Path(self._index_path))
-            except FileNotFoundError:
+            except OSError:
                 return {}
             if content is None:
                 return {}

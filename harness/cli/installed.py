@@ -86,7 +86,7 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) ->
     from dataclasses import asdict
 
     from plumbline.harness.cli.chosen_engines import chosen_engines
-    from plumbline.harness.conformance import gate, run_conformance
+    from plumbline.harness.conformance import gate
     from plumbline.harness.conformance.apart import outcomes_in
     from plumbline.harness.study import plugins
     from plumbline.harness.study.environments import environment_of
@@ -102,7 +102,7 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) ->
         version, reason = plugins.version_of(adapter)
         if reason is not None:
             stop(GATE, f"{engine}: unavailable: {reason}")
-        title, outcomes = f"{adapter.title} {version}", run_conformance(adapter, tracks=chosen)
+        title, outcomes = f"{adapter.title} {version}", outcomes_in(None, name, chosen)
     if as_json:
         print_json([asdict(outcome) for outcome in outcomes])
     else:

@@ -1,11 +1,12 @@
 """The commands on scene files of one's own: what is in one, what would be refused, our own words for it, a template."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.guard import GATE, say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import json_rows, limited
 from plumbline.harness.cli.robot_options import imported_from, robot_options
@@ -30,32 +31,21 @@ def scene() -> None:
 def check(file: Path, as_json: bool, **options: Any) -> None:
     """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
     from plumbline.harness.study import plugins
+    from plumbline.harness.study.expressed import expressed_apart
 
     imported = imported_from(file, options)
     rows = [
         {"engine": name, "verdict": verdict, "reason": reason}
-        for name, (verdict, reason) in (
-            (name, _expressed(plugins.adapter(name), imported.scene)) for name in plugins.names("adapters")
-        )
+        for name in plugins.names("adapters")
+        for verdict, reason in (expressed_apart(name, imported.scene),)
     ]
     if as_json:
         print_json(rows)
-        return
-    say(f"{imported.source}: a scene of {len(imported.scene.bodies)} bodies and {len(imported.scene.joints)} joints")
-    print_table("Engines", ("engine", "verdict", "reason"), [tuple(row.values()) for row in rows])
-
-
-def _expressed(adapter: Any, scene: "Scene") -> tuple[str, str]:
-    """Can an engine build a scene? With the reason where it cannot."""
-    from plumbline.harness.adapter import Unavailable, Unsupported
-
-    try:
-        adapter.build(scene, adapter.tracks["tuned"]).close()
-    except Unavailable as error:
-        return "unavailable", str(error)
-    except Unsupported as error:
-        return "cannot", str(error)
-    return "can", ""
+    else:
+        say(f"{imported.source}: a scene of {len(imported.scene.bodies)} bodies and {len(imported.scene.joints)} joints")
+        print_table("Engines", ("engine", "verdict", "reason"), [tuple(row.values()) for row in rows])
+    if any(row["verdict"] == "failed" for row in rows):
+        sys.exit(GATE)
 
 
 @scene.command()

@@ -1,64 +1,97 @@
-"""The whole kit put to a version of an engine, in a process on the interpreter of that version's environment.
+"""The whole kit put to an engine in processes of their own, on this interpreter or that of a version's environment.
 
-`python -m harness.conformance.apart ENGINE OUT TRACK...` writes one line of JSON for each outcome, as soon as it is known, so
-that a check that takes the process down is known by its place.
+`python -m harness.conformance.apart ENGINE CHECKS OUT` writes one line of JSON for each outcome, as soon as it is known. A
+check that takes its process down, or that does not end, has failed; those after it are put to a new process.
 """
 
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from tempfile import TemporaryDirectory
+
+from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.conformance.catalogue import CHECKS
 from plumbline.harness.conformance.outcomes import Outcome, run_check
-from plumbline.harness.run.child import named_signal
+from plumbline.harness.intake.apart import START
+from plumbline.harness.intake.bounded import Bounded
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import Environment, project_folders
 
-LONGEST = 3600.0
-"""Seconds that the kit may take: some minutes on engines that are fast."""
+LONGEST = 60.0
+"""Seconds of CPU time that one check may take, as a trial of a study; most take less than one."""
+MOST_LOST = 3
+"""Checks in a row without an outcome, after which the others are not asked."""
+_LINE: TypeAdapter[Outcome] = TypeAdapter(Outcome)
+_Asked = tuple[str, str]
+"""Track and name of a check."""
 
 
-def outcomes_in(environment: Environment, name: str, tracks: Sequence[str]) -> tuple[Outcome, ...]:
-    """All checks on these tracks; one that ends the process, or the time, fails, and those after it are not asked.
+def outcomes_in(environment: Environment | None, name: str, tracks: Sequence[str]) -> tuple[Outcome, ...]:
+    """All checks on these tracks, in order.
 
-    Args: name: of the version, like 'mujoco 3.3.0'. Raises: OSError.
+    Args: environment: None for this interpreter. name: of the engine, or of a version like 'mujoco 3.3.0'. Raises: OSError.
     """
-    with TemporaryDirectory(prefix="plumbline-check-") as scratch:
-        out = Path(scratch) / "outcomes.jsonl"
-        command = [environment.executable, "-P", "-m", "plumbline.harness.conformance.apart", name, str(out), *tracks]
-        surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join(project_folders())}
+    left: list[_Asked] = [(track, check.name) for track in tracks for check in CHECKS]
+    outcomes: list[Outcome] = []
+    lost = 0
+    while left and lost < MOST_LOST:
+        answered, how = _asked(environment, name, left)
+        outcomes += answered
+        left = left[len(answered) :]
+        lost = 0 if answered else lost
+        if left:
+            lost += 1
+            outcomes.append(_failed(name, left.pop(0), f"the process of the check {how}"))
+    why = f"not asked: {lost} checks in a row had no outcome"
+    return (*outcomes, *(_failed(name, asked, why) for asked in left))
+
+
+def _failed(name: str, asked: _Asked, message: str) -> Outcome:
+    track, check = asked
+    question = next(known.question for known in CHECKS if known.name == check)
+    return Outcome(engine=name, track=track, check=check, question=question, status="failed", message=message)
+
+
+def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked]) -> tuple[list[Outcome], str]:
+    """The outcomes of the first of these checks, and how the process ended under the next one."""
+    interpreter = sys.executable if environment is None else environment.executable
+    folders = [str(Path(folder).absolute()) for folder in sys.path] if environment is None else project_folders()
+    command = [interpreter, "-P", "-m", "plumbline.harness.conformance.apart", name, json.dumps(checks)]
+    allowed = LONGEST + START + plugins.adapter(name).compile_allowance
+    with Bounded(command, answers=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(folders)}) as program:
+        known = 0
+
+        def further() -> bool:
+            return program.answer.is_file() and program.answer.stat().st_size > known
+
+        while program.running and program.wait(allowed, further) and program.running:
+            known = program.answer.stat().st_size
+        ended = program.ended()
+    outcomes: list[Outcome] = []
+    for line, (track, check) in zip(ended.answer.split(b"\n"), checks, strict=False):
         try:
-            done = subprocess.run(
-                command, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=LONGEST, check=False
-            )
-            code = done.returncode
-            how = "" if code == 0 else f"died: {named_signal(-code)}" if code < 0 else f"ended with code {code}"
-        except subprocess.TimeoutExpired:
-            how = f"did not end within {LONGEST:g} s"
-        lines = out.read_text(encoding="utf-8").splitlines() if out.is_file() else []
-    outcomes = tuple(Outcome(**json.loads(line)) for line in lines)
-    asked = [(track, check) for track in tracks for check in CHECKS]
-    if not how and len(outcomes) == len(asked):
-        return outcomes
-    track, check = asked[min(len(outcomes), len(asked) - 1)]
-    message = f"the process of the checks {how or 'ended early'}; those after this one were not asked"
-    died = Outcome(engine=name, track=track, check=check.name, question=check.question, status="failed", message=message)
-    return (*outcomes, died)
+            outcome = _LINE.validate_json(line)
+        except ValidationError:
+            break
+        if (outcome.engine, outcome.track, outcome.check) != (name, track, check):
+            break
+        outcomes.append(outcome)
+    last = f": {ended.last_words}" if ended.code and ended.last_words else ""
+    return outcomes, f"{ended.how}{last}"[:400]
 
 
-def _write(name: str, out: Path, tracks: Sequence[str]) -> None:
+def _write(name: str, checks: Sequence[_Asked], out: Path) -> None:
     adapter = plugins.adapter(name)
+    kit = {check.name: check for check in CHECKS}
     with out.open("w", encoding="utf-8") as stream:
-        for track in tracks:
-            for check in CHECKS:
-                stream.write(json.dumps(asdict(run_check(adapter, track, check))) + "\n")
-                stream.flush()
+        for track, check in checks:
+            stream.write(json.dumps(asdict(run_check(adapter, track, kit[check]))) + "\n")
+            stream.flush()
+    os._exit(0)
 
 
 if __name__ == "__main__":
-    _write(sys.argv[1], Path(sys.argv[2]), sys.argv[3:])
+    _write(sys.argv[1], json.loads(sys.argv[2]), Path(sys.argv[3]))

@@ -4,38 +4,34 @@ A plug-in that loads is not tried again until a file of its package changes; one
 """
 
 import hashlib
-import os
-import signal
-import subprocess
+import json
 import sys
 from contextlib import suppress
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint, EntryPoints, entry_points
 from pathlib import Path
+from typing import Any
 
-PATIENCE = 20.0
-"""Seconds that a plug-in may take to load."""
-_LONGEST = 2000
-_FINE = b"loaded"
-_SCRIPT = """
-import os, sys
-from importlib.metadata import EntryPoint
-pipe, name, value, group = int(sys.argv[1]), *sys.argv[2:]
-try:
-    found = EntryPoint(name, value, group).load()
-    try:
-        found.version()
-    except Exception:
-        pass
-    said = b"loaded"
-except BaseException as error:
-    room = (getattr(error, "name", None) or "").partition(".")[0] if isinstance(error, ImportError) else ""
-    hint = f"; import plumbline.{room} instead" if room in ("adapters", "cases", "engine", "harness", "reports") else ""
-    said = f"{type(error).__name__}: {error}{hint}".encode("utf-8", "backslashreplace")
-os.write(pipe, said[:2000])
-os._exit(0)
-"""
+from plumbline.harness.intake.apart import NoAnswer, apart
+from plumbline.harness.intake.user_cache import cache_folder, keep, read_kept
+
+PATIENCE = 10.0
+"""Seconds that a plug-in may take to load, beside those that its process takes to start."""
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a plug-in without calling it; as `reports.page.Page` has it."""
+
+    name: str = ""
+    title: str = ""
+    order: int = 0
+    listed: bool = True
+
+
+_FACTS = {"name": str, "title": str, "order": int, "listed": bool}
 
 
 def points(group: str) -> dict[str, EntryPoint]:
@@ -51,26 +47,51 @@ def _all(path: tuple[str, ...]) -> EntryPoints:  # noqa: ARG001  # what is found
 
 def trouble(point: EntryPoint) -> str:
     """Why a plug-in cannot be loaded; '' where it can."""
-    return _trouble(point.name, point.value, point.group)
+    return _tried(point.name, point.value, point.group)[0]
+
+
+def facts(point: EntryPoint) -> Facts:
+    """What a plug-in that can be loaded has of `Facts`."""
+    return _tried(point.name, point.value, point.group)[1]
 
 
 @cache
-def _trouble(name: str, value: str, group: str) -> str:
-    seen = _place(f"{sys.version} {group} {name} {value}", value)
-    if seen is not None and seen.exists():
-        return ""
-    failure = _tried(name, value, group)
-    if not failure and seen is not None:
-        with suppress(OSError):
-            seen.parent.mkdir(parents=True, exist_ok=True)
-            seen.touch()
-    return failure
+def _tried(name: str, value: str, group: str) -> tuple[str, Facts]:
+    """Why it cannot be loaded, and what it has."""
+    seen = _place(f"facts {sys.version} {group} {name} {value}", value)
+    if seen is not None and (kept := read_kept(seen)) is not None:
+        return "", Facts(**json.loads(kept))
+    try:
+        found = apart(Facts, PATIENCE, loaded, name, value, group)
+    except NoAnswer as error:
+        return f"{value}: {error}", Facts()
+    if seen is not None:
+        keep(seen, json.dumps(asdict(found)).encode())
+    return "", found
+
+
+def loaded(name: str, value: str, group: str) -> dict[str, object]:
+    """Load a plug-in, and ask what every listing asks of its kind: the version of an engine, the scene of a case.
+
+    Returns: the fields of `Facts` that it has.
+    Raises: whatever it raises; ImportError, with the name of today where it is one of before.
+    """
+    try:
+        plugin: Any = EntryPoint(name, value, group).load()
+    except ImportError as error:
+        room = (error.name or "").partition(".")[0]
+        hint = f"; import plumbline.{room} instead" if room in ("adapters", "cases", "engine", "harness", "reports") else ""
+        raise type(error)(f"{error}{hint}") from None
+    if group == "plumbline.adapters":
+        with suppress(Exception):  # which `version_of` tells
+            plugin.version()
+    if group == "plumbline.cases" and hasattr(plugin, "scene"):
+        plugin.scene(plugin.parameters)
+    return {name: getattr(plugin, name) for name, kind in _FACTS.items() if isinstance(getattr(plugin, name, None), kind)}
 
 
 def _place(what: str, value: str) -> Path | None:
     """The file that says that a plug-in has loaded, by all that it depends on; None where its files are not found."""
-    import platformdirs  # late: only third parties' plug-ins need it
-
     spec = PathFinder.find_spec(value.partition(":")[0].partition(".")[0])
     if spec is None:
         return None
@@ -82,33 +103,4 @@ def _place(what: str, value: str) -> Path | None:
             digest.update(f"{file}\0".encode() + file.read_bytes())
     except OSError:
         return None
-    return Path(platformdirs.user_cache_dir("plumbline")) / "plugins" / digest.hexdigest()
-
-
-def _tried(name: str, value: str, group: str) -> str:
-    """Load it in a new process: '' if that goes well, else what became of it."""
-    ours, theirs = os.pipe()
-    command = [sys.executable, "-c", _SCRIPT, str(theirs), name, value, group]
-    none = subprocess.DEVNULL
-    # It is to find what this process finds, wherever that has been told to look.
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    child = subprocess.Popen(
-        command, pass_fds=[theirs], start_new_session=True, stdin=none, stdout=none, stderr=none, env=environment
-    )
-    os.close(theirs)
-    try:
-        code = child.wait(PATIENCE)
-        ended = f"ends the process that loads it (exit code {code})"
-    except subprocess.TimeoutExpired:
-        ended = f"does not load within {PATIENCE:g} s"
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(child.pid, signal.SIGKILL)
-    child.wait()
-    os.set_blocking(ours, False)
-    answer = b""
-    with suppress(BlockingIOError):
-        answer = os.read(ours, _LONGEST)
-    os.close(ours)
-    if answer == _FINE:
-        return ""
-    return f"{value}: {answer.decode('utf-8', 'replace') or ended}"
+    return cache_folder("plugins") / digest.hexdigest()

@@ -74,14 +74,6 @@ def end(process: BaseProcess) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def named_signal(number: int) -> str:
-    """A signal's name; those of real time have none of their own."""
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
-
-
 def confine(log: Path) -> None:
     """Send the output of this process to `log`, and limit what it may write.
 

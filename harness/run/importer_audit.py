@@ -3,22 +3,20 @@
 Each loader runs in a process of its own with a deadline: vendors' parsers crash and hang.
 """
 
-import json
-import subprocess
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from typing import Any
 
-from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter import Unavailable, Unsupported
+from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.import_wishes import Root, Wishes
 from plumbline.harness.intake.safe_text import one_line
 from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.kinds import kind_of
-from plumbline.harness.scene.parity.loaded import Loaded, Request, restored
+from plumbline.harness.scene.parity.loaded import Loaded, Request, restored, stored
 from plumbline.harness.scene.parity.stated import audited
 from plumbline.harness.study import plugins
 
@@ -90,19 +88,21 @@ def _documented(rows: list[Difference], defaults: Mapping[str, str]) -> tuple[Di
 
 def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
     """What an engine's loader makes of a file. Raises: Unsupported, with why it does not."""
-    with TemporaryDirectory(prefix="plumbline-loader-") as scratch:
-        out = Path(scratch) / "loaded.json"
-        packages = [f"{package}={folder.resolve()}" for package, folder in request.packages.items()]
-        asked = [name, str(path.resolve()), str(out), request.way, request.root, *packages]
-        command = [sys.executable, "-m", "plumbline.harness.run.loader_child", *asked]
-        try:
-            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=DEADLINE, check=False)
-        except subprocess.TimeoutExpired:
-            raise Unsupported("the file", f"the loader did not end within {DEADLINE:g} s") from None
-        if done.returncode != 0 or not out.is_file():
-            message = one_line(done.stderr.decode("utf-8", "replace").strip()[-300:], 300)
-            raise Unsupported("the file", f"the loader died with code {done.returncode}: {message}")
-        answer = json.loads(out.read_text(encoding="utf-8"))
-    if "why" in answer:
-        raise Unsupported(answer["what"], one_line(answer["why"], 400))
-    return restored(answer)
+    packages = {package: folder.resolve() for package, folder in request.packages.items()}
+    try:
+        answer = apart(dict[str, Any], DEADLINE, loader_answer, name, path.resolve(), replace(request, packages=packages))
+        if "why" in answer:
+            raise Unsupported(str(answer["what"]), one_line(str(answer["why"]), 400))
+        return restored(answer)
+    except (NoAnswer, KeyError, TypeError, ValueError) as error:
+        raise Unsupported("the file", f"the loader {one_line(str(error), 300)}") from None
+
+
+def loader_answer(name: str, path: Path, request: Request) -> dict[str, Any]:
+    """What a loader made of a file, in plain values, or by 'what' and 'why' that it made nothing; in its own process."""
+    try:
+        return stored(plugins.adapter(name).load_robot(path, request))
+    except Unsupported as error:
+        return {"what": error.what, "why": error.why}
+    except Unavailable as error:
+        return {"what": "the engine", "why": str(error)}

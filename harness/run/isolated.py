@@ -11,9 +11,10 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from plumbline.harness.case.alteration import ALONE
+from plumbline.harness.intake.bounded import named_signal
+from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
-from plumbline.harness.run.child import answers, confine, end, end_started, exit_code, named_signal, roughly_clocked
-from plumbline.harness.run.deadline import Deadline
+from plumbline.harness.run.child import answers, confine, end, end_started, exit_code, roughly_clocked
 from plumbline.harness.run.fork_servers import Server, context, end_varied, start_apart, start_loaded
 from plumbline.harness.run.interrupt import naming, stop_if_asked
 from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.safe_text import one_line
-from plumbline.harness.run.child import named_signal
 from plumbline.harness.study import plugins, sources
 from plumbline.harness.study.engine_versions import EngineVersion
 from plumbline.harness.study.environments import (

@@ -2,11 +2,18 @@
 
 An answer that two folders hold has to be the same in both, hash and outcome: a trial's name covers all that decides it. A trial
 is clocked once, and what one machine clocked of a question is not mixed with what another one did.
+
+All is read and checked first; then the whole is written beside its place, and takes its name when nothing is missing. Links are
+not followed, and of several copies of a file a sound one is taken.
 """
 
 import hashlib
+import os
+import re
+import shutil
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -15,15 +22,18 @@ import tomli_w
 
 from plumbline.harness.run.resume import another_study, merged
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import FolderTaken, Writer
+from plumbline.harness.store.journal import FolderTaken, StoreError, Writer
 from plumbline.harness.store.journal_index import Entry, Index, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
 from plumbline.harness.store.record import Record, Timing
-from plumbline.harness.store.seal import sealed_json, sealed_toml
-from plumbline.harness.store.store import Store, read_plain, write_json
+from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
+from plumbline.harness.store.store import Store, ends_early, read_plain, write_json
 from plumbline.harness.store.stored_tables import write_tables
 
-_CARRIED = ("trajectories", "truths", "scenes", "logs")
+_CARRIED = re.compile(
+    r"(trajectories/[0-9a-f]{16}\.npz|truths/[0-9a-f]{16}\.(npz|json)|scenes/[0-9a-f]{12}/[\w.-]+\.(toml|json)|logs/[\w-]+\.log)"
+)
+"""What a folder has beside its journal."""
 _TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("trial", "note"))
 
 
@@ -51,23 +61,84 @@ def _read(folders: Sequence[Path]) -> Iterator[Index]:
 def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]:
     """The folder of all of these, which have no conflict, and what there is to say of it.
 
-    Raises: FolderTaken, where `out` holds a run already, or one folder is of another study. StoreError, OSError.
+    Raises: FolderTaken, where `out` holds something already, or one folder is of another study. StoreError, where a folder
+    cannot be read, or holds a link or a damaged file that no other one has whole; OSError. Nothing is written then.
     """
-    if (out / "journal.jsonl").exists():
-        raise FolderTaken(f"{out}: holds a run already; choose another --out")
+    if out.exists() and any(out.iterdir()):
+        raise FolderTaken(
+            f"{out}: holds {'a run' if (out / 'journal.jsonl').exists() else 'files'} already; choose another --out"
+        )
     sides = list(_read(folders))
+    notes = [note for index in sides for note in (*index.notes, *_cut(index))]
+    _same_study(sides)
+    files = _files(sides)
+    draft = out.absolute().with_name(f".{out.name}.{os.getpid()}")
+    disk.make_folder(draft)
+    try:
+        notes += _written(sides, files, draft)
+        with suppress(FileNotFoundError):
+            out.rmdir()
+        disk.put_in_place(draft, out.absolute())
+    except BaseException:
+        shutil.rmtree(draft, ignore_errors=True)
+        raise
+    return Store(out), notes
+
+
+def _cut(index: Index) -> list[str]:
+    early = ends_early(index, read_plain(index.path.parent / "machine.json"))
+    return [f"{index.path}: {early}"] if early else []
+
+
+def _same_study(sides: Sequence[Index]) -> None:
+    """Raises: StoreError, where none has begun; FolderTaken, where one is of another study."""
+    before = Index(sides[0].path)
+    for index in sides:
+        for session in index.sessions:
+            if other := another_study(before, session["study"]):
+                raise FolderTaken(f"{index.path.parent}: is of another study than those before it, which hold {other}")
+            before.sessions.append(session)
+    if not before.sessions:
+        raise StoreError(f"{sides[0].path.parent}: no run has begun in it, nor in the others; there is nothing to merge")
+
+
+def _files(sides: Sequence[Index]) -> dict[str, Path]:
+    """By its name in a folder, a sound copy of each file that is carried. Raises: StoreError, OSError."""
+    sound: dict[str, Path] = {}
+    damaged: dict[str, str] = {}
+    for index in sides:
+        folder = index.path.parent
+        for place, rooms, names in os.walk(folder):
+            for path in (Path(place, name) for name in (*rooms, *names)):
+                name = path.relative_to(folder).as_posix()
+                if path.is_symlink() and name.startswith(("trajectories", "truths", "scenes", "logs")):
+                    raise StoreError(f"{path}: is a link, expected a file of this folder; put what it names in its place")
+                if not _CARRIED.fullmatch(name) or not path.is_file() or name in sound:
+                    continue
+                try:
+                    if path.suffix != ".log":
+                        require_seal(path, disk.read(path))
+                    sound[name] = path
+                except Damaged as error:
+                    damaged[name] = f"{path}: {error}; run that part again with --resume, which makes it anew"
+    if lost := [why for name, why in damaged.items() if name not in sound]:
+        raise StoreError(f"{len(lost)} damaged files that no other folder holds whole, first: {lost[0]}")
+    return sound
+
+
+def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> list[str]:
+    """Write all of these into a folder that is there. Returns: what was left out, in sentences. Raises: StoreError, OSError."""
     entries = (entry for index in reversed(sides) for entry in index.entries.values())
     machines = {entry.question: entry.machine for entry in entries if entry.machine is not None}
-    disk.make_folder(out)
-    journal = Writer(Index(out / "journal.jsonl"), waits=False)
+    for name, path in files.items():
+        disk.make_folder((out / name).parent)
+        disk.write_atomically(out / name, disk.read(path))
     notes: Counter[str] = Counter()
+    journal = Writer(Index(out / "journal.jsonl"), waits=False)
     try:
         for index in sides:
             for session in index.sessions:
-                if other := another_study(journal.written, session["study"]):
-                    raise FolderTaken(f"{index.path.parent}: is of another study than those before it, which hold {other}")
                 journal.begin(session)
-            _carry(index.path.parent, out)
             for record in index.records():
                 if not journal.written.holds(record.trial):
                     journal.append(_unclocked(record))
@@ -78,14 +149,16 @@ def merge_folders(folders: Sequence[Path], out: Path) -> tuple[Store, list[str]]
                 elif journal.written.clocked_on(record.trial) is None:
                     timed = {name: getattr(record, name) for name in _TIMED}
                     journal.append(Timing(trial=record.trial, note=record.timing_note, **timed))
-        _describe(sides, journal, out)
-        complete = all(read_plain(folder / "machine.json").get("complete", False) for folder in folders)
-        machine_of_last = read_plain(folders[-1] / "machine.json")
+        due = _describe(sides, journal, out)
     finally:
         journal.close()
+    parts = [read_plain(index.path.parent / "machine.json") for index in sides]
+    missing = sum(not journal.written.holds(trial) for trial in due)
+    complete = not missing and all(part.get("complete", False) for part in parts)
     ended = {"complete": complete, "journal": journal.written.reached, "tables": write_tables(out, journal.written.records())}
-    write_json(out / "machine.json", machine_of_last | ended)
-    return Store(out), [sentence.format(count) for sentence, count in notes.items()]
+    write_json(out / "machine.json", parts[-1] | ended)
+    told = [sentence.format(count) for sentence, count in notes.items()]
+    return [*told, *([f"{missing} of {len(due)} trials have no record in any folder"] if missing else [])]
 
 
 def _unclocked(record: Record) -> Record:
@@ -98,18 +171,8 @@ def _unclocked(record: Record) -> Record:
     return replace(record, warnings=warnings, timing_note="", **{name: getattr(blank, name) for name in _TIMED})
 
 
-def _carry(folder: Path, out: Path) -> None:
-    """Copy the files that a folder has beside its journal, where they are not there yet. Raises: OSError."""
-    for path in (path for name in _CARRIED for path in sorted((folder / name).rglob("*")) if path.is_file()):
-        place = out / path.relative_to(folder)
-        if not place.exists():
-            for missing in (parent for parent in reversed(place.parents) if not parent.exists()):
-                disk.make_folder(missing)
-            disk.write_atomically(place, disk.read(path))
-
-
-def _describe(sides: Sequence[Index], journal: Writer[Index], out: Path) -> None:
-    """Study and catalogue of all, and a session that says what the whole is made of. Raises: StoreError, OSError."""
+def _describe(sides: Sequence[Index], journal: Writer[Index], out: Path) -> list[str]:
+    """Study and catalogue of all, and a session that says what the whole is made of. Returns: its trials. Raises: OSError."""
     catalogue: dict[str, dict[str, Any]] = {"cases": {}, "engines": {}}
     for index in sides:
         kept = read_plain(index.path.parent / "catalogue.json")
@@ -117,16 +180,18 @@ def _describe(sides: Sequence[Index], journal: Writer[Index], out: Path) -> None
     content = sealed_json("catalogue.json", catalogue)
     disk.write_atomically(out / "catalogue.json", content)
     sessions = [session for index in sides for session in index.sessions]
+    trials = sorted({trial for session in sessions for trial in session["trials"]})
     whole = {
         **sessions[-1],
         "machine": circumstances(read_plain(sides[-1].path.parent / "machine.json")),
         "catalogue": hashlib.sha256(content).hexdigest(),
-        "trials": sorted({trial for session in sessions for trial in session["trials"]}),
+        "trials": trials,
         "engines": _joined(sessions, "engines"),
         "files": _joined(sessions, "files"),
     }
     journal.begin(whole)
     disk.write_atomically(out / "study.toml", sealed_toml("study.toml", tomli_w.dumps(merged([s["study"] for s in sessions]))))
+    return trials
 
 
 def _joined(sessions: Sequence[Mapping[str, Any]], name: str) -> dict[str, Any]:

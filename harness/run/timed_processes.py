@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import confine, end, end_started, exit_code
-from plumbline.harness.run.deadline import Deadline
 from plumbline.harness.run.fork_servers import Server, context, start_apart
 from plumbline.harness.run.interrupt import hour, naming, stop_if_asked
 from plumbline.harness.run.memory_watch import MemoryWatch

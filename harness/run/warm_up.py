@@ -13,8 +13,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from plumbline.harness.adapter.kernels import KernelGroup, Kernels
+from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.safe_text import LONGEST
-from plumbline.harness.run.child import confine, end, exit_code, named_signal
+from plumbline.harness.run.child import confine, end, exit_code
 from plumbline.harness.run.fork_servers import WORTH_A_SERVER, context, start_loaded
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.run.message import BrokenMessage, Inbox, send

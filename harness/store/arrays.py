@@ -32,10 +32,14 @@ def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
         raise StoreError(f"{path}: not written: {error.strerror or error}; mend that, and --resume runs its trial") from error
 
 
-def read_arrays(path: Path, only: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
-    """The arrays of these names, or all. Raises: Damaged, where the file is not what was written; OSError."""
+def read_arrays(path: Path, only: Sequence[str] = (), *, sealed: bool = True) -> dict[str, NDArray[Any]]:
+    """The arrays of these names, or all. Args: sealed: must it have a seal? Those of other programs have none.
+
+    Raises: Damaged, where the file is not what was written; OSError.
+    """
     content = disk.read(path)
-    sealed = check_seal(path, content)
+    if not check_seal(path, content) and sealed:
+        raise Damaged("it has no checksum")
     try:
         if sealed and (arrays := _stored(content, only)) is not None:
             return arrays

@@ -8,6 +8,7 @@ import hashlib
 import os
 from collections.abc import Callable
 from contextlib import suppress
+from errno import EINVAL
 from pathlib import Path
 from typing import BinaryIO, TypeVar
 
@@ -121,7 +122,9 @@ def remove(path: Path) -> None:
 
 
 def read(path: Path) -> bytes:
-    """All of a file. Raises: OSError."""
+    """All of a file. Raises: OSError, also for what is none: of a pipe, nothing might ever come."""
+    if path.exists() and not path.is_file():
+        raise OSError(EINVAL, "is no regular file", str(path))
     return calls.filled(lambda: calls.read(path))
 
 

@@ -16,9 +16,46 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 from plumbline.harness.intake.mendable import LiesIn, Mendable
 from plumbline.harness.store import disk
+from plumbline.harness.store.checked import checked
+from plumbline.harness.store.forms import Asked
 from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
 
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A line behind its checksum."""
+
+    schema: int
+    number: int
+    before: str
+    kind: Kind
+    content: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _Names:
+    """The content of a line that takes trials out, or brings them back."""
+
+    trials: list[str]
+    because: str = ""
+
+
+@dataclass(frozen=True)
+class _Session:
+    """What a session begins under."""
+
+    study: Asked
+    machine: dict[str, Any]
+    catalogue: str
+    trials: list[str]
+    engines: dict[str, str] = field(default_factory=dict)
+    files: dict[str, str] = field(default_factory=dict)
+
+
+_FORMS = {"session": _Session, "withdrawn": _Names, "restored": _Names}
+"""By kind, of what lines hold; records and timings check themselves."""
 
 
 class StoreError(Mendable):
@@ -99,7 +136,7 @@ class Chain:
                 if not self.holds(trial):
                     raise ValueError(f"withdraws trial {trial}, which has no record")
                 self.withdraw(trial)
-                self.withdrawn[trial] = content["because"]
+                self.withdrawn[trial] = content.get("because", "")
         elif kind == "restored":
             for trial in trials:
                 if trial not in self.withdrawn:
@@ -208,16 +245,16 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
     return checksum, b"%b %b\n" % (checksum.encode(), text)
 
 
-def _amiss(written: Chain, entry: Mapping[str, Any]) -> str:
+def _amiss(written: Chain, entry: _Line) -> str:
     """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
-    number = entry["number"]
+    number = entry.number
     if number > due:
         missing = f"line {due} is" if number == due + 1 else f"lines {due} to {number - 1} are"
         return f"is numbered {number}: {missing} missing before it"
     if number < due:
         return f"is numbered {number}: it stands twice, or was moved"
-    return "" if entry["before"] == before else "does not follow the line before it, which is another than was written"
+    return "" if entry.before == before else "does not follow the line before it, which is another than was written"
 
 
 def check_schema(path: Path, schema: int, where: str = "") -> None:
@@ -269,13 +306,17 @@ def _take(chain: Chain, number: int, line: bytes, *, last: bool) -> bool:
         cure = "restore it, or delete that line and let --resume run its trial anew" if last else "restore it"
         what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
         raise DamagedFile(path, what, f"{cure}, or start a new folder")
-    entry = json.loads(text)
-    check_schema(path, entry["schema"], f"line {number} ")
     try:
+        plain = json.loads(text)
+        if isinstance(plain, dict) and isinstance(plain.get("schema"), int):
+            check_schema(path, plain["schema"], f"line {number} ")
+        entry = checked(_Line, plain, "line")
         if amiss := _amiss(chain, entry):
             raise ValueError(amiss)
-        chain.take(entry["kind"], entry["content"])
-    except ValueError as error:
+        if entry.kind in _FORMS:
+            checked(_FORMS[entry.kind], entry.content, entry.kind)
+        chain.take(entry.kind, entry.content)
+    except (ValueError, RecursionError) as error:
         raise DamagedFile(path, f"line {number} {error}", "restore the file or start a new folder") from error
     chain.follow(checksum.decode(), line)
     return True

@@ -9,7 +9,7 @@ from typing import Any
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Chain, read_lines
 from plumbline.harness.store.record import Record, Timing
-from plumbline.harness.store.stored_tables import Order, order_of
+from plumbline.harness.store.stored_tables import ORDER, Order, order_of
 
 
 @dataclass(slots=True)
@@ -52,22 +52,23 @@ class Index(Chain):
         return self.entries[trial].machine
 
     def answer(self, content: Mapping[str, Any]) -> None:
-        """A record in plain values."""
-        self.entries[content["trial"]] = Entry(
-            order=order_of(content),
+        """A record in plain values. Raises: ValueError."""
+        record = Record.from_plain(content)
+        self.entries[record.trial] = Entry(
+            order=order_of({name: getattr(record, name) for name in ORDER}),
             start=self.end,
-            status=content["status"],
-            trajectory_hash=content.get("trajectory_hash"),
-            trajectory_kept=content.get("trajectory_kept", True),
-            question=repr((content["experiment"], content["case"], sorted(content["parameters"].items(), key=str))),
-            machine=content.get("clocked_on", "") if content.get("samples") else None,
-            clocked=content.get("clocked", ""),
+            status=record.status,
+            trajectory_hash=record.trajectory_hash,
+            trajectory_kept=record.trajectory_kept,
+            question=repr((record.experiment, record.case, sorted(record.parameters.items(), key=str))),
+            machine=record.clocked_on if record.samples else None,
+            clocked=record.clocked,
         )
 
     def time(self, content: Mapping[str, Any]) -> None:
-        """A timing in plain values."""
-        entry = self.entries[content["trial"]]
-        entry.timing, entry.machine, entry.clocked = self.end, content.get("clocked_on", ""), content.get("clocked", "")
+        """A timing in plain values. Raises: ValueError."""
+        timing, entry = Timing.from_plain(content), self.entries[content["trial"]]
+        entry.timing, entry.machine, entry.clocked = self.end, timing.clocked_on, timing.clocked
 
     def withdraw(self, trial: str) -> None:
         """Take a record out."""

@@ -4,10 +4,12 @@ import dataclasses
 import hashlib
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
+from plumbline.harness.store.checked import checked
 from plumbline.harness.store.notices import StoredNotice
 
 SCHEMA_VERSION = 3
@@ -113,9 +115,8 @@ class Timing:
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Timing":
-        """Read back what `plain` wrote."""
-        fields = {name: value for name, value in plain.items() if name in cls.__dataclass_fields__}
-        return cls(**{**fields, "samples": tuple(Sample(**s) for s in plain.get("samples", ()))})
+        """Read back what `plain` wrote. Raises: ValueError, with the field that is none."""
+        return _read(cls, plain)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -225,13 +226,19 @@ class Record:
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
-        """Read back what `plain` wrote."""
-        fields = {name: value for name, value in plain.items() if name in cls.__dataclass_fields__}
-        fields["warnings"] = tuple(StoredNotice(**each) for each in fields.get("warnings", ()))
-        fields["measurements"] = tuple(
-            Measurement(**{**m, "value": float(m["value"]), "at_most": None if m["at_most"] is None else float(m["at_most"])})
-            for m in fields.get("measurements", ())
-        )
-        fields["samples"] = tuple(Sample(**s) for s in fields.get("samples", ()))
-        fields["idle"] = tuple((knob, value) for knob, value in fields.get("idle", ()))
-        return cls(**fields)
+        """Read back what `plain` wrote. Raises: ValueError, with the field that is none."""
+        return _read(cls, plain)
+
+
+Entry = TypeVar("Entry", Record, Timing)
+_NAME = re.compile(r"[0-9A-Za-z_-]{1,64}")
+"""Of a trial and of an answer: files are called by them."""
+
+
+def _read(of: type[Entry], plain: Mapping[str, Any]) -> Entry:
+    """What a journal tells, each field of its type; fields that are not known are passed over. Raises: ValueError."""
+    entry: Entry = checked(of, plain, of.__name__.lower())
+    names = (entry.trial, getattr(entry, "trajectory_hash", None))
+    if wrong := [name for name in names if name is not None and not _NAME.fullmatch(name)]:
+        raise ValueError(f"holds the name {wrong[0][:80]!r}, expected letters and digits")
+    return entry

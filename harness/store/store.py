@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.checked import checked
+from plumbline.harness.store.forms import FORMS
 from plumbline.harness.store.journal import Chain, DamagedFile, NoRun, NotKept, StoreError, Written, read_written
 from plumbline.harness.store.notices import StoredNotice, notice_of
 from plumbline.harness.store.rows import records
@@ -25,15 +27,22 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 
 def read_plain(path: Path) -> dict[str, Any]:
-    """What a JSON or TOML file of the store says, without its seal; nothing of one that is not there. Raises: DamagedFile."""
-    if not path.is_file():
-        return {}
-    content = disk.read(path)
+    """What a JSON or TOML file of the store says, without its seal; nothing of one that is not there.
+
+    Raises: DamagedFile, for what is no regular file, has another seal or none, or other content than its kind has. A folder of
+    tables alone, which another program may have written, needs no seals.
+    """
     try:
-        check_seal(path, content)
+        content = disk.read(path)
+    except FileNotFoundError:
+        return {}
+    try:
+        if not check_seal(path, content) and (path.name not in FORMS or (path.parent / "journal.jsonl").exists()):
+            raise Damaged("it has no checksum")
         text = content.decode()
         table: dict[str, Any] = tomllib.loads(text) if path.suffix == ".toml" else json.loads(text)
-    except (Damaged, ValueError) as error:
+        checked(FORMS.get(path.name, dict), table, path.stem)
+    except (Damaged, ValueError, RecursionError) as error:
         raise DamagedFile(path, str(error), "restore it, or --resume writes it anew") from error
     table.pop("checksum", None)
     return table
@@ -41,7 +50,7 @@ def read_plain(path: Path) -> dict[str, Any]:
 
 def ends_early(written: Chain, machine: Mapping[str, Any]) -> str:
     """How a journal ends before the line that it had when its folder's machine.json was written; '' where it does not."""
-    known = machine.get("journal", {"lines": 0, "checksum": ""})
+    known = machine.get("journal") or {"lines": 0, "checksum": ""}
     lines, checksum = known["lines"], known["checksum"]
     if lines == 0 or (lines <= len(written.checksums) and written.checksums[lines - 1] == checksum):
         return ""
@@ -88,7 +97,7 @@ class Store:
     def _up_to_date(self) -> bool:
         """Were the tables written of the journal that is there, and are they as they were written?"""
         try:
-            ended, tables = self.machine.get("journal", {}).get("content"), self.machine.get("tables", {})
+            ended, tables = (self.machine.get("journal") or {}).get("content"), self.machine.get("tables", {})
         except StoreError:  # told by whoever needs the machine
             return False
         files = {self.folder / "journal.jsonl": ended} | {self.folder / f"{name}.parquet": tables.get(name) for name in COLUMNS}
@@ -229,7 +238,7 @@ class Store:
         """
         path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
         try:
-            return read_arrays(path, only)
+            return read_arrays(path, only, sealed=(self.folder / "journal.jsonl").is_file())
         except FileNotFoundError as error:
             if trial := self._not_kept.get(trajectory_hash):
                 again = f"plumbline reproduce {self.folder} {trial} runs it again"

@@ -51,16 +51,16 @@ Order = tuple[str, str, str, float, int, str, str, str]
 
 def order_of(plain: Mapping[str, Any]) -> Order:
     """How rows of tables stand, of a record in plain values: by study, experiment, case, the coarsest time step first, ..."""
-    study, experiment, case, dt, seed, track, engine, trial = (plain[name] for name in _ORDER)
+    study, experiment, case, dt, seed, track, engine, trial = (plain[name] for name in ORDER)
     return study, experiment, case, -dt, seed, track, engine, trial
 
 
-_ORDER = ("study", "experiment", "case", "dt", "seed", "track", "engine", "trial")
+ORDER = ("study", "experiment", "case", "dt", "seed", "track", "engine", "trial")
 
 
 def in_order(records: Iterable[Record]) -> list[Record]:
     """As rows of tables stand."""
-    return sorted(records, key=lambda record: order_of({name: getattr(record, name) for name in _ORDER}))
+    return sorted(records, key=lambda record: order_of({name: getattr(record, name) for name in ORDER}))
 
 
 def _rows(records: Iterable[Record]) -> Rows:

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import platformdirs
 
+from plumbline.harness.intake.user_cache import is_ours, make_ours
 from plumbline.harness.store import disk
 from plumbline.harness.study.engine_versions import version_asked
 from plumbline.harness.study.sources import libraries
@@ -81,11 +82,15 @@ def keep(name: str, environment: Environment) -> None:
     folder = folder_of(name)
     folder.mkdir(parents=True, exist_ok=True)
     disk.write_atomically(folder / _FILE, json.dumps(dataclasses.asdict(environment), indent=1).encode())
+    for path in (folder, folder / _FILE):
+        make_ours(path)
 
 
 def environment_of(name: str) -> Environment | None:
-    """What was found in the environment of an engine of this name; None where none was tried, or what is written is torn."""
+    """What was found in the environment of an engine of this name; None where none was tried, or it is torn or another's."""
     path = folder_of(name) / _FILE
+    if not is_ours(path):  # its interpreter would be run
+        return None
     try:
         return _read(path, path.stat().st_mtime_ns)
     except (OSError, ValueError, TypeError):

@@ -10,15 +10,17 @@ import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from plumbline.harness.case import Case
 from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.mendable import Mendable
 from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.strangers import points, trouble
+from plumbline.harness.intake.strangers import PATIENCE, points, trouble
 from plumbline.harness.scene import Scene
 from plumbline.harness.study import environments
 from plumbline.harness.study.engine_versions import asked, engine_of, version_asked
@@ -173,6 +175,13 @@ def version_of(engine: Adapter) -> tuple[str, str | None]:
         environment = environments.environment_of(engine.name)
         reason = environment.reason if environment else f"has no environment here; plumbline run --engine {asked(engine.name)}"
         return ("none", reason) if environment is None or reason else (environment.version, None)
+    point = None if engine.name in _built_in("adapters") else points("plumbline.adapters").get(engine.name)
+    if point is None or isinstance(engine, _Lost):
+        return _told_version(engine)
+    return _version_apart(point.name, point.value, point.group)
+
+
+def _told_version(engine: Adapter) -> tuple[str, str | None]:
     try:
         version = engine.version()
         if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:
@@ -182,3 +191,17 @@ def version_of(engine: Adapter) -> tuple[str, str | None]:
         return "none", str(error)
     except Exception as error:
         return "none", f"{type(error).__name__}: {error}"
+
+
+@cache
+def _version_apart(name: str, value: str, group: str) -> tuple[str, str | None]:
+    """As `version_of`, of a third party's engine, asked once in a process of its own."""
+    try:
+        return apart(tuple[str, str | None], PATIENCE, stranger_version, name, value, group)
+    except NoAnswer as error:
+        return "none", str(error)
+
+
+def stranger_version(name: str, value: str, group: str) -> tuple[str, str | None]:
+    """The version of a third party's engine, in the process that is given up to it."""
+    return _told_version(EntryPoint(name, value, group).load())

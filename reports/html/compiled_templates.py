@@ -1,29 +1,25 @@
 """Compiled templates on disk: the first report that a machine makes of a version compiles them, the others read them.
 
 What of a constant goes through a filter is worked out when a template is compiled, so that a name stands for all that this may
-depend on. Each file begins with a digest of the rest: what was damaged is compiled anew, never run.
+depend on. What was damaged, or may be another user's, is compiled anew, never run.
 """
 
 import hashlib
 import inspect
 from collections.abc import Iterable
-from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from jinja2.bccache import Bucket, BytecodeCache, bc_magic
 
-from plumbline.harness.store.disk import write_atomically
+from plumbline.harness.intake.user_cache import cache_folder, keep, read_kept
 
 
 class CompiledTemplates(BytecodeCache):
     """Those of an environment. Args: filters: what its templates call; they rest on all modules of `html` and `words` too."""
 
     def __init__(self, filters: Iterable[Any]) -> None:
-        import platformdirs  # late: a listing needs no report
-
-        self._folder = Path(platformdirs.user_cache_dir("plumbline")) / "templates"
         texts = {Path(inspect.getfile(inspect.unwrap(call))) for call in filters}
         texts |= {path for room in ("html", "words") for path in (Path(__file__).parents[1] / room).glob("*.py")}
         digest = hashlib.sha256(bc_magic + version("jinja2").encode())
@@ -37,24 +33,14 @@ class CompiledTemplates(BytecodeCache):
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """Take the compiled template over, where it is kept whole."""
-        with suppress(OSError):
-            path = self._place(bucket)
-            content = path.read_bytes()
-            if content[:32] == _seal(path, content[32:]):
-                bucket.bytecode_from_string(content[32:])
+        if content := read_kept(self._place(bucket)):
+            bucket.bytecode_from_string(content)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Keep it; where nothing can be kept it is compiled each time."""
-        with suppress(OSError):
-            path, content = self._place(bucket), bucket.bytecode_to_string()
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_atomically(path, _seal(path, content) + content)
+        keep(self._place(bucket), bucket.bytecode_to_string())
 
     def _place(self, bucket: Bucket) -> Path:
         """Its file, by its name, its text and what else it rests on."""
         named = f"{bucket.key}\0{bucket.checksum}".encode()
-        return self._folder / hashlib.sha256(self._rests_on + named).hexdigest()
-
-
-def _seal(path: Path, content: bytes) -> bytes:
-    return hashlib.sha256(path.name.encode() + content).digest()
+        return cache_folder("templates") / hashlib.sha256(self._rests_on + named).hexdigest()

@@ -1,7 +1,7 @@
-"""Pictures drawn while the pages are made: those of a small report in a thread, those of a large one in processes of their own.
+"""Pictures drawn while the pages are made, in processes of their own: what draws charts may end the process that it is in.
 
-What draws charts holds the interpreter until it is done, so that a thread of this process only takes turns with the pages. A
-process is `python -m reports.html.drawing`: pictures come in over its connection, and their files go back.
+It holds the interpreter until it is done, too, so that a thread would only take turns with the pages. A process is
+`python -m reports.html.drawing`: pictures come in over its connection, and their files go back.
 """
 
 import os
@@ -9,31 +9,37 @@ import pickle
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
 from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Self
 
+from plumbline.harness.intake.bounded import named_signal
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.page import Picture
+
+PATIENCE = 120.0
+"""Seconds on the wall that a picture may take; the dearest take one."""
+_TRIES = 2
+"""Processes that a picture is asked of: the first may have died of what it drew before."""
+
+
+class NotDrawn(Exception):
+    """There is no picture; the message says why."""
 
 
 class Drawing:
     """Draws pictures beside whoever asks for them. A context: at its end all are drawn, unless it ends in an error."""
 
-    def __init__(self, report: Path, processes: int = 0) -> None:
+    def __init__(self, report: Path, processes: int = 1) -> None:
         """Args: report: an earlier report of the folder, whose pictures are taken where they show the same. processes: that
-        draw; 0 for a thread of this one, which is there at once."""
+        draw."""
         self._report = report
-        self._idle: SimpleQueue[_Process | None] = SimpleQueue()
-        self._all: list[_Process] = []
-        for _ in range(processes):
-            with suppress(OSError):  # one less
-                self._all.append(_Process())
-        for process in self._all or (None,):
+        self._idle: SimpleQueue[_Process] = SimpleQueue()
+        self._all = [_Process() for _ in range(processes)]
+        for process in self._all:
             self._idle.put(process)
-        self._threads = ThreadPoolExecutor(max(1, len(self._all)), "pictures")
+        self._threads = ThreadPoolExecutor(processes, "pictures")
 
     def __enter__(self) -> Self:
         return self
@@ -44,52 +50,75 @@ class Drawing:
             process.end()
 
     def ask(self, picture: Picture) -> Future[str | bytes]:
-        """Its file, once it is drawn; what drawing raises is raised there."""
+        """Its file, once it is drawn; NotDrawn is raised there where it is not."""
         return self._threads.submit(self._drawn, picture)
 
     def _drawn(self, picture: Picture) -> str | bytes:
-        """By a process, or here where that could not: what is wrong is raised here then."""
         process = self._idle.get()
         try:
-            drawn = process.drawn(picture, self._report) if process is not None else None
-        except (EOFError, OSError):  # it died, and is not asked again
-            process = drawn = None
+            for number in range(_TRIES):
+                try:
+                    return process.drawn(picture, self._report)
+                except (EOFError, OSError) as error:
+                    how = process.end()
+                    if number == _TRIES - 1:
+                        raise NotDrawn(f"what draws it {how}") from error
+            raise AssertionError
         finally:
             self._idle.put(process)
-        return picture.kept(self._report) if drawn is None else drawn
 
 
 class _Process:
-    """A process that draws, as seen from here."""
+    """A process that draws, as seen from here; it is started when it is first asked, and after it has died."""
 
     def __init__(self) -> None:
+        self._connection: Connection | None = None
+        self._start()
+
+    def _start(self) -> None:
         """Raises: OSError."""
-        self._connection, theirs = Pipe()
+        ours, theirs = Pipe()
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "plumbline.reports.html.drawing", str(theirs.fileno())],
                 env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,  # what it could not draw is drawn here, and told here
+                stderr=subprocess.DEVNULL,  # how it ended is told
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,  # an interrupt is for whoever asks
             )
+        self._connection = ours
 
-    def drawn(self, picture: Picture, report: Path) -> str | bytes | None:
-        """The file of a picture; None where it cannot be handed over, or drawn there. Raises: EOFError, OSError."""
+    def drawn(self, picture: Picture, report: Path) -> str | bytes:
+        """The file of a picture. Raises: EOFError, OSError, where the process dies of it; NotDrawn, with what is wrong."""
+        if self._connection is None:
+            self._start()
+        assert self._connection is not None
+        self._connection.send_bytes(pickle.dumps((picture, report)))
+        if not self._connection.poll(PATIENCE):
+            raise TimeoutError
+        kind, content = (answer := self._connection.recv_bytes())[:1], answer[1:]
+        if kind == _ERROR:
+            raise NotDrawn(content.decode())
+        return content.decode("utf-8", "surrogatepass") if kind == _TEXT else content
+
+    def end(self) -> str:
+        """End it. Returns: how it had ended, in words."""
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
         try:
-            content = pickle.dumps((picture, report))
-        except Exception:  # a stranger's picture may hold anything
-            return None
-        self._connection.send_bytes(content)
-        drawn: str | bytes | None = self._connection.recv()
-        return drawn
+            code = self._process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+            return f"did not end within {PATIENCE:g} s"
+        return f"was killed by {named_signal(-code)}" if code < 0 else f"ended with exit code {code}"
 
-    def end(self) -> None:
-        """Hang up: it ends by itself then."""
-        self._connection.close()
-        self._process.wait()
+
+_TEXT, _BYTES, _ERROR = b"t", b"b", b"e"
+"""How an answer begins."""
 
 
 def main(descriptor: int) -> None:
@@ -102,11 +131,13 @@ def main(descriptor: int) -> None:
             content = connection.recv_bytes()
         except EOFError:
             return
-        drawn: str | bytes | None = None
-        with suppress(Exception):  # whoever asked draws it then, and meets what is wrong
+        try:
             picture, report = pickle.loads(content)
-            drawn = picture.kept(report)
-        connection.send(drawn)
+            drawn: str | bytes = picture.kept(report)
+            answer = _BYTES + drawn if isinstance(drawn, bytes) else _TEXT + drawn.encode("utf-8", "surrogatepass")
+        except Exception as error:
+            answer = _ERROR + f"{type(error).__name__}: {error}".encode("utf-8", "backslashreplace")
+        connection.send_bytes(answer)
 
 
 if __name__ == "__main__":

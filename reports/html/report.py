@@ -7,11 +7,14 @@ from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal, NamedTuple
+
+from markupsafe import escape
 
 from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.store import Store
-from plumbline.reports.html.drawing import Drawing
+from plumbline.reports.html.drawing import Drawing, NotDrawn
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import STYLE
 from plumbline.reports.html.template import environment, fill
@@ -26,21 +29,35 @@ MAIN = '<main id="content">\n'
 """Behind which the first page names the pages that could not be made."""
 
 LARGE = 4_000_000
-"""Bytes of a journal, those of a thousand trials, beyond which processes of their own draw its pictures."""
+"""Bytes of a journal, those of a thousand trials, beyond which more than one process draws its pictures."""
 MOST = 4
 """Processes that draw: each brings a JavaScript engine."""
+MISSING = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="640" height="60" font-family="sans-serif" font-size="13">'
+    '<rect width="640" height="60" fill="#fff" stroke="#9aa3b0"/><text x="12" y="26">This chart could not be drawn:</text>'
+    '<text x="12" y="46">{}</text></svg>'
+)
+"""In the place of a chart, with the reason."""
+
+
+class NotMade(NamedTuple):
+    """What could not be made, and why, in a line."""
+
+    kind: Literal["page", "picture"]
+    title: str
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class WrittenReport:
-    """Terms: index: its first page. failed: for each page that could not be made its title and why, in a line."""
+    """Terms: index: its first page. failed: each page and picture that could not be made."""
 
     index: Path
-    failed: tuple[tuple[str, str], ...]
+    failed: tuple[NotMade, ...]
 
     def sentences(self) -> list[str]:
-        """A line for each page that could not be made."""
-        return [one_line(f"page '{title}' could not be made: {reason}", LONGEST) for title, reason in self.failed]
+        """A line for each page and picture that could not be made."""
+        return [one_line(f"{kind} '{title}' could not be made: {reason}", LONGEST) for kind, title, reason in self.failed]
 
 
 def rendered(store: Store) -> Mapping[str, str | bytes]:
@@ -48,14 +65,14 @@ def rendered(store: Store) -> Mapping[str, str | bytes]:
     return _rendered(store)[0]
 
 
-def _rendered(store: Store) -> tuple[Mapping[str, str | bytes], tuple[tuple[str, str], ...]]:
-    """The files of all pages by name, and the title of each page that failed with the reason; the first page names those.
+def _rendered(store: Store) -> tuple[Mapping[str, str | bytes], tuple[NotMade, ...]]:
+    """The files of all pages by name, and each page and picture that failed; the first page names those.
 
     Pictures are drawn beside the pages that follow. Those that no menu lists are the pages of cases: they have nearly all
     pictures, and come first.
     """
     texts: dict[str, str | bytes] = {}
-    failures: dict[str, tuple[str, str]] = {}
+    failures: dict[str, NotMade] = {}
     registered = sorted(pages(), key=lambda page: page.listed)
     taken: set[str] = set()
     with Drawing(store.folder / "report", _processes(store)) as beside:
@@ -65,11 +82,14 @@ def _rendered(store: Store) -> tuple[Mapping[str, str | bytes], tuple[tuple[str,
                 others = {*taken, *(f"{other.name}.html" for other in registered if other is not page)}
                 made.append((page, _made(page, store, others, beside, failures)))
                 taken.update(made[-1][1])
-        for page, files in made:
-            try:
-                texts |= {name: file.result() if isinstance(file, Future) else file for name, file in files.items()}
-            except Exception as error:
-                texts |= _instead(page, store, error, failures)
+        for _, files in made:
+            for name, file in files.items():
+                try:
+                    texts[name] = file.result() if isinstance(file, Future) else file
+                except NotDrawn as error:
+                    failures[name] = NotMade("picture", name, str(error))
+                    if name.endswith(".svg"):  # of another one the words beside it are left
+                        texts[name] = MISSING.format(escape(one_line(str(error), 90)))
     failed = tuple(failures.values())
     front = texts.get(FRONT)
     if failed and isinstance(front, str):
@@ -82,14 +102,14 @@ def _processes(store: Store) -> int:
     """How many draw the pictures of a store; its size is asked, since they start while it is read."""
     journal = store.folder / "journal.jsonl"
     large = journal.is_file() and journal.stat().st_size > LARGE
-    return min(MOST, os.cpu_count() or 1) if large else 0
+    return min(MOST, os.cpu_count() or 1) if large else 1
 
 
 _Waiting = str | bytes | Future[str | bytes]
 
 
 def _made(
-    page: Page, store: Store, others: Collection[str], beside: Drawing, failures: dict[str, tuple[str, str]]
+    page: Page, store: Store, others: Collection[str], beside: Drawing, failures: dict[str, NotMade]
 ) -> Mapping[str, _Waiting]:
     """The files of a page, pictures on their way."""
     made: dict[str, _Waiting] = {}
@@ -101,10 +121,10 @@ def _made(
     return made
 
 
-def _instead(page: Page, store: Store, error: Exception, failures: dict[str, tuple[str, str]]) -> Mapping[str, str]:
+def _instead(page: Page, store: Store, error: Exception, failures: dict[str, NotMade]) -> Mapping[str, str]:
     """In the place of a page that could not be made: why, which is noted in `failures` by the name of the page."""
     reason = str(error) if isinstance(error, NotLoaded) else f"{type(error).__name__}: {error}"
-    failures[page.name] = page.title, reason
+    failures[page.name] = NotMade("page", page.title, reason)
     return {f"{page.name}.html": fill("failed.html", store, title=page.title, reason=reason, here=page.name)}
 
 

@@ -63,14 +63,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory, call: Call) -> Path:
     engines = [word for name in ("reference", "leaves", "well") for word in ("--engine", name)]
     done = call("run", made / "plugins.toml", *engines, "--out", made / "out")
     assert done.returncode == 1, done.stderr
-    for title, reason in (("leaves_page", "dying_leaves:PAGE: ends the process"), ("Raising", "LookupError: nothing to draw")):
+    for title, reason in (
+        ("leaves_page", "dying_leaves:PAGE: ended with exit code 0"),
+        ("Raising", "LookupError: nothing to draw"),
+    ):
         assert f"page '{title}' could not be made: {reason}" in done.stderr
-    assert "case 'leaves_case' is left out: dying_leaves:CASE: ends the process that loads it (exit code 0)" in done.stderr
+    assert "case 'leaves_case' is left out: dying_leaves:CASE: ended with exit code 0 and no answer" in done.stderr
     return made / "out"
 
 
 REASONS = {
-    "leaves": "dying_leaves:ADAPTER: ends the process that loads it (exit code 0)",
+    "leaves": "dying_leaves:ADAPTER: ended with exit code 0 and no answer",
     "quits": "dying_quits:ADAPTER: SystemExit: 0",
     "raises": "dying_raises:ADAPTER: RuntimeError: no licence",
     "missing": "dying_nowhere:ADAPTER: ModuleNotFoundError: No module named 'dying_nowhere'",
@@ -88,7 +91,7 @@ REASONS = {
     "tracks_text": "tracks, expected Settings for 'default' and 'tuned'",
     "name_other": "dying_shape:NAME_OTHER: ADAPTER.name is 'another_name', expected 'name_other'",
     "no_adapter": "dying_shape:NO_ADAPTER: ADAPTER is int, expected Adapter",
-    "ends_at_version": "dying_version:ENDS: ends the process that loads it (exit code 0)",
+    "ends_at_version": "dying_version:ENDS: ended with exit code 0 and no answer",
 }
 
 
@@ -128,11 +131,13 @@ def test_a_run_has_the_cells_of_all_engines_that_were_asked_for(folder: Path) ->
 @pytest.mark.parametrize(
     ("name", "reason"),
     [
-        ("leaves_page", "dying_leaves:PAGE: ends the process that loads it"),
+        ("leaves_page", "dying_leaves:PAGE: ended with exit code 0 and no answer"),
         ("raising", "LookupError: nothing to draw"),
         ("doubting", "LookupError: is it there?"),
         ("outward", "expected a plain name"),
         ("no_page", "expected a Page with a plain name"),
+        ("index-2", "dying_page:INDEX: the name &#39;index&#39; is taken by another page; choose another"),
+        ("leaving", "ended with exit code 0 and no answer"),
     ],
 )
 def test_a_page_that_fails_says_so_in_its_place(folder: Path, name: str, reason: str, ledger: Page) -> None:
@@ -147,6 +152,47 @@ def test_the_other_pages_stand(folder: Path) -> None:
     assert "Plumbline" in (report / "index.html").read_text()
     assert (report / "case-flight_projectile.html").is_file()
     assert not (report.parent / "outward.html").exists()
+    assert (report / "charts" / "drawn.svg").read_text() == "drawn"
+    assert (report / "pictures" / "bytes.webp").read_bytes() == b"\xff\x00"
+
+
+BUILDS = {
+    "leaves_build": "build ended with exit code 0 and no answer",
+    "raises_build": "build LookupError: no licence",
+    "none_build": "build gave None, expected a Simulation",
+    "kills_build": "build was killed by SIGSEGV and no answer",
+}
+
+
+def test_an_engine_that_fails_at_building_is_a_row_of_scene_check_and_costs_no_other(call: Call, ledger: Page) -> None:
+    done = call("scene", "check", Path(__file__).parent / "sound_files" / "ball.toml", "--json")
+    assert done.returncode == 1, done.stderr
+    rows = json.loads(done.stdout)
+    assert [row["engine"] for row in rows] == list(dict.fromkeys(row["engine"] for row in rows))
+    told = {row["engine"]: (row["verdict"], row["reason"]) for row in rows}
+    assert told["reference"] == ("can", "")
+    assert told["well"] == ("cannot", "everything: it can do nothing")
+    for name, reason in BUILDS.items():
+        assert told[name] == ("failed", reason)
+        ledger.survived("plug-ins: build", name.replace("_", " "), "a row with its reason, others lost 0")
+
+
+@pytest.mark.slow
+def test_an_engine_that_ends_its_process_at_building_fails_the_checks_one_by_one(call: Call, ledger: Page) -> None:
+    done = call("check", "leaves_build", "--track", "tuned", "--json")
+    assert done.returncode == 1, done.stderr
+    rows = json.loads(done.stdout)
+    assert rows[0]["check"] == "imports_without_its_vendor" or len(rows) > 50
+    assert "the process of the check ended with exit code 0" in {row["message"] for row in rows}
+    ledger.survived("plug-ins: check", "leaves at build", "each check has its outcome, exit code 1")
+
+
+def test_a_case_whose_scene_ends_the_process_is_left_out_and_the_others_are_listed(call: Call, ledger: Page) -> None:
+    done = call("cases", "--json")
+    assert done.returncode == 0, done.stderr
+    assert "flight_projectile" in {row["name"] for row in json.loads(done.stdout)}
+    assert "case 'leaves_scene' is left out: dying_build:CASE: ended with exit code 0 and no answer" in done.stderr
+    ledger.survived("plug-ins: cases", "leaves at its scene", "left out with its reason, others lost 0")
 
 
 def test_a_plug_in_is_tried_once_until_its_file_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -159,7 +205,7 @@ def test_a_plug_in_is_tried_once_until_its_file_changes(tmp_path: Path, monkeypa
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
     def ask() -> None:
-        strangers._trouble.cache_clear()  # a process keeps what it was told
+        strangers._tried.cache_clear()  # a process keeps what it was told
         assert not plugins.left_out("cases")
 
     for _ in range(2):

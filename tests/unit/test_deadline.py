@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from plumbline.harness.run import deadline
-from plumbline.harness.run.deadline import Deadline
+from plumbline.harness.intake import deadline
+from plumbline.harness.intake.deadline import Deadline
 
 WORKS = "while True: pass"
 SLEEPS = "import time; time.sleep(60)"

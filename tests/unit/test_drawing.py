@@ -1,10 +1,11 @@
-"""Pictures that processes draw are those that would have been drawn here, whatever becomes of a process."""
+"""Pictures that processes draw are those that would have been drawn here; one that ends its process is missing, with why."""
 
 import os
 import signal
+import subprocess
 from collections.abc import Iterator
-from contextlib import nullcontext
 from dataclasses import dataclass
+from multiprocessing.connection import Pipe
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ import pytest
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.html import report as html
-from plumbline.reports.html.drawing import Drawing
+from plumbline.reports.html.drawing import Drawing, NotDrawn, _Process
 from plumbline.reports.page import pages
 from tests.run_folder import write_run_folder
 
@@ -70,39 +71,51 @@ def test_a_process_draws_what_is_drawn_here_and_takes_what_is_kept(report: Path,
     assert elsewhere != str(os.getpid())
 
 
-def test_without_processes_all_is_drawn_in_this_one(tmp_path: Path) -> None:
+def test_a_picture_that_ends_its_process_is_missing_with_its_reason_and_the_others_are_drawn(tmp_path: Path) -> None:
     with Drawing(tmp_path) as drawing:
-        assert drawing.ask(Where()).result() == str(os.getpid())
-
-
-def test_a_process_that_dies_is_not_asked_again_and_its_pictures_are_drawn_here(tmp_path: Path) -> None:
-    with Drawing(tmp_path, processes=1) as drawing:
         asked = [drawing.ask(picture) for picture in (Fatal(os.getpid()), Where(), chart("c", 1))]
-    assert [one.result() for one in asked] == ["drawn here", str(os.getpid()), chart("c", 1).svg]
+    with pytest.raises(NotDrawn, match=r"^what draws it was killed by SIGKILL$"):
+        asked[0].result()
+    assert asked[1].result() != str(os.getpid())
+    assert asked[2].result() == chart("c", 1).svg
 
 
-def test_what_cannot_be_handed_over_is_drawn_here_and_what_is_wrong_is_raised(beside: Drawing) -> None:
-    class Local:
-        def kept(self, _: Path) -> bytes:
-            return b"of a class that no other process knows"
-
-    assert beside.ask(Local()).result() == b"of a class that no other process knows"
-    with pytest.raises(ValueError, match="no such colour"):
+def test_what_is_wrong_with_a_picture_is_raised_here(beside: Drawing) -> None:
+    with pytest.raises(NotDrawn, match=r"^ValueError: no such colour$"):
         beside.ask(Faulty()).result()
     assert beside.ask(Where()).result() != str(os.getpid())
 
 
-@pytest.mark.parametrize("several", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_a_report_is_the_same_whoever_draws(
-    several: int, beside: Drawing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_report_whose_charts_cannot_be_drawn_stands_with_their_reason_in_their_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if several == 1:  # there is one
-        monkeypatch.setattr(html, "Drawing", lambda into, count: nullcontext(beside) if count else Drawing(into))
+    """As under `ulimit -v`, where what draws them takes its process down as it starts."""
+    folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
+    monkeypatch.setattr(html, "pages", lambda: [page for page in pages() if page.name in ("case", "index")])
+
+    def dying(self: _Process) -> None:
+        self._connection, theirs = Pipe()
+        with theirs:
+            self._process = subprocess.Popen(["/bin/sh", "-c", "kill -TRAP $$"])
+
+    monkeypatch.setattr(_Process, "_start", dying)
+    written = html.write_report(folder)
+    pictures = list((written.index.parent / "charts").iterdir())
+    assert pictures
+    assert all("This chart could not be drawn:" in path.read_text() for path in pictures)
+    assert all("what draws it was killed by SIGTRAP" in path.read_text() for path in pictures)
+    assert {kind for kind, _, _ in written.failed} == {"picture"}
+    assert "Pages and pictures that could not be made" in written.index.read_text()
+    assert all(sentence.startswith("picture 'charts/") or ".webp' could" in sentence for sentence in written.sentences())
+
+
+@pytest.mark.slow
+def test_a_report_is_the_same_however_many_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
     # Pages of cases have all charts but a few, and that is where they are asked for: the others need not be made twice.
     monkeypatch.setattr(html, "pages", lambda: [page for page in pages() if page.name == "case"])
     reports = []
-    for processes in (several, 0):
+    for processes in (2, 1):
         monkeypatch.setattr(html, "_processes", lambda _, count=processes: count)
         report = html.write_report(folder).index.parent
         reports.append({path.relative_to(report): path.read_bytes() for path in report.rglob("*.*")})
@@ -112,10 +125,10 @@ def test_a_report_is_the_same_whoever_draws(
     assert any(path.suffix == ".svg" for path in reports[0])
 
 
-def test_the_size_of_a_journal_says_whether_processes_draw(tmp_path: Path) -> None:
+def test_the_size_of_a_journal_says_how_many_processes_draw(tmp_path: Path) -> None:
     journal = tmp_path / "journal.jsonl"
     journal.write_bytes(b"")
     store = Store(tmp_path)
-    assert html._processes(store) == 0
+    assert html._processes(store) == 1
     os.truncate(journal, html.LARGE + 1)
     assert html._processes(store) == min(html.MOST, os.cpu_count() or 1)

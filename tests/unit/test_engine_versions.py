@@ -204,13 +204,15 @@ def test_the_whole_kit_is_put_to_a_version_on_its_own_interpreter(
     assert f"MuJoCo {packed.version}: {len(CHECKS)} checks" in done.stdout
 
 
-def test_a_check_that_ends_the_process_has_failed_and_those_after_it_are_not_asked(tmp_path: Path) -> None:
+def test_checks_that_end_their_process_have_failed_and_after_three_in_a_row_the_others_are_not_asked(tmp_path: Path) -> None:
     interpreter = tmp_path / "python"
     interpreter.write_text("#!/bin/sh\nkill -SEGV $$\n")
     interpreter.chmod(0o755)
-    (died,) = outcomes_in(Environment(str(interpreter)), "mujoco 0.0.1", ("tuned",))
-    assert (died.check, died.status) == (CHECKS[0].name, "failed")
-    assert "died: SIGSEGV" in died.message
+    outcomes = outcomes_in(Environment(str(interpreter)), "mujoco 0.0.1", ("tuned",))
+    assert [outcome.check for outcome in outcomes] == [check.name for check in CHECKS]
+    assert {outcome.status for outcome in outcomes} == {"failed"}
+    assert [outcome.message for outcome in outcomes[:3]] == ["the process of the check was killed by SIGSEGV"] * 3
+    assert {outcome.message for outcome in outcomes[3:]} == {"not asked: 3 checks in a row had no outcome"}
 
 
 def test_environments_of_another_lock_go_after_a_while_and_those_of_this_one_stay(

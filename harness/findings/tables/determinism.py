@@ -73,7 +73,7 @@ def agreements(store: Store) -> Iterator[Agreement]:
     )
     # Each run is compared with the first of its cell, which is read once for all of them.
     states = lru_cache(maxsize=2)(lambda trajectory: store.trajectory(trajectory, ("time", *STATES)))
-    for _, group in trials[trials["every"]].groupby(["case", "parameters", "engine", "track"], sort=False):
+    for _, group in trials[trials["every"].astype(bool)].groupby(["case", "parameters", "engine", "track"], sort=False):
         runs = {row.way: row for row in group.itertuples()}
         first = runs.pop("", None)
         if first is None:

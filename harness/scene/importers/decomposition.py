@@ -5,19 +5,18 @@ ACM Transactions on Graphics 41(4), 2022.
 """
 
 import hashlib
+import io
 import json
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.intake.user_cache import cache_folder, keep, read_kept
 from plumbline.harness.scene import ConvexHull
 from plumbline.harness.scene.importers.meshes import Mesh, hull_of
 from plumbline.harness.scene.importers.poses import Array
@@ -63,31 +62,26 @@ def pieces_of(mesh: Mesh, most: int, where: str, tell: Callable[[str], object] |
 
 def _place(mesh: Mesh, most: int) -> Path:
     """Where the pieces of a mesh are kept, by all that they depend on."""
-    import platformdirs  # late: only meshes in pieces need it
-
     asked = {"coacd": version("coacd"), "most": most, "concavity": CONCAVITY, **SEARCH}
     digest = hashlib.sha256(json.dumps(asked, sort_keys=True).encode())
     for array in (mesh.vertices, mesh.faces):
         digest.update(repr((array.shape, array.dtype.str)).encode() + np.ascontiguousarray(array).tobytes())
-    return Path(platformdirs.user_cache_dir("plumbline")) / "pieces" / f"{digest.hexdigest()}.npz"
+    return cache_folder("pieces") / f"{digest.hexdigest()}.npz"
 
 
 def _kept(place: Path) -> list[Array] | None:
     """The corners (n, 3) m of each piece that is kept; None where none are, or no such thing."""
-    try:
-        with np.load(place, allow_pickle=False) as arrays:
-            points = [np.asarray(arrays[name], np.float64) for name in sorted(arrays.files)]
-    except (OSError, ValueError, EOFError, BadZipFile, KeyError):
+    content = read_kept(place)
+    if content is None:
         return None
+    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+        points = [np.asarray(arrays[name], np.float64) for name in sorted(arrays.files)]
     sound = all(corners.ndim == 2 and corners.shape[1] == 3 and np.isfinite(corners).all() for corners in points)
     return points if points and sound else None
 
 
 def _keep(place: Path, points: Sequence[Array]) -> None:
     """Keep the pieces, all or nothing; where that cannot be done they are worked out again."""
-    with suppress(OSError):
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with NamedTemporaryFile(dir=place.parent, suffix=".part", delete=False) as part:
-            arrays: dict[str, Any] = {f"{k:03}": corners for k, corners in enumerate(points)}
-            np.savez(part, allow_pickle=False, **arrays)
-        Path(part.name).replace(place)
+    archive, arrays = io.BytesIO(), dict[str, Any]({f"{k:03}": corners for k, corners in enumerate(points)})
+    np.savez(archive, allow_pickle=False, **arrays)
+    keep(place, archive.getvalue())

@@ -1,0 +1,97 @@
+"""The forms of the files beside a journal: of each field that a reader asks for its type; more may be there."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A study in plain values; its experiments are for `harness.study.stored_study`."""
+
+    experiments: list[dict[str, Any]]
+    name: str = ""
+    title: str = ""
+    variants: dict[str, Any] = field(default_factory=dict)
+    recordings: bool = True
+
+
+@dataclass(frozen=True)
+class Reached:
+    """How far a journal had come when a run last ended."""
+
+    lines: int
+    checksum: str
+    content: str = ""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The machine of a run, and how the run ended."""
+
+    journal: Reached | None = None
+    tables: dict[str, str] = field(default_factory=dict)
+    complete: bool = False
+    command: list[str] = field(default_factory=list)
+    packages: dict[str, str] = field(default_factory=dict)
+    load: list[float] = field(default_factory=list)
+    memory_mb: float | None = None
+    cores: int | None = None
+    processor: str = ""
+    system: str = ""
+    python: str = ""
+    commit: str = ""
+    started: str = ""
+    finished: str = ""
+
+
+@dataclass(frozen=True)
+class Described:
+    """A case, as `harness.study.catalogue.describe_case` has it."""
+
+    title: str = ""
+    question: str = ""
+    truth: str = ""
+    source: str = ""
+    effects: list[str] = field(default_factory=list)
+    features: list[str] = field(default_factory=list)
+    parameters: dict[str, Any] = field(default_factory=dict)
+    ladder: list[float] = field(default_factory=list)
+    checks: list[dict[str, Any]] = field(default_factory=list)
+    duration: float | None = None
+    steady: float | None = None
+    dt: float | None = None
+    scale: float | None = None
+    bodies: int | None = None
+    headline: str = ""
+    hard: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An engine, as `harness.study.catalogue.describe_engine` has it."""
+
+    title: str = ""
+    distribution: str = ""
+    version: str | None = None
+    unavailable: str | None = None
+    ours: bool = False
+    batch: bool = False
+    features: list[str] = field(default_factory=list)
+    tracks: dict[str, dict[str, Any]] = field(default_factory=dict)
+    knobs: dict[str, list[Any]] = field(default_factory=dict)
+    known_failures: dict[str, str] = field(default_factory=dict)
+    deviations: list[str] = field(default_factory=list)
+    emulated: list[dict[str, Any]] = field(default_factory=list)
+    advantages: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """What was asked, and of whom."""
+
+    cases: dict[str, Described] = field(default_factory=dict)
+    engines: dict[str, Engine] = field(default_factory=dict)
+
+
+FORMS: dict[str, type] = {"machine.json": Machine, "catalogue.json": Catalogue, "study.toml": Asked}
+"""By the name of the file."""

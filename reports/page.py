@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import Protocol
 
@@ -81,18 +81,18 @@ class NotLoaded(Exception):
 
 def _outside(point: EntryPoint, taken: Collection[str]) -> Page:
     """A third party's page, made in a process of its own, or one in its place that fails and says why."""
-    reason, known = trouble(point), facts(point)
-    if not reason and not PLAIN.fullmatch(known.name):
-        reason = f"{point.value}: got {known.name!r:.100}, expected a Page with a plain name"
-    if not reason and known.name in taken:
-        reason = f"{point.value}: the name '{known.name}' is taken by another page; choose another"
+    reason, about = trouble(point), facts(point)
+    if not reason and not PLAIN.fullmatch(about.name):
+        reason = f"{point.value}: got {about.name!r:.100}, expected a Page with a plain name"
+    if not reason and about.name in taken:
+        reason = f"{point.value}: the name '{about.name}' is taken by another page; choose another"
     if reason:
 
         def fail(_: Store) -> Mapping[str, Rendered]:
             raise NotLoaded(reason)
 
         plain = re.sub(r"[^A-Za-z0-9_-]", "-", point.name)[:40]
-        free = next(name for name in (plain, *(f"{plain}-{number}" for number in count(2))) if name not in taken)
+        free = next(name for name in chain([plain], (f"{plain}-{number}" for number in count(2))) if name not in taken)
         return Page(name=free, title=point.name, order=LAST, render=fail)
 
     @lru_cache(maxsize=1)
@@ -112,7 +112,7 @@ def _outside(point: EntryPoint, taken: Collection[str]) -> Page:
             raise files
         return {path: b64decode(text) if binary else text for path, (binary, text) in (files or {}).items()}
 
-    return Page(name=known.name, title=known.title, order=known.order, listed=known.listed, render=render, concerns=concerns)
+    return Page(name=about.name, title=about.title, order=about.order, listed=about.listed, render=render, concerns=concerns)
 
 
 def stranger_files(name: str, value: str, group: str, folder: Path) -> dict[str, tuple[bool, str]]:
@@ -125,9 +125,9 @@ def stranger_files(name: str, value: str, group: str, folder: Path) -> dict[str,
         raise TypeError(f"got {page!r:.100}, expected a Page with a plain name")
     if not page.concerns(store):
         return {}
-    made = page.render(store)
+    rendered = page.render(store)
     files: dict[str, tuple[bool, str]] = {}
-    for path, file in made.items() if isinstance(made, Mapping) else made:
+    for path, file in rendered.items() if isinstance(rendered, Mapping) else rendered:
         content = file if isinstance(file, str | bytes) else file.kept(folder / "report")
         files[path] = (False, content) if isinstance(content, str) else (True, b64encode(content).decode())
     return files

@@ -51,7 +51,7 @@ def outcomes_in(environment: Environment | None, name: str, tracks: Sequence[str
 
 def _failed(name: str, asked: _Asked, message: str) -> Outcome:
     track, check = asked
-    question = next(known.question for known in CHECKS if known.name == check)
+    question = next(each.question for each in CHECKS if each.name == check)
     return Outcome(engine=name, track=track, check=check, question=question, status="failed", message=message)
 
 
@@ -62,13 +62,13 @@ def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked])
     command = [interpreter, "-P", "-m", "plumbline.harness.conformance.apart", name, json.dumps(checks)]
     allowed = LONGEST + START + plugins.adapter(name).compile_allowance
     with Bounded(command, answers=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(folders)}) as program:
-        known = 0
+        read = 0
 
         def further() -> bool:
-            return program.answer.is_file() and program.answer.stat().st_size > known
+            return program.answer.is_file() and program.answer.stat().st_size > read
 
         while program.running and program.wait(allowed, further) and program.running:
-            known = program.answer.stat().st_size
+            read = program.answer.stat().st_size
         ended = program.ended()
     outcomes: list[Outcome] = []
     for line, (track, check) in zip(ended.answer.split(b"\n"), checks, strict=False):

@@ -40,8 +40,8 @@ def apart(form: type[T], seconds: float, function: Callable[..., object], *argum
         env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
     )
     if not ended.answer:
-        said = f": {ended.last_words}" if ended.code and ended.last_words else ""
-        raise NoAnswer(readable(f"{ended.how} and no answer{said}", 300))
+        words = f": {ended.last_words}" if ended.code and ended.last_words else ""
+        raise NoAnswer(readable(f"{ended.how} and no answer{words}", 300))
     try:
         message = json.loads(ended.answer[:_LONGEST])
         if "raised" in message:

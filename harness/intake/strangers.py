@@ -59,15 +59,15 @@ def facts(point: EntryPoint) -> Facts:
 def _tried(name: str, value: str, group: str) -> tuple[str, Facts]:
     """Why it cannot be loaded, and what it has."""
     seen = _place(f"facts {sys.version} {group} {name} {value}", value)
-    if seen is not None and (kept := read_kept(seen)) is not None:
-        return "", Facts(**json.loads(kept))
+    if seen is not None and (stored := read_kept(seen)) is not None:
+        return "", Facts(**json.loads(stored))
     try:
-        found = apart(Facts, PATIENCE, loaded, name, value, group)
+        facts_of_it = apart(Facts, PATIENCE, loaded, name, value, group)
     except NoAnswer as error:
         return f"{value}: {error}", Facts()
     if seen is not None:
-        keep(seen, json.dumps(asdict(found)).encode())
-    return "", found
+        keep(seen, json.dumps(asdict(facts_of_it)).encode())
+    return "", facts_of_it
 
 
 def loaded(name: str, value: str, group: str) -> dict[str, object]:

@@ -108,8 +108,8 @@ def _files(sides: Sequence[Index]) -> dict[str, Path]:
     damaged: dict[str, str] = {}
     for index in sides:
         folder = index.path.parent
-        for place, rooms, names in os.walk(folder):
-            for path in (Path(place, name) for name in (*rooms, *names)):
+        for room, rooms, names in os.walk(folder):
+            for path in (Path(room, name) for name in (*rooms, *names)):
                 name = path.relative_to(folder).as_posix()
                 if path.is_symlink() and name.startswith(("trajectories", "truths", "scenes", "logs")):
                     raise StoreError(f"{path}: is a link, expected a file of this folder; put what it names in its place")
@@ -157,8 +157,8 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
     complete = not missing and all(part.get("complete", False) for part in parts)
     ended = {"complete": complete, "journal": journal.written.reached, "tables": write_tables(out, journal.written.records())}
     write_json(out / "machine.json", parts[-1] | ended)
-    told = [sentence.format(count) for sentence, count in notes.items()]
-    return [*told, *([f"{missing} of {len(due)} trials have no record in any folder"] if missing else [])]
+    left_out = [sentence.format(count) for sentence, count in notes.items()]
+    return [*left_out, *([f"{missing} of {len(due)} trials have no record in any folder"] if missing else [])]
 
 
 def _unclocked(record: Record) -> Record:

@@ -72,9 +72,9 @@ def another_study(journal: Chain, study: Mapping[str, Any]) -> str:
 def merged(studies: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """The last study with the experiments and variants of the others that it has not."""
     *others, last = studies
-    experiments, variants = [*last["experiments"]], dict(last.get("variants", {}))
+    experiments, variants = [*last.get("experiments", ())], dict(last.get("variants", {}))
     for other in others:
-        experiments += [experiment for experiment in other["experiments"] if experiment not in experiments]
+        experiments += [experiment for experiment in other.get("experiments", ()) if experiment not in experiments]
         variants = {**other.get("variants", {}), **variants}
     return {**last, "experiments": experiments, "variants": variants}
 

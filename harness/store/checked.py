@@ -19,9 +19,9 @@ def checked(form: type[T], value: object, what: str) -> T:
     Args: value: of JSON or TOML. Raises: ValueError, with the field that is none.
     """
     try:
-        made: T = _form(form).validate_python(value)  # type: ignore[arg-type]  # a class can be hashed
+        typed: T = _form(form).validate_python(value)  # type: ignore[arg-type]  # a class can be hashed
     except ValueError as error:
         first = error.errors(include_url=False)[0]  # type: ignore[attr-defined]  # of pydantic, which is loaded late
         where = ".".join(map(str, first["loc"])) or what
         raise ValueError(f"holds no {what}: {where}: {first['msg']}, got {str(first['input'])[:80]!r}") from None
-    return made
+    return typed

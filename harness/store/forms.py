@@ -1,18 +1,56 @@
-"""The forms of the files beside a journal: of each field that a reader asks for its type; more may be there."""
+"""The forms of a journal's lines and of the files beside it: the type of each field that a reader asks for."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
+
+Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
+"""Of a line of a journal."""
 
 
 @dataclass(frozen=True)
 class Asked:
     """A study in plain values; its experiments are for `harness.study.stored_study`."""
 
-    experiments: list[dict[str, Any]]
+    experiments: list[dict[str, Any]] = field(default_factory=list)
     name: str = ""
     title: str = ""
     variants: dict[str, Any] = field(default_factory=dict)
     recordings: bool = True
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line behind its checksum."""
+
+    schema: int
+    number: int
+    before: str
+    kind: Kind
+    content: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Names:
+    """The content of a line that takes trials out, or brings them back."""
+
+    trials: list[str]
+    because: str = ""
+
+
+@dataclass(frozen=True)
+class Session:
+    """What a session begins under."""
+
+    study: Asked
+    machine: dict[str, Any]
+    catalogue: str
+    trials: list[str]
+    engines: dict[str, str] = field(default_factory=dict)
+    files: dict[str, str] = field(default_factory=dict)
+
+
+CONTENTS = {"session": Session, "withdrawn": Names, "restored": Names}
+"""By kind, of what lines hold; records and timings check themselves."""
 
 
 @dataclass(frozen=True)

@@ -12,50 +12,13 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Literal, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from plumbline.harness.intake.mendable import LiesIn, Mendable
 from plumbline.harness.store import disk
 from plumbline.harness.store.checked import checked
-from plumbline.harness.store.forms import Asked
+from plumbline.harness.store.forms import CONTENTS, Kind, Line
 from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
-
-Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
-
-
-@dataclass(frozen=True)
-class _Line:
-    """A line behind its checksum."""
-
-    schema: int
-    number: int
-    before: str
-    kind: Kind
-    content: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class _Names:
-    """The content of a line that takes trials out, or brings them back."""
-
-    trials: list[str]
-    because: str = ""
-
-
-@dataclass(frozen=True)
-class _Session:
-    """What a session begins under."""
-
-    study: Asked
-    machine: dict[str, Any]
-    catalogue: str
-    trials: list[str]
-    engines: dict[str, str] = field(default_factory=dict)
-    files: dict[str, str] = field(default_factory=dict)
-
-
-_FORMS = {"session": _Session, "withdrawn": _Names, "restored": _Names}
-"""By kind, of what lines hold; records and timings check themselves."""
 
 
 class StoreError(Mendable):
@@ -245,7 +208,7 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
     return checksum, b"%b %b\n" % (checksum.encode(), text)
 
 
-def _amiss(written: Chain, entry: _Line) -> str:
+def _amiss(written: Chain, entry: Line) -> str:
     """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
     number = entry.number
@@ -310,11 +273,11 @@ def _take(chain: Chain, number: int, line: bytes, *, last: bool) -> bool:
         plain = json.loads(text)
         if isinstance(plain, dict) and isinstance(plain.get("schema"), int):
             check_schema(path, plain["schema"], f"line {number} ")
-        entry = checked(_Line, plain, "line")
+        entry = checked(Line, plain, "line")
         if amiss := _amiss(chain, entry):
             raise ValueError(amiss)
-        if entry.kind in _FORMS:
-            checked(_FORMS[entry.kind], entry.content, entry.kind)
+        if entry.kind in CONTENTS:
+            checked(CONTENTS[entry.kind], entry.content, entry.kind)
         chain.take(entry.kind, entry.content)
     except (ValueError, RecursionError) as error:
         raise DamagedFile(path, f"line {number} {error}", "restore the file or start a new folder") from error

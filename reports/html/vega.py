@@ -12,12 +12,12 @@ _TITLE = "/* Vega, Vega-Lite, Vega-Embed and what they are made of: see vega-lic
 @cache
 def vega_bundle() -> str:
     """The script, without imports, as it was made before on this machine where that can be read, and else made anew."""
-    place = cache_folder("vega") / f"vega-{version('vl-convert-python')}-{VEGA_LITE}.js"
-    kept = read_kept(place)
-    if kept is None:
-        kept = _made().encode()
-        keep(place, kept)
-    return kept.decode()
+    file = cache_folder("vega") / f"vega-{version('vl-convert-python')}-{VEGA_LITE}.js"
+    script = read_kept(file)
+    if script is None:
+        script = _made().encode()
+        keep(file, script)
+    return script.decode()
 
 
 def _made() -> str:

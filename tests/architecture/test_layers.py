@@ -222,7 +222,7 @@ def test_files_get_their_names_in_one_function() -> None:
         for move in moves(text)
     ]
     assert found == [
-        "harness/scene/importers/decomposition.py: Path(part.name).replace(place)",
+        "harness/intake/user_cache.py: draft.replace(path)",
         "harness/store/disk.py: old.replace(new)",
         "reports/html/report.py: report.rename(old)",
     ]

@@ -55,7 +55,7 @@ def call(installed: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> 
     They are not tried in processes of their own before: one that does not load fails here.
     """
     monkeypatch.syspath_prepend(installed)
-    monkeypatch.setattr(strangers, "_tried", lambda *_: "")
+    monkeypatch.setattr(strangers, "_tried", lambda *where: ("", strangers.Facts(**strangers.loaded(*where))))
     monkeypatch.setattr(known, "_found", known._found.__wrapped__)
 
     def called(*arguments: object) -> str:

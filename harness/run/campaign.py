@@ -144,7 +144,7 @@ def _timing(run: _Run, trials: Sequence[Trial]) -> None:
         groups = [tuple(group) for _, group in groupby(due, key=together)]
         if cluster is None:
             groups = list(_sittings(groups, guide.sitting, remaining))
-            clocked = _one_by_one(groups, run.folder, partial(clock_group, shuffle=shuffle, told=progress.tell), guide)
+            clocked = _one_by_one(groups, run.folder, partial(clock_group, shuffle=shuffle, say=progress.tell), guide)
         else:
             clocked = cluster.clocked(groups, run.folder)
         sitting = {trial.trial: group for group in groups for trial in group}

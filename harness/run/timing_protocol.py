@@ -73,11 +73,11 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
 
 
 def clock_group(
-    trials: Sequence[Trial], folder: Path, shuffle: random.Random, told: Callable[[str], None] = lambda _: None
+    trials: Sequence[Trial], folder: Path, shuffle: random.Random, say: Callable[[str], None] = lambda _: None
 ) -> Iterator[Timing]:
     """Time the trials of one sitting; one `Timing` each, also for those that gave trouble.
 
-    Args: trials: of one experiment; those of one question stand one after the other. told: is told what is clocked now.
+    Args: trials: of one experiment; those of one question stand one after the other. say: is told what is clocked now.
     """
     experiment = trials[0].experiment
     questions = [tuple(question) for _, question in groupby(trials, key=together)]
@@ -95,7 +95,7 @@ def clock_group(
             processes = experiment.processes - number
             here = {name: -(-(most[name] - len(samples[name])) // processes) for name in teams}  # rounded up
             for question in shuffle.sample(questions, len(questions)):
-                told(f"{called(question[0].case)}, processes {number + 1} of {experiment.processes}")
+                say(f"{called(question[0].case)}, processes {number + 1} of {experiment.processes}")
                 for block in range(experiment.samples):
                     stop_if_asked()
                     asked = sorted(trial.trial for trial in question if block < here.get(trial.trial, 0))

@@ -407,12 +407,12 @@ def test_questions_of_one_sitting_take_turns_process_by_process_and_their_sample
     experiment = Experiment(name="e", samples=2, processes=3)
     names = ("a0", "a1", "b0", "b1")
     trials = [dataclasses.replace(TRIAL, trial=name, case=name[0], experiment=experiment) for name in names]
-    told: list[str] = []
-    timings = list(clock_group(trials, tmp_path, random.Random(1), told.append))
+    said: list[str] = []
+    timings = list(clock_group(trials, tmp_path, random.Random(1), said.append))
     assert [[(s.process, s.block) for s in timing.samples] for timing in timings] == [
         [(p, b) for p in range(3) for b in range(2)]
     ] * 4
     blocks = [asked[k : k + 2] for k in range(0, len(asked), 2)]
     assert all({name[0] for name in block} == {block[0][0]} and len(set(block)) == 2 for block in blocks)  # side by side
     assert [sorted(block[0][0] for block in blocks[k : k + 4]) for k in (0, 4, 8)] == [["a", "a", "b", "b"]] * 3
-    assert len(told) == 6
+    assert len(said) == 6

@@ -16,6 +16,7 @@ import click
 
 from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from plumbline.harness.cli.options import agreed
 from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.safe_text import quoted
 

@@ -36,24 +36,24 @@ def builder_of(rapier: Any, body: Body, effects: Effect, used: Settings) -> Any:
         case "static":
             return build.fixed().position(pose(rapier, body.p_WB, body.q_WB))
         case "kinematic":
-            made = build.kinematic_velocity_based()
+            builder = build.kinematic_velocity_based()
         case _:
             moments, q_BP = principal_frame(body)
             mass = rapier.MassProperties((0.0, 0.0, 0.0), body.mass, moments, rapier.Rotation3(*q_BP))
-            made = build.dynamic().additional_mass_properties(mass).gyroscopic_forces(Effect.GYROSCOPIC in effects)
+            builder = build.dynamic().additional_mass_properties(mass).gyroscopic_forces(Effect.GYROSCOPIC in effects)
     v, w = body.velocity_at_start
-    made = made.position(pose(rapier, body.p_WB, body.q_WB)).linvel(v).angvel(w).can_sleep(used.options["sleeping"])
+    builder = builder.position(pose(rapier, body.p_WB, body.q_WB)).linvel(v).angvel(w).can_sleep(used.options["sleeping"])
     if Effect.LINEAR_DAMPING in effects:
-        made = made.linear_damping(body.linear_damping)
+        builder = builder.linear_damping(body.linear_damping)
     if Effect.ANGULAR_DAMPING in effects:
-        made = made.angular_damping(body.angular_damping)
+        builder = builder.angular_damping(body.angular_damping)
     if not used.options["capped"]:
-        made = made.allow_fast_rotation(True)
+        builder = builder.allow_fast_rotation(True)
     if Effect.CONTINUOUS_COLLISION in effects and body.movable and body.collision:
-        made = made.ccd_enabled(True)
+        builder = builder.ccd_enabled(True)
         if used.options["soft_ccd"]:
-            made = made.soft_ccd_prediction(_reach(body, used.dt))
-    return made
+            builder = builder.soft_ccd_prediction(_reach(body, used.dt))
+    return builder
 
 
 def _reach(body: Body, dt: float) -> float:
@@ -71,8 +71,8 @@ def check_body(body: Body) -> None:
 def colliders_of(rapier: Any, body: Body, inner_edges: bool) -> Iterator[Any]:
     """The shapes of a body, weightless."""
     for placed in body.collision:
-        made, q_SC = _collider(rapier, placed.shape, inner_edges)
-        yield made.position(pose(rapier, placed.p_BS, multiply(placed.q_BS, q_SC))).density(0.0)
+        builder, q_SC = _collider(rapier, placed.shape, inner_edges)
+        yield builder.position(pose(rapier, placed.p_BS, multiply(placed.q_BS, q_SC))).density(0.0)
 
 
 def _collider(rapier: Any, shape: Shape, inner_edges: bool) -> tuple[Any, Quaternion]:

@@ -26,10 +26,10 @@ def cast(rapier: Any, world: Any, owners: Mapping[int, int], origins: Floats, di
 
     Args: owners: by the index of a collider, the place of its body.
     """
-    found = caster(rapier, world, origins, directions, reach)()
-    hits = Hits(np.full(len(found), np.inf), np.full(len(found), -1, dtype=np.int64), np.zeros((len(found), 3)))
+    crossings = caster(rapier, world, origins, directions, reach)()
+    hits = Hits(np.full(len(crossings), np.inf), np.full(len(crossings), -1, dtype=np.int64), np.zeros((len(crossings), 3)))
     around: dict[tuple[float, ...], set[int]] = {}
-    for k, hit in enumerate(found):
+    for k, hit in enumerate(crossings):
         if hit is None or hit[1].toi > reach:
             continue
         collider, crossing = hit

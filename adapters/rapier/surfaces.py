@@ -41,9 +41,9 @@ def groups_of(rapier: Any, scene: Scene) -> dict[str, Any]:
     bit = {material: 1 << k for k, material in enumerate(materials)}
     shunned = dict.fromkeys(materials, 0)
     for a, b in scene.apart:
-        for one, other in ((a, b), (b, a)):
-            if one in shunned and other in bit:
-                shunned[one] |= bit[other]
+        for own, other in ((a, b), (b, a)):
+            if own in shunned and other in bit:
+                shunned[own] |= bit[other]
     both = (1 << _GROUPS) - 1
     return {
         m: rapier.InteractionGroups(rapier.Group(bit[m]), rapier.Group(both & ~shunned[m]), rapier.InteractionTestMode.AND)
@@ -60,11 +60,11 @@ class PairLaws:
 
     laws: Mapping[frozenset[str], Law]
     materials: Mapping[int, str]
-    kept: Any
+    solved: Any
 
     def filter_contact_pair(self, _pair: Any) -> Any:
         """Every pair that the groups let through is solved."""
-        return self.kept
+        return self.solved
 
     def filter_intersection_pair(self, _pair: Any) -> bool:
         """There are no sensors."""

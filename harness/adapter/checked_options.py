@@ -22,17 +22,17 @@ class Between:
 
 
 def checked_options(
-    engine: str, settings: Settings, known: Mapping[str, Sequence[Any] | Between], integrator: str, solvers: Sequence[str]
+    engine: str, settings: Settings, choices: Mapping[str, Sequence[Any] | Between], integrator: str, solvers: Sequence[str]
 ) -> dict[str, Any]:
     """All options, None where the settings leave one to the vendor.
 
-    Args: engine: its title. known: by option, the values that it may have. integrator: the engine's only one.
+    Args: engine: its title. choices: by option, the values that it may have. integrator: the engine's only one.
     Raises: SettingsError.
     """
     for name, value in settings.options.items():
-        if name not in known:
-            raise SettingsError(f"settings: option '{name}' is unknown to {engine}, expected some of {', '.join(known)}")
-        allowed = known[name]
+        if name not in choices:
+            raise SettingsError(f"settings: option '{name}' is unknown to {engine}, expected some of {', '.join(choices)}")
+        allowed = choices[name]
         # Of values in a row True is not 1.
         same_type = isinstance(allowed, Between) or any(type(value) is type(choice) for choice in allowed)
         if value is not None and not (same_type and value in allowed):
@@ -43,5 +43,7 @@ def checked_options(
     if settings.solver not in (None, *solvers):
         raise SettingsError(f"settings: solver '{settings.solver}', expected one of {', '.join(solvers)}")
     if settings.tolerance is not None:
-        raise SettingsError(f"settings: tolerance {settings.tolerance}, expected none: {engine} iterates a fixed number of times")
-    return {name: settings.options.get(name) for name in known}
+        raise SettingsError(
+            f"settings: tolerance {settings.tolerance}, expected none: {engine} iterates a fixed number of times"
+        )
+    return {name: settings.options.get(name) for name in choices}

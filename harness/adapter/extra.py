@@ -1,5 +1,6 @@
 """What it takes to install an engine that plumbline does not bring along."""
 
+import sys
 from dataclasses import dataclass
 
 
@@ -19,3 +20,9 @@ class Extra:
     def price(self) -> str:
         """What it takes, in words."""
         return f"{self.megabytes} MB, about {self.seconds} s"
+
+    @property
+    def hindrance(self) -> str:
+        """Why it cannot be installed beside this Python; '' where it can."""
+        running = f"{sys.version_info.major}.{sys.version_info.minor}"
+        return "" if running in self.pythons else f"needs Python {' or '.join(self.pythons)}; this is {running}"

@@ -1,6 +1,5 @@
 """The engines of a run as the command line names them: installed ones, and versions in environments of their own."""
 
-import sys
 from typing import TYPE_CHECKING
 
 import click
@@ -28,9 +27,8 @@ def _welcome(adapter: "Adapter", agreed: bool) -> None:
     extra, name = adapter.extra, adapter.name
     if extra is None or inside() or installed(adapter.distribution):
         return
-    running = f"{sys.version_info.major}.{sys.version_info.minor}"
-    if running not in extra.pythons:
-        raise click.UsageError(f"engine '{name}': its package index has no wheel for Python {running}, only for {', '.join(extra.pythons)}")
+    if extra.hindrance:
+        raise click.UsageError(f"engine '{name}' {extra.hindrance}")
     home = home_of(name)
     if not agreed and (home is None or not home.executable):
         raise click.UsageError(
@@ -47,8 +45,8 @@ def chosen_engines(texts: "Sequence[str]", agreed: bool = False) -> "dict[str, A
 
     Environments of versions that are not there are made, and of engines that are not installed where that is agreed to.
 
-    Raises: PluginError, VersionError; UsageError, where it is not; BadParameter, where the engine is no package of its own, or a
-    wheel is another's.
+    Raises: PluginError, VersionError; UsageError, where it is not; BadParameter, where the engine is no package of its own, or
+    a wheel is another's.
     """
     from plumbline.harness.run.make_environment import ensure
     from plumbline.harness.study import plugins

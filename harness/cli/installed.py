@@ -90,6 +90,7 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, ag
     from plumbline.harness.conformance import gate, run_conformance
     from plumbline.harness.conformance.apart import outcomes_in
     from plumbline.harness.study import plugins
+    from plumbline.harness.study.engine_versions import version_asked
     from plumbline.harness.study.environments import home_of
 
     ((name, adapter),) = chosen_engines((engine,), agreed).items()
@@ -97,8 +98,8 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, ag
     chosen = tracks or ("default", "tuned")
     if environment is not None and environment.executable:
         # Also where the smoke checks say no: the kit names all that does.
-        version = environment.version
-        title, outcomes = adapter.title, outcomes_in(environment, name, chosen)
+        title = adapter.title if version_asked(name) else f"{adapter.title} {environment.version}"
+        outcomes = outcomes_in(environment, name, chosen)
     else:
         version, reason = plugins.version_of(adapter)
         if reason is not None:

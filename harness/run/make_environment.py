@@ -59,11 +59,11 @@ def ensure(version: EngineVersion, distribution: str) -> Environment:
             return known
         try:
             if known is None or not Path(known.executable).is_file():
-                lock = lock_of(version.name)
-                if lock is None:
+                pins = lock_of(version.name)
+                if pins is None:
                     _make(folder, str(version.wheel or f"{distribution}=={version.version}"))
                 else:
-                    _make_locked(folder, lock)
+                    _make_locked(folder, pins)
             tried = replace(_tried(version, digest), distribution=distribution)
         except NotMade as error:
             tried = Environment(reason=str(error), sources=digest, distribution=distribution)

@@ -76,7 +76,7 @@ def installed(distribution_name: str) -> bool:
 
 
 def lock_of(name: str) -> Path | None:
-    """The lock file of an engine that plumbline does not bring along; None for one that it does, and for a version by number."""
+    """The lock file of an engine that plumbline does not bring along; None of others, and of a version by number."""
     lock = Path(__file__).resolve().parents[2] / "adapters" / engine_of(name) / "requirements.lock"
     return lock if not version_asked(name) and lock.is_file() else None
 

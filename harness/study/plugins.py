@@ -175,7 +175,8 @@ def version_of(engine: Adapter) -> tuple[str, str | None]:
     if version_asked(engine.name) and not environments.inside():
         return "none", f"has no environment here; plumbline run --engine {asked(engine.name)}"
     if engine.extra is not None and not environments.installed(engine.distribution):
-        return "none", f"is not installed; --engine {engine.name} --yes does so ({engine.extra.price})"
+        why = engine.extra.hindrance or f"not installed: --engine {engine.name} --yes does so ({engine.extra.price})"
+        return "none", why
     try:
         version = engine.version()
         if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:

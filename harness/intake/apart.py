@@ -8,7 +8,7 @@ import json
 import os
 import pickle
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,17 +27,27 @@ class NoAnswer(Exception):
     """Nothing came back; the message says why: what was raised, or how the process ended."""
 
 
-def apart(form: type[T], seconds: float, function: Callable[..., object], *arguments: object) -> T:
-    """What a function of a module gives for these arguments, which are pickled. Raises: NoAnswer, OSError."""
+def apart(
+    form: type[T],
+    seconds: float,
+    function: Callable[..., object],
+    *arguments: object,
+    interpreter: str = sys.executable,
+    path: Sequence[str] = (),
+) -> T:
+    """What a function of a module gives for these arguments, which are pickled.
+
+    Args: path: where another interpreter than this one finds this program. Raises: NoAnswer, OSError.
+    """
     from pydantic import TypeAdapter, ValidationError  # late: a listing calls nobody
 
     ended = bounded(
-        [sys.executable, "-P", "-m", "plumbline.harness.intake.apart"],
+        [interpreter, "-P", "-m", "plumbline.harness.intake.apart"],
         START + seconds,
         answers=True,
         order=pickle.dumps((function, arguments)),
         # It is to find what this process finds, wherever that has been told to look.
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in path or sys.path)},
     )
     if not ended.answer:
         words = f": {ended.last_words}" if ended.code and ended.last_words else ""

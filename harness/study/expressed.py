@@ -6,6 +6,7 @@ from plumbline.harness.adapter import Unavailable, Unsupported
 from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.scene import Scene
 from plumbline.harness.study import plugins
+from plumbline.harness.study.environments import elsewhere, project_folders
 from plumbline.harness.study.experiment import Experiment
 
 Verdict = Literal["can", "cannot", "unavailable", "failed"]
@@ -18,8 +19,11 @@ def expressed_apart(engine: str, scene: Scene) -> tuple[Verdict, str]:
     if reason is not None:
         return "unavailable", reason
     allowed = Experiment(name="build").deadline + adapter.compile_allowance
+    form, home = tuple[Verdict, str], elsewhere(engine)
     try:
-        return apart(tuple[Verdict, str], allowed, expressed, engine, scene)
+        if home is None:
+            return apart(form, allowed, expressed, engine, scene)
+        return apart(form, allowed, expressed, engine, scene, interpreter=home.executable, path=project_folders())
     except NoAnswer as error:
         return "failed", f"build {error}"
 

@@ -1,8 +1,12 @@
 """How a command ends: exit codes, what people can mend as one line, and sentences that do nothing to a terminal."""
 
+import os
+import re
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from io import StringIO, TextIOWrapper
+from itertools import pairwise
 from typing import Any, NoReturn
 
 import click
@@ -42,12 +46,59 @@ def fail_for(sentences: Sequence[str]) -> None:
         sys.exit(GATE)
 
 
+class _Notices:
+    """Standard error, which nobody may be listening to: a disk that is full takes notices, and no rows and no exit code."""
+
+    def __init__(self, stream: TextIOWrapper) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """All of it counts as written."""
+        with suppress(OSError):
+            self._stream.write(text)
+            self._stream.flush()
+        return len(text)
+
+    def flush(self) -> None:
+        """`write` does."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
+def open_streams() -> None:
+    """In the place of a standard stream that is closed, one that takes all: a file of ours would get its number otherwise."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False))  # noqa: SIM115
+    if sys.stderr is sys.__stderr__ and isinstance(sys.stderr, TextIOWrapper):
+        sys.stderr = _Notices(sys.stderr)  # it passes all else on
+
+
+def check_words(words: Sequence[str]) -> None:
+    """Refuse what no name of a file, a folder or anything else can be. Raises: click.UsageError."""
+    for before, word in pairwise(("", *words)):
+        option = word.removesuffix("=") if re.fullmatch("--[a-z-]+=", word) else before if not word else ""
+        if option or not word:
+            raise click.UsageError(f"{option or 'an argument'}: got '', expected a value")
+        try:
+            word.encode()
+        except UnicodeEncodeError:
+            raise click.UsageError(f"{word!a}: a name that is no UTF-8, expected one that is") from None
+
+
 class Guarded(click.Group):
     """Turns the errors that people can mend into a line and an exit code; anything else keeps its trace."""
 
     def make_context(self, *arguments: Any, **extra: Any) -> click.Context:
         """Parse the part of the command line that comes before the command."""
+        open_streams()
         try:
+            check_words(arguments[1] if len(arguments) > 1 else extra["args"])
             return super().make_context(*arguments, **extra)
         except click.ClickException as error:
             _misused(error)

@@ -11,7 +11,7 @@ import click
 from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.cluster_commands import at_work
 from plumbline.harness.cli.gate import failures
-from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, fail_for, say, stop
+from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.installed import left_out
 from plumbline.harness.cli.options import agreed, limited
 from plumbline.harness.cli.own_import import refuse_two_frictions, scene_to_run
@@ -37,6 +37,12 @@ def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str
     return index, count
 
 
+def _parse_address(_context: click.Context, _parameter: click.Parameter, text: str | None) -> str | None:
+    if text is not None and not re.fullmatch(r"(\w+://)?[^/\s]+:[0-9]{1,5}", text):
+        raise click.BadParameter(f"{quoted(text)}, expected the address of a scheduler, like tcp://HOST:8786")
+    return text
+
+
 def _once(name: str, given: "Sequence[str]") -> None:
     """Refuse an option's value that is given twice."""
     from plumbline.harness.study.roll_call import twice
@@ -50,7 +56,9 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float
     from plumbline.harness.study.own_scene import study_of
 
     if own:
-        case = plugins.case(f"{plugins.SCENE_PREFIX}{Path(name).resolve()}")
+        path = str(Path(name).resolve())
+        check_words([path])
+        case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
         if globs:
             raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
         return study_of(case, budget), {case.name: case}
@@ -127,7 +135,12 @@ class _Resumable(click.Command):
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The run folder [build/STUDY].")
 @click.option("--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Accuracy runs side by side.")
-@click.option("--scheduler", metavar="ADDRESS", help="Run on the workers of a dask.distributed scheduler, tcp://HOST:PORT.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    callback=_parse_address,
+    help="Run on the workers of a dask.distributed scheduler, tcp://HOST:PORT.",
+)
 @click.option("--shard", default="1/1", callback=_parse_shard, metavar="I/N", help="Only the I-th of N parts.")
 @click.option("--resume", "resume", flag_value="same", help="Go on with a stopped run; =merge: with another study.")
 @click.option(_MERGE, "resume", flag_value="merge", hidden=True)

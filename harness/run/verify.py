@@ -200,8 +200,12 @@ def _truths(folder: Path) -> Iterator[Problem]:
             continue
         try:
             require_seal(path, disk.read(path))
-        except Damaged as error:
-            yield Problem(path, str(error), "--resume removes it, and it is made again when it is wanted")
+        except (Damaged, OSError) as error:
+            yield Problem(
+                path,
+                getattr(error, "strerror", None) or str(error),
+                "--resume removes it, and it is made again when it is wanted",
+            )
 
 
 def _imports(folder: Path) -> Iterator[Problem]:

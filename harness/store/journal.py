@@ -106,17 +106,18 @@ class Chain:
                     raise ValueError(f"brings back trial {trial}, which was not withdrawn")
                 self.restore(trial)
                 del self.withdrawn[trial]
+        elif not isinstance(name := content.get("trial"), str):
+            raise ValueError(f"holds no {kind} of a trial: got {str(name)[:80]!r} for its name")
         elif kind == "accuracy":
-            if self.holds(content["trial"]):
-                raise ValueError(f"holds trial {content['trial']} a second time")
+            if self.holds(name):
+                raise ValueError(f"holds trial {name} a second time")
             self.answer(content)
-            self.withdrawn.pop(content["trial"], None)
+            self.withdrawn.pop(name, None)
         else:
-            trial = content["trial"]
-            if not self.holds(trial):
-                raise ValueError(f"clocks trial {trial}, which has no record")
-            if self.clocked_on(trial) == content.get("clocked_on", ""):
-                raise ValueError(f"holds the timing of trial {trial} a second time")
+            if not self.holds(name):
+                raise ValueError(f"clocks trial {name}, which has no record")
+            if self.clocked_on(name) == content.get("clocked_on", ""):
+                raise ValueError(f"holds the timing of trial {name} a second time")
             self.time(content)
 
     def holds(self, trial: str) -> bool:

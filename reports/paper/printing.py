@@ -2,10 +2,10 @@
 
 import os
 import shutil
-import subprocess
 from pathlib import Path
 from typing import ClassVar, Literal
 
+from plumbline.harness.intake.bounded import bounded
 from plumbline.harness.intake.mendable import Mendable
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.store import Store
@@ -57,6 +57,12 @@ def _order(report: Path) -> list[Path]:
     return sorted(files, key=lambda path: (places.get(path.name, len(places)), path.name))
 
 
+def _is_pdf(path: Path) -> bool:
+    """Does it begin and end as one does? Source: ISO 32000-1, 7.5.2 and 7.5.5: the end stands in the last kilobyte."""
+    content = path.read_bytes() if path.is_file() else b""
+    return content.startswith(b"%PDF-") and b"%%EOF" in content[-1024:]
+
+
 def print_report(store: Store, report: Path, out: Path) -> Path:
     """Write the PDF of the pages in `report`; returns its path. Raises: NotPrinted, OSError."""
     program, report = browser(), report.resolve()  # a browser takes addresses from the root alone
@@ -70,20 +76,11 @@ def print_report(store: Store, report: Path, out: Path) -> Path:
         command += [f"--user-data-dir={profile}", "--no-pdf-header-footer", "--generate-pdf-document-outline"]
         # A browser of the super-user, as in containers, starts without its sandbox alone; the page runs no script.
         command += ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
-        done = subprocess.run(
-            [*command, f"--print-to-pdf={draft}", page.as_uri()],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=LONGEST,
-            check=False,
-        )
-        if done.returncode or not draft.is_file():
-            said = done.stderr.decode(errors="replace").strip().splitlines()
-            raise NotPrinted(f"{program} ended with exit code {done.returncode} and no PDF: {said[-1] if said else 'no word'}")
+        ended = bounded([*command, f"--print-to-pdf={draft}", page.as_uri()], LONGEST)
+        if ended.code != 0 or not _is_pdf(draft):
+            raise NotPrinted(f"{program} {ended.how} and no PDF: {ended.last_words or 'no word'}")
         out.parent.mkdir(parents=True, exist_ok=True)
         put_in_place(draft, out)
-    except subprocess.TimeoutExpired:
-        raise NotPrinted(f"{program} took longer than {LONGEST:.0f} s") from None
     finally:
         page.unlink(missing_ok=True)
         draft.unlink(missing_ok=True)

@@ -1,7 +1,6 @@
 """Whether a finding is still there, and whether its mend cures it: its script, run alone in a fresh process."""
 
 import re
-import subprocess
 import sys
 import tempfile
 import time
@@ -10,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.intake.bounded import bounded
 
 SECONDS = 60.0
 """After which a script counts as hung: six times what one may take on a machine that does nothing else."""
@@ -64,27 +64,25 @@ def _version(finding: Finding, python: str) -> str:
     """Of the package that the script's first requirement names, in whichever interpreter runs it."""
     package = finding.requires[0].partition("=")[0] if finding.requires else finding.engine
     command = f"import importlib.metadata as m; print(m.version({package!r}))"
-    done = subprocess.run([python, "-I", "-c", command], capture_output=True, text=True, timeout=SECONDS, check=False)
-    return done.stdout.strip()
+    return bounded([python, "-I", "-c", command], SECONDS).out.decode("utf-8", "replace").strip()
 
 
 def _answer(finding: Finding, python: str, *arguments: str) -> tuple[Verdict, str, str]:
     """Verdict, figure or reason, and all that was printed."""
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            command = [python, "-I", str(finding.script), *arguments]
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False)
-    except subprocess.TimeoutExpired:
+    with tempfile.TemporaryDirectory() as folder:
+        ended = bounded([python, "-I", str(finding.script), *arguments], SECONDS, cwd=folder)
+    printed = ended.out.decode("utf-8", "replace")
+    if ended.code is None:
         return "failed", f"no answer within {SECONDS:g} s", ""
     # A vendor's library may end its own lines on the console without a line break.
-    last = done.stdout.rstrip().rpartition("\n")[2]
+    last = printed.rstrip().rpartition("\n")[2]
     for verdict in get_args(Verdict)[:3]:
         _, said, figure = last.partition(f"{verdict}: ")
-        if done.returncode == 0 and said:
-            return verdict, figure, done.stdout
-    why = (done.stderr.strip() or done.stdout.strip() or "no output").rpartition("\n")[2]
-    reason = why if done.returncode >= 0 else f"ended by signal {-done.returncode}"
-    return "unavailable" if why.startswith(_UNAVAILABLE) else "failed", reason, done.stdout
+        if ended.code == 0 and said:
+            return verdict, figure, printed
+    why = ended.last_words or "no output"
+    reason = why if ended.code >= 0 else f"ended by signal {-ended.code}"
+    return "unavailable" if why.startswith(_UNAVAILABLE) else "failed", reason, printed
 
 
 def ask(finding: Finding, python: str = sys.executable) -> Standing:

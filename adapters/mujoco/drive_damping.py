@@ -8,6 +8,7 @@ from plumbline.adapters.mujoco.rates import resisted
 from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
 from plumbline.adapters.mujoco.world import World
+from plumbline.harness.adapter import Unsupported
 from plumbline.harness.trajectory import Floats
 
 
@@ -59,4 +60,8 @@ def _largest(inertia: Floats, own: Floats) -> float:
         return 0.0
     root = np.zeros((len(own), len(at)))
     root[at, np.arange(len(at))] = np.sqrt(own[at])
-    return float(np.linalg.eigvalsh(root.T @ np.linalg.solve(inertia, root))[-1])
+    try:
+        return float(np.linalg.eigvalsh(root.T @ np.linalg.solve(inertia, root))[-1])
+    except np.linalg.LinAlgError as error:
+        why = f"the inertias of the coordinates lie too far apart for double precision ({error})"
+        raise Unsupported("drives", why) from None

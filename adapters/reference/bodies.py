@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from plumbline.adapters.reference.shapes import engine_shape
 from plumbline.harness.scene import Body, Effect
 
@@ -16,10 +18,11 @@ def engine_body(body: Body, effects: Effect) -> "engine.Body":
     from plumbline import engine
 
     v_WB, w_WB = body.velocity_at_start
+    inertia = np.array(body.inertia)
     return engine.Body(
         name=body.name,
         mass=body.mass,
-        inertia=body.inertia,
+        inertia=(inertia + inertia.T) / 2,  # that of a scene may be off by a rounding
         shapes=tuple(engine_shape(placed) for placed in body.collision),
         visual=None if body.visual is None else tuple(engine_shape(placed) for placed in body.visual),
         material=body.material,

@@ -2,11 +2,14 @@
 
 import datetime
 import json
+import math
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
+from plumbline.harness.intake.magnitude import LARGEST, wrong_size
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.intake.valid_keys import valid_keys
@@ -17,6 +20,8 @@ MOST = 20
 UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
 """What pydantic calls a key that a table does not have: of a dataclass, of a model."""
 
+_LARGE = re.compile(r"e\+\d{2,3}\b|\d{60}")
+"""What a number beyond `LARGEST` is written with, as others may be."""
 T = TypeVar("T")
 Path = tuple[str | int, ...]
 
@@ -34,6 +39,8 @@ def filled(form: TypeAdapter[T], document: Any, source: str) -> T:
         text = json.dumps(document)
     except (TypeError, ValueError, RecursionError):
         raise _strange(document, source) from None
+    if _LARGE.search(text) and (large := next(_large(document, ()), None)):
+        raise FieldError(f"{source}: {_place(document, large[0])}: got {quoted(large[1])}, {wrong_size(large[1])}")
     try:
         return form.validate_json(text, strict=True)
     except ValidationError as error:
@@ -79,6 +86,15 @@ def _place(document: Any, path: Path) -> str:
         else:
             words.append(readable(str(key).replace("\n", "\\n"), 80))
     return readable(" > ".join(words), 400)
+
+
+def _large(value: Any, path: Path) -> Iterator[tuple[Path, float]]:
+    """The numbers that are larger than any may be."""
+    if isinstance(value, dict | list):
+        for name, element in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _large(element, (*path, name))
+    elif isinstance(value, int | float) and LARGEST < abs(value) < math.inf:
+        yield path, value
 
 
 def _strange(document: Any, source: str) -> FieldError:

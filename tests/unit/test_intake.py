@@ -126,7 +126,7 @@ def test_a_table_that_is_none_is_named(content: bytes | None, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("told", "words"),
     [
-        ("experiments = 5", "expected a list"),
+        ("experiments = 5", "experiments: Input should be a valid list"),
         ("[[experiments]]\nname = 'e'\nsweep = 'x'", "sweep"),
         ("experiments = [5]", "5"),
     ],

@@ -5,9 +5,10 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from html.parser import HTMLParser
 from pathlib import Path
-from threading import Event
+from time import sleep
 
 import pandas as pd
 import pytest
@@ -16,6 +17,7 @@ from plumbline import reports
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.findings.vendor.shelf import shelf
 from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.seal import sealed_toml
 from plumbline.harness.store.store import Store
 from plumbline.reports.html import report as html
 from plumbline.reports.html.policy import guarded
@@ -176,19 +178,24 @@ def test_a_page_that_fails_says_so_and_the_others_stand(report: Path, monkeypatc
     assert all(written(made[name]) == whole[name].read_bytes() for name in made if name.endswith(".html"))
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A picture of which a file says that it has been begun."""
+
+    begun: Path
+
+    def kept(self, _: Path) -> bytes:
+        self.begun.touch()
+        return b"drawn"
+
+
 def test_a_picture_is_drawn_while_the_page_that_hands_it_on_is_still_made(
-    report: Path, monkeypatch: pytest.MonkeyPatch
+    report: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun = Event()
-
-    class Drawn:
-        def kept(self, _: Path) -> bytes:
-            begun.set()
-            return b"drawn"
-
     def render(_: Store) -> Iterator[tuple[str, Rendered]]:
-        yield "charts/x.svg", Drawn()
-        yield "x.html", "early" if begun.wait(60) else "late"
+        yield "charts/x.svg", Drawn(tmp_path / "begun")
+        begun = any((tmp_path / "begun").exists() or sleep(0.01) for _ in range(6000))
+        yield "x.html", "early" if begun else "late"
 
     monkeypatch.setattr(html, "pages", lambda: (Page(name="x", title="X", order=0, render=render),))
     assert html.rendered(Store(report.parent)) == {"charts/x.svg": b"drawn", "x.html": "early"}
@@ -266,7 +273,7 @@ def test_pages_of_a_folder_without_its_catalogue_say_what_is_missing_and_what_to
     folder.add(record("flight_box", "mujoco"))
     folder.add(record("flight_box", "mujoco", alteration={"name": EVERYTHING}))
     folder.journal.close()
-    (folder.path / "study.toml").write_text(LIMITED, encoding="utf-8")
+    (folder.path / "study.toml").write_bytes(sealed_toml("study.toml", LIMITED))
     texts = html.rendered(Store(folder.path))
     for page in ("limits", "effects"):
         text = str(texts[f"{page}.html"])

@@ -191,6 +191,8 @@ def _coordinate(
             friction_loss=friction_loss,
         )
     axis = np.array(model.jnt_axis[j], dtype=np.float64)
+    if not np.linalg.norm(axis) > 0:
+        raise RobotError(f"{where}: axis {axis.tolist()}, expected a direction")
     return Coordinate(
         name=name,
         kind=kind,

@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.import_wishes import Drop
+from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
@@ -24,6 +25,7 @@ _REMOVED = {
     "visual": "the look of the viewer",
     "statistic": "the view of the viewer",
 }
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _STRANGE = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,8}")
 
@@ -166,6 +168,8 @@ def _check_numbers(element: Element) -> None:
         for word in value.split():
             if _STRANGE.fullmatch(word):
                 raise element.refuse(f"{name} is {quoted(value)}, expected finite numbers")
+            if _NUMBER.fullmatch(word) and (wrong := wrong_size(float(word))):
+                raise element.refuse(f"{name} is {quoted(value)}, {wrong}")
 
 
 def _counted(element: Element, budget: _Budget, times: int) -> int:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.near_miss import misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers.xml_text import Element
@@ -140,6 +141,8 @@ def numbers(
         expected = " or ".join(str(count) for count in counts)
         what = "" if infinite else "finite "
         raise stated.refuse(f"is {quoted(stated.text.strip(), 80)}, expected {expected} {what}number{'s' * (counts != (1,))}")
+    if wrong := next(filter(None, map(wrong_size, filter(math.isfinite, values))), ""):
+        raise stated.refuse(f"is {quoted(stated.text.strip(), 80)}, {wrong}")
     return values
 
 

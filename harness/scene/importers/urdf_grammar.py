@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.near_miss import did_you_mean, misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers.xml_text import Element
@@ -136,6 +137,8 @@ def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tupl
         values = (math.nan,)
     if not all(map(math.isfinite, values)):
         raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
+    if wrong := next(filter(None, map(wrong_size, values)), ""):
+        raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
     return values
 
 

@@ -203,13 +203,20 @@ def _form(element: Element) -> Element:
 def _primitive(form: Element) -> Shape:
     """The shape of a box, a sphere or a cylinder."""
     if form.tag == "box":
-        x, y, z = (side / 2 for side in numbers(form, "size", (3,)) or ())
+        x, y, z = (_half(form, "size", side) for side in numbers(form, "size", (3,)) or ())
         return Box(half_extents=(x, y, z))
     (radius,) = numbers(form, "radius") or ()
     if form.tag == "sphere":
         return Sphere(radius=radius)
     (length,) = numbers(form, "length") or ()
-    return Cylinder(radius=radius, half_length=length / 2)
+    return Cylinder(radius=radius, half_length=_half(form, "length", length))
+
+
+def _half(form: Element, name: str, side: float) -> float:
+    """Half of a length above 0, which is above 0 too. Raises: RobotError."""
+    if side > 0 and not side / 2:
+        raise form.refuse(f"{name} is {side:g}, expected lengths of which there is a half")
+    return side / 2
 
 
 def _scale(mesh: Element) -> tuple[float, float, float]:

@@ -238,7 +238,8 @@ _NAME = re.compile(r"[0-9A-Za-z_-]{1,64}")
 def _read(of: type[Entry], plain: Mapping[str, Any]) -> Entry:
     """What a journal tells, each field of its type; fields that are not known are passed over. Raises: ValueError."""
     entry: Entry = checked(of, plain, of.__name__.lower())
-    names = (entry.trial, getattr(entry, "trajectory_hash", None))
-    if wrong := [name for name in names if name is not None and not _NAME.fullmatch(name)]:
-        raise ValueError(f"holds the name {wrong[0][:80]!r}, expected letters and digits")
+    for field_name in ("trial", "trajectory_hash"):
+        name = getattr(entry, field_name, None)
+        if name is not None and not _NAME.fullmatch(name):
+            raise ValueError(f"holds the {field_name} {name[:80]!r}, expected letters and digits")
     return entry

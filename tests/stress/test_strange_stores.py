@@ -120,9 +120,9 @@ WRONG: dict[str, tuple[Change, str]] = {
     "parameters that are a list": (set_in("accuracy", "parameters", []), "parameters: "),
     "a trajectory outside": (
         set_in("accuracy", "trajectory_hash", "../../../etc/passwd"),
-        "holds the name '../../..",
+        "holds the trajectory_hash '../../..",
     ),
-    "a trial outside": (set_in("accuracy", "trial", "../../x"), "holds the name '../../x'"),
+    "a trial outside": (set_in("accuracy", "trial", "../../x"), "holds the trial '../../x'"),
     "samples that are numbers": (set_in("accuracy", "samples", [1, 2]), "samples.0: "),
     "a session without a study": (drop_from("session", "study"), "study: Field required"),
     "a session of no trials": (set_in("session", "trials", None), "trials: "),

@@ -58,6 +58,10 @@ def too_many_faces(kind: str, raw: bytes) -> str:
     return beyond("vertices", count, "faces")
 
 
+_ZEROTH = re.compile(rb"^f[ \t](?:[^\n]*[ \t])?[+-]?0+(?=[/\s]|$)", re.MULTILINE)
+"""A face of an OBJ with a vertex of number 0, which some readers take for the last one: vertices count from 1, or back from -1."""
+
+
 def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
     """The mesh of a file, all its parts together, times a scale (3,) that may be negative.
 
@@ -69,6 +73,9 @@ def load_mesh(path: Path, scale: Array, where: str) -> Mesh:
     raw = content(path, where, "meshes")
     if reason := too_many_faces(kind, raw):
         raise RobotError(f"{where}: {named(path)}: {reason}")
+    if kind == ".obj" and (face := _ZEROTH.search(raw)):
+        line = raw.count(b"\n", 0, face.start()) + 1
+        raise RobotError(f"{where}: {named(path)}: line {line}: a face names vertex 0, expected numbers from 1 on")
     if kind == ".dae":
         elements(raw.decode("utf-8", "replace"), f"{where}: {named(path)}")
 

@@ -59,7 +59,7 @@ def too_many_faces(kind: str, raw: bytes) -> str:
 
 
 _ZEROTH = re.compile(rb"^f[ \t](?:[^\n]*[ \t])?[+-]?0+(?=[/\s]|$)", re.MULTILINE)
-"""A face of an OBJ with a vertex of number 0, which some readers take for the last one: vertices count from 1, or back from -1."""
+"""A face of an OBJ with vertex 0, which some readers take for the last one: vertices count from 1, or back from -1."""
 
 
 def load_mesh(path: Path, scale: Array, where: str) -> Mesh:

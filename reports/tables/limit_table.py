@@ -23,7 +23,7 @@ VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the e
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Where one engine ends: in words, why, and what hovering says. curve: its error along the axis, as points of a polyline."""
+    """Where one engine ends: in words, why, and what hovering says. curve: its error along the axis, as points of a line."""
 
     reach: float
     text: str

@@ -210,8 +210,8 @@ def _prepared(environment: Environment | None) -> Iterator[None]:
         library.get_executable = lambda: os.fsencode(environment.executable)
 
     def prepared(name: str) -> dict[str, Any]:
-        told = {key: value for key, value in usual[1](name).items() if key not in _MAIN}
-        return told if environment is None else told | {"sys_path": ordered}
+        data = {key: value for key, value in usual[1](name).items() if key not in _MAIN}
+        return data if environment is None else data | {"sys_path": ordered}
 
     library.get_preparation_data = prepared
     try:

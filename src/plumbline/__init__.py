@@ -71,9 +71,9 @@ def __getattr__(name: str) -> Any:
     """A public name, whose room is loaded when it is first asked for: `import plumbline` itself loads nothing."""
     if name not in _WHERE:
         raise AttributeError(f"module 'plumbline' has no attribute {name!r}")
-    found = getattr(import_module(f"plumbline.{_WHERE[name]}"), "open_results" if name == "open" else name)
-    globals()[name] = found
-    return found
+    value = getattr(import_module(f"plumbline.{_WHERE[name]}"), "open_results" if name == "open" else name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -17,6 +17,6 @@ def _columns() -> Mapping[str, Mapping[str, tuple[str, str]]]:
 def described(table: str, frame: pd.DataFrame) -> pd.DataFrame:
     """A copy with the unit and the meaning of each column in `attrs`; of a table without such texts, two empty mappings."""
     frame, about = frame.copy(), _columns().get(table, {})
-    for place, key in enumerate(("units", "columns")):
-        frame.attrs[key] = {str(name): about[name][place] for name in frame.columns if name in about}
+    for index, key in enumerate(("units", "columns")):
+        frame.attrs[key] = {str(name): about[name][index] for name in frame.columns if name in about}
     return frame

@@ -54,8 +54,8 @@ def run(
     version, unavailable = plugins.version_of(adapter)
     folder = TemporaryDirectory(prefix="plumbline-run-")
     case = case_of(what, Path(folder.name), duration, dt, options)
-    asked = {"dt": case.dt if dt is None else dt, "track": track, "deadline": deadline, "memory": memory}
-    trial = _trial(case, adapter, version, parameters or {}, asked)
+    settings = {"dt": case.dt if dt is None else dt, "track": track, "deadline": deadline, "memory": memory}
+    trial = _trial(case, adapter, version, parameters or {}, settings)
     if unavailable is not None:
         from plumbline.harness.trial.accuracy import outcome
 
@@ -69,7 +69,9 @@ def run(
     return Run(record, trial.scene(case), case, adapter, folder)
 
 
-def _trial(case: "Case", adapter: "Adapter", version: str, parameters: Mapping[str, Any], asked: Mapping[str, Any]) -> "Trial":
+def _trial(
+    case: "Case", adapter: "Adapter", version: str, parameters: Mapping[str, Any], settings: Mapping[str, Any]
+) -> "Trial":
     """The one trial, every step of which is kept. Raises: StudyError."""
     from pydantic import TypeAdapter
 
@@ -81,15 +83,15 @@ def _trial(case: "Case", adapter: "Adapter", version: str, parameters: Mapping[s
 
     for name in parameters:
         if name not in case.parameters:
-            known = ", ".join(case.parameters) or "none"
+            names = ", ".join(case.parameters) or "none"
             near = did_you_mean(name, case.parameters)
-            raise StudyError(f"case {quoted(case.name)}: parameter {quoted(name)}: unknown, expected one of {known}{near}")
+            raise StudyError(f"case {quoted(case.name)}: parameter {quoted(name)}: unknown, expected one of {names}{near}")
     table = {
         "name": "run",
-        "tracks": [asked["track"]],
-        "dt": [asked["dt"]],
-        "deadline": asked["deadline"],
-        "memory": asked["memory"],
+        "tracks": [settings["track"]],
+        "dt": [settings["dt"]],
+        "deadline": settings["deadline"],
+        "memory": settings["memory"],
         "parameters": {name: [value] for name, value in parameters.items()},
         "timing": False,
     }

@@ -39,11 +39,11 @@ class ImportOptions(TypedDict, total=False):
 
 
 def _wishes(options: ImportOptions) -> Wishes:
-    known = tuple(ImportOptions.__annotations__)
+    names = tuple(ImportOptions.__annotations__)
     for name in options:
-        if name not in known:
+        if name not in names:
             raise RobotError(
-                f"import option {quoted(name)}: unknown, expected some of {', '.join(known)}{did_you_mean(name, known)}"
+                f"import option {quoted(name)}: unknown, expected some of {', '.join(names)}{did_you_mean(name, names)}"
             )
     try:
         wishes = filled(TypeAdapter(Wishes), dict(options), "import option")
@@ -131,5 +131,5 @@ def refuse_two_frictions(file: str, scene: "Scene", adapters: "Mapping[str, Adap
     raise RobotError(
         f"{named(file)}: surface {'/'.join(law.between)}: static_friction {law.static_friction:g} above kinetic_friction "
         f"{law.kinetic_friction:g}, which {', '.join(lacking)} cannot express; "
-        f"--one-friction (in Python one_friction=True) takes the kinetic one for both{others}"
+        f"--one-friction takes the kinetic one for both{others}; from Python, one_friction=True"
     )

@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -273,6 +274,21 @@ def test_wrong_questions_to_results_raise_it_too(results: plumbline.Results) -> 
     for asks, words in wrong:
         with pytest.raises(plumbline.PlumblineError, match=words):
             asks()
+
+
+BLOCKS = [
+    pytest.param(block, id=f"{page.stem}-{number}")
+    for page in (ROOT / "README.md", ROOT / "docs" / "python.md")
+    for number, block in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL))
+]
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_what_the_pages_show_of_python_runs_as_it_stands(block: str, tmp_path: Path) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    done = python(block, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
 
 
 def test_the_options_of_robots_are_those_of_the_command_line() -> None:

@@ -10,6 +10,7 @@
     study = plumbline.open("build/compare")                               # the same, later
     study.trials, study.prices                                            # DataFrames; units and meanings in .attrs
     plumbline.select(study, need=["friction"], error=0.01)                # the ranking with its doubt
+    plumbline.published()                                                 # a study that ships with the package
 
 A scene is built of the nouns that its TOML has, in SI units and radians:
 
@@ -29,6 +30,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from plumbline.api.compare import compare as compare
     from plumbline.api.motion import Run as Run
+    from plumbline.api.published import open_published as published  # noqa: F401  # the name of the interface
     from plumbline.api.ranking import Ranking as Ranking
     from plumbline.api.ranking import select as select
     from plumbline.api.results import Results as Results
@@ -53,6 +55,7 @@ _WHERE = {
     "run": "api.run",
     "compare": "api.compare",
     "open": "api.results",
+    "published": "api.published",
     "select": "api.ranking",
     "load": "api.sources",
     "to_toml": "harness.scene.file",
@@ -63,6 +66,8 @@ _WHERE = {
     **dict.fromkeys(_NOUNS, "harness.scene"),
 }
 """The room of each public name."""
+_CALLED = {"open": "open_results", "published": "open_published"}
+"""What it is called there, if not the same."""
 
 __all__ = [*_WHERE]
 
@@ -71,7 +76,7 @@ def __getattr__(name: str) -> Any:
     """A public name, whose room is loaded when it is first asked for: `import plumbline` itself loads nothing."""
     if name not in _WHERE:
         raise AttributeError(f"module 'plumbline' has no attribute {name!r}")
-    value = getattr(import_module(f"plumbline.{_WHERE[name]}"), "open_results" if name == "open" else name)
+    value = getattr(import_module(f"plumbline.{_WHERE[name]}"), _CALLED.get(name, name))
     globals()[name] = value
     return value
 

@@ -41,10 +41,11 @@ def compare(
         budget [s]: CPU time of that ladder, 90 s if None.
         workers: accuracy runs side by side; timing runs take turns.
         resume: keep what the folder holds of the same study and still stands; False refuses a folder that holds a run.
-        report: write the HTML report and, if the study has them, the recordings.
+        report: write the HTML report and, if the study has them, the recordings, beside the summary.
         options: how a robot file becomes a scene: root, scenario, start, drop, packages, convex, one_friction, strict.
     Raises: PlumblineError, with file, element, value and what was expected.
     """
+    from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.run.campaign import carry_out
     from plumbline.harness.study.experiment import StudyError
     from plumbline.harness.study.own_scene import study_of
@@ -64,6 +65,8 @@ def compare(
     store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=resume)
     if report:
         present(store, plan.recordings)
+    else:
+        write_summary(store)
     return Results(store)
 
 

@@ -13,7 +13,7 @@ from plumbline.api.present import present
 from plumbline.harness.cli.cluster_commands import at_work
 from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, fail_for, say, stop
-from plumbline.harness.cli.options import limited
+from plumbline.harness.cli.options import agreed, limited
 from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
@@ -97,6 +97,7 @@ class _Resumable(click.Command):
 @robot_options
 @run_options
 @limited
+@agreed
 def run(
     study: str,
     engine_names: tuple[str, ...],
@@ -107,6 +108,7 @@ def run(
     shard: tuple[int, int],
     resume: Literal["same", "merge"] | None,
     budget: float | None,
+    agreed: bool,
     **robot: Any,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
@@ -123,7 +125,7 @@ def run(
         plan, chosen = _study_and_cases(study, own, globs, budget)
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
-    adapters = chosen_engines(engine_names)
+    adapters = chosen_engines(engine_names, agreed)
     if own:
         from plumbline.api.sources import refuse_two_frictions
 

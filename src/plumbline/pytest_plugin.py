@@ -148,11 +148,16 @@ def _items(session: pytest.Session, engine: str) -> Iterator[_Item]:
     from plumbline.harness.conformance import CHECKS
     from plumbline.harness.intake.error import PlumblineError
     from plumbline.harness.study import plugins
+    from plumbline.harness.study.environments import home_of
 
     try:
         adapter = plugins.adapter(engine)
     except PlumblineError as error:
         raise pytest.UsageError(f"--plumbline: {error}") from None
+    if home_of(engine) is not None:
+        raise pytest.UsageError(
+            f"--plumbline {engine}: it lives in an environment of its own; plumbline check {engine} asks it"
+        )
     if reason := plugins.version_of(adapter)[1]:
         raise pytest.UsageError(f"--plumbline {engine}: unavailable: {reason}")
     cases = [(case, _marks_of_case(case)) for case in plugins.cases().values()]

@@ -25,6 +25,7 @@ def compare(
     workers: int = 2,
     resume: bool = True,
     report: bool = True,
+    install: bool = False,
     **options: Unpack[ImportOptions],
 ) -> Results:
     """Run a scene, a robot or a study on several engines, clock them, and keep all of it in a run folder.
@@ -42,6 +43,7 @@ def compare(
         workers: accuracy runs side by side; timing runs take turns.
         resume: keep what the folder holds of the same study and still stands; False refuses a folder that holds a run.
         report: write the HTML report and, if the study has them, the recordings, beside the summary.
+        install: engines that Plumbline does not bring along, each in an environment of its own, unless it is there.
         options: how a robot file becomes a scene: root, scenario, start, drop, packages, convex, one_friction, strict.
     Raises: PlumblineError, with file, element, value and what was expected.
     """
@@ -50,7 +52,7 @@ def compare(
     from plumbline.harness.study.experiment import StudyError
     from plumbline.harness.study.own_scene import study_of
 
-    folder, adapters = Path(out), chosen_engines(engines)
+    folder, adapters = Path(out), chosen_engines(engines, install)
     if is_study(what):
         given = [name for name, value in (("duration", duration), ("dt", dt), ("budget", budget)) if value is not None]
         if given := [*given, *options]:

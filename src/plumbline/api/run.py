@@ -29,6 +29,7 @@ def run(
     track: str = "tuned",
     parameters: Mapping[str, Any] | None = None,
     isolated: bool = True,
+    install: bool = False,
     deadline: float = 60.0,
     memory: float = 4096.0,
     **options: Unpack[ImportOptions],
@@ -44,13 +45,14 @@ def run(
         parameters: of a case, by name; the others keep the case's own values.
         isolated: run in a process of its own: a crash, a hang or a want of memory of the engine is an outcome with its
             reason. False runs it in this process, where an engine's exception is raised as it is.
+        install: an engine that Plumbline does not bring along, in an environment of its own, unless it is there.
         deadline [s]: CPU time that an isolated run may take. memory [MB]: that it may take.
         options: how a robot file becomes a scene: root, scenario, start, drop, packages, convex, one_friction, strict.
     Raises: PlumblineError, with file, element, value and what was expected.
     """
     from plumbline.harness.study import plugins
 
-    (adapter,) = chosen_engines((engine,)).values()
+    (adapter,) = chosen_engines((engine,), install).values()
     version, unavailable = plugins.version_of(adapter)
     folder = TemporaryDirectory(prefix="plumbline-run-")
     case = case_of(what, Path(folder.name), duration, dt, options)

@@ -21,10 +21,10 @@ def publish(folder: Path, out: Path | None) -> None:
     from plumbline.harness.store.published import FOLDER, MOST_BYTES, publish
 
     store, target = opened(folder), out or FOLDER
-    found = [str(problem) for problem in problems(folder)]
-    for sentence in found:
+    problems_found = [str(problem) for problem in problems(folder)]
+    for sentence in problems_found:
         say(sentence, err=True)
-    if found:
+    if problems_found:
         sys.exit(MACHINE)
     total = publish(store, target)
     say(f"{target}: {total} of at most {MOST_BYTES} bytes, {len(store.trials)} trials")

@@ -17,13 +17,13 @@ _SAME = ("parameters", "engine", "track", "dt", "seed", "clocks", "workers")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """A trial whose verdict is another than the published one. Terms: published, here: statuses. trial: of this run."""
+    """A trial whose verdict is another than the published one. Terms: published, current: statuses. trial: of this run."""
 
     case: str
     track: str
     dt: float
     published: str
-    here: str
+    current: str
     trial: str
 
 
@@ -52,15 +52,15 @@ def beside_published(published: Store, store: Store) -> Mapping[str, Beside]:
         if all(pd.notna(row["cpu_per_unit"]) and row["cpu_per_unit"] > 0 and not row["unstable_timing"] for row in (then, now)):
             ratios.setdefault(now["engine"], []).append(now["cpu_per_unit"] / then["cpu_per_unit"])
     machine = median(ratio for of_engine in ratios.values() for ratio in of_engine) if ratios else None
-    versions, here = (_versions(each) for each in (published, store))
+    versions, current = (_versions(each) for each in (published, store))
     besides = {}
-    for engine in dict.fromkeys([*versions, *here]):
+    for engine in dict.fromkeys([*versions, *current]):
         mine = [(then, now) for then, now in pairs if now["engine"] == engine]
         differing = [(then, now) for then, now in mine if then["status"] != now["status"]]
         besides[engine] = Beside(
             engine=engine,
             version=versions.get(engine, ""),
-            version_here=here.get(engine, ""),
+            version_here=current.get(engine, ""),
             same=len(mine),
             differences=tuple(
                 Difference(
@@ -68,7 +68,7 @@ def beside_published(published: Store, store: Store) -> Mapping[str, Beside]:
                     track=now["track"],
                     dt=float(now["dt"]),
                     published=then["status"],
-                    here=now["status"],
+                    current=now["status"],
                     trial=now["trial"],
                 )
                 for then, now in differing

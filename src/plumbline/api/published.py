@@ -31,6 +31,6 @@ def published_in_words(store: "Store") -> list[str]:
     for engine, version in dict(zip(store.trials["engine"], store.trials["engine_version"], strict=True)).items():
         installed, reason = plugins.version_of(plugins.adapter(engine)) if engine in names else ("none", "no adapter")
         if installed != version:
-            here = f"installed is {installed}" if reason is None else f"not installed ({reason})"
-            sentences.append(f"{store.titles.get(engine, engine)}: published with {version}, {here}.")
+            current = f"installed is {installed}" if reason is None else f"not installed ({reason})"
+            sentences.append(f"{store.titles.get(engine, engine)}: published with {version}, {current}.")
     return sentences

@@ -6,7 +6,7 @@ import click
 
 from plumbline.harness.cli.guard import GATE, say, stop
 from plumbline.harness.cli.listing import print_json, print_table
-from plumbline.harness.cli.options import json_rows
+from plumbline.harness.cli.options import agreed, json_rows
 from plumbline.harness.cli.seconds import DAY, Age
 
 _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed": 4}
@@ -49,13 +49,6 @@ def _prune(older: float, dry_run: bool) -> None:
     say(f"{len(old)} environments: {sum(each.bytes for each in old) / 2**20:.1f} MB {freed}")
 
 
-def left_out(*kinds: str) -> list[str]:
-    """Third parties' plug-ins of these kinds that cannot be loaded, in words."""
-    from plumbline.harness.study import plugins
-
-    return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in plugins.left_out(kind).items()]
-
-
 @click.command()
 @json_rows
 def cases(as_json: bool) -> None:
@@ -64,7 +57,7 @@ def cases(as_json: bool) -> None:
     from plumbline.harness.study.catalogue import describe_case
 
     catalogue = plugins.cases().values()
-    for sentence in left_out("cases"):
+    for sentence in plugins.left_out_in_words("cases"):
         say(sentence, err=True)
     if as_json:
         print_json([describe_case(case) for case in catalogue])
@@ -81,23 +74,25 @@ def cases(as_json: bool) -> None:
 @click.option("--track", "tracks", multiple=True, type=click.Choice(["default", "tuned"]), help="Only this track.")
 @click.option("--verbose", is_flag=True, help="Each check on each track, with what passed and what is not claimed.")
 @json_rows
-def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) -> None:
+@agreed
+def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, agreed: bool) -> None:
     """Put one adapter, built in or third-party, through the conformance kit; also ENGINE==VERSION or ENGINE=FILE.whl."""
     from dataclasses import asdict
 
-    from plumbline.harness.cli.chosen_engines import chosen_engines
+    from plumbline.api.engines import chosen_engines
     from plumbline.harness.conformance import gate, run_conformance
     from plumbline.harness.conformance.apart import outcomes_in
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.environments import environment_of
+    from plumbline.harness.study.engine_versions import version_asked
+    from plumbline.harness.study.environments import home_of
 
-    ((name, adapter),) = chosen_engines((engine,)).items()
-    environment = environment_of(name) if name != engine else None
+    ((name, adapter),) = chosen_engines((engine,), agreed).items()
+    environment = home_of(name)
     chosen = tracks or ("default", "tuned")
     if environment is not None and environment.executable:
         # Also where the smoke checks say no: the kit names all that does.
-        version = environment.version
-        title, outcomes = adapter.title, outcomes_in(environment, name, chosen)
+        title = adapter.title if version_asked(name) else f"{adapter.title} {environment.version}"
+        outcomes = outcomes_in(environment, name, chosen)
     else:
         version, reason = plugins.version_of(adapter)
         if reason is not None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 
 _VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.!+_-]{0,49}")
@@ -16,22 +16,26 @@ _DIGITS = 12
 """Of a wheel's digest in its version: two builds that call themselves the same are two engines."""
 
 
-class VersionError(Mendable):
+class VersionError(PlumblineError):
     """A version of an engine that cannot be meant; the message says what was given and what is expected."""
 
 
 @dataclass(frozen=True, slots=True)
 class EngineVersion:
-    """One version of an engine. Terms: engine: the adapter's name. wheel: the file that holds it; None where an index does."""
+    """One version of an engine.
+
+    Terms: engine: the adapter's name. version: '' for the one that the adapter's lock file pins. wheel: the file that holds it;
+    None where an index does.
+    """
 
     engine: str
-    version: str
+    version: str = ""
     wheel: Path | None = None
 
     @property
     def name(self) -> str:
         """What it is called in records, tables and pages."""
-        return f"{self.engine} {self.version}"
+        return f"{self.engine} {self.version}".rstrip()
 
 
 def version_wanted(text: str) -> EngineVersion | None:

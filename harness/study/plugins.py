@@ -16,7 +16,7 @@ from typing import Any
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from plumbline.harness.case import Case
 from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.strangers import points, trouble
 from plumbline.harness.scene import Scene
@@ -27,7 +27,7 @@ _LONGEST_VERSION = 100
 SCENE_PREFIX = OWN
 
 
-class PluginError(Mendable):
+class PluginError(PlumblineError):
     """A plug-in that breaks its contract; the message names it and what was expected."""
 
 
@@ -164,15 +164,24 @@ def left_out(kind: str) -> dict[str, str]:
     return {name: reason for name, point in points(f"plumbline.{kind}").items() if (reason := trouble(point))}
 
 
+def left_out_in_words(*kinds: str) -> list[str]:
+    """The same of these kinds, a sentence each."""
+    return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in left_out(kind).items()]
+
+
 def version_of(engine: Adapter) -> tuple[str, str | None]:
     """The installed version and None, or 'none' and the reason why the engine is unavailable.
 
     Of an engine in an environment of its own, what was found there when that was made.
     """
+    environment = environments.home_of(engine.name)
+    if environment is not None:
+        return ("none", environment.reason) if environment.reason else (environment.version, None)
     if version_asked(engine.name) and not environments.inside():
-        environment = environments.environment_of(engine.name)
-        reason = environment.reason if environment else f"has no environment here; plumbline run --engine {asked(engine.name)}"
-        return ("none", reason) if environment is None or reason else (environment.version, None)
+        return "none", f"has no environment here; plumbline run --engine {asked(engine.name)}"
+    if engine.extra is not None and not environments.installed(engine.distribution):
+        why = engine.extra.hindrance or f"not installed: --engine {engine.name} --yes does so ({engine.extra.price})"
+        return "none", why
     try:
         version = engine.version()
         if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:

@@ -15,7 +15,7 @@ from plumbline.engine.respond.manifold_sweeps import as_found
 from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, softness_of
 from plumbline.engine.respond.substep import end_step
 from plumbline.engine.steps.count_step import count_step
-from plumbline.engine.steps.stages import Group, begin_world, meet, near_blows, release_world, solve_world
+from plumbline.engine.steps.stages import Effort, Group, begin_world, meet, near_blows, release_world, solve_world
 
 
 @template
@@ -47,12 +47,12 @@ def advance_contacts(
             mark(floats, ints)
         for substep in range(count[0, at.SUBSTEPS] if n > 0 or jointed else 0):
             strikes, held = begin_world(group, setting, held, soft, holding)
-            hurried, times = group.contacts, 0 if n == 0 else 1
+            near, times = group.contacts, 0 if n == 0 else 1
             if n > 0 and (strikes > 0 or (substep == 0 and count[0, at.NEW] > 0)):
                 times = FRESH_JOINTED if jointed else FRESH
                 if not jointed:
-                    hurried = near_blows(bodies.kind, hurried, group.hurried, count[0, at.STEPS] if substep == 0 else -1)
-            struck = solve_world(floats, ints, group, held, soft, hurried, times, visit, holding)
+                    near = near_blows(bodies.kind, near, group.hurried, count[0, at.STEPS] if substep == 0 else -1)
+            struck = solve_world(floats, ints, group, held, soft, Effort(near, times), visit, holding)
             release_world(floats, ints, group, held, soft, struck, visit, holding)
         end_step(group.contacts)
         if count_step(bodies.state, count) == DIVERGED:

@@ -53,6 +53,13 @@ class Group(NamedTuple):
     hurried: Ints
 
 
+class Effort(NamedTuple):
+    """Which contacts are swept `times` times as often as set, the others once. Terms: times: 0 where none is swept."""
+
+    near: Contacts
+    times: int
+
+
 @kernel
 def meet(floats: Floats, ints: Ints) -> int:
     """Keep the contacts of the last step where all bodies are still, else find those of this one. Returns: a status."""
@@ -114,35 +121,33 @@ def _solve(
     group: Group,
     held: Held,
     soft: Softness,
-    hurried: Contacts,
-    times: int,
+    effort: Effort,
     visit: Callable[..., None],
     holding: Callable[..., Held],
 ) -> bool:
     """Solve with the position error, drift, and relax.
 
-    Args: hurried: contacts that are swept `times` as often as set, the others once; none are swept where that is 0. visit:
-    does to contacts what is to be done to each, as `as_found`.
+    Args: visit: does to contacts what is to be done to each, as `as_found`.
     Returns: whether any is to rebound.
     """
     bodies, contacts, joints, rows, count = group.bodies, group.contacts, group.joints, group.rows, ints_of(ints, at.COUNT)
     share_loads(bodies, contacts, group.sums)
     visit(floats, ints, bodies, contacts, soft, PUSH)
     holding(bodies, joints, rows, held, NEW, soft.h)
-    for _ in range(count[0, at.ITERATIONS] if times > 0 else 0):
+    for _ in range(count[0, at.ITERATIONS] if effort.times > 0 else 0):
         visit(floats, ints, bodies, contacts, soft, PRESS)
         holding(bodies, joints, rows, held, KNOWN, soft.h)
-        for _ in range(times - 1):
-            visit(floats, ints, bodies, hurried, soft, PRESS)
+        for _ in range(effort.times - 1):
+            visit(floats, ints, bodies, effort.near, soft, PRESS)
             holding(bodies, joints, rows, held, KNOWN, soft.h)
     drift_all(bodies, group.touched, count, soft.h)
     visit(floats, ints, bodies, contacts, soft, TURN)
     share_loads(bodies, contacts, group.sums)
-    for _ in range(count[0, at.RELAXATIONS] if times > 0 else 0):
+    for _ in range(count[0, at.RELAXATIONS] if effort.times > 0 else 0):
         visit(floats, ints, bodies, contacts, soft, RELAX)
         holding(bodies, joints, rows, held, KNOWN, soft.h)
-        for _ in range(times - 1):
-            visit(floats, ints, bodies, hurried, soft, RELAX)
+        for _ in range(effort.times - 1):
+            visit(floats, ints, bodies, effort.near, soft, RELAX)
             holding(bodies, joints, rows, held, KNOWN, soft.h)
     return bounce(contacts)
 

@@ -4,21 +4,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from plumbline.adapters.sapien.bodies import Bodies, check_body
 from plumbline.adapters.sapien.joints import Articulated, constrain, holder
 from plumbline.adapters.sapien.options import resolved_settings
 from plumbline.adapters.sapien.simulation import SapienSimulation, World
 from plumbline.adapters.sapien.surfaces import groups_of, materials_of
 from plumbline.adapters.sapien.vendor import new_world
-from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter import Notice, Settings, Unsupported
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from plumbline.harness.adapter.reduced_trees import Tree, trees_of
 from plumbline.harness.scene import WORLD, Effect, Joint, Scene
 
+IGNORED = 32
+"""Bits by which shapes of one group ignore each other."""
+
 
 def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
-    used, effects = resolved_settings(settings), scene.effects
+    effects = scene.effects
+    used = resolved_settings(settings, effects)
     for body in scene.bodies:
         check_body(body)
     gravity = scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0)
@@ -78,19 +84,29 @@ class _Builder:
             world.scene.add_entity(entity)
             body = scene.body(name)
             if body.movable:
-                self.names[name].set_linear_velocity(list(body.v_WB))
-                self.names[name].set_angular_velocity(list(body.w_WB))
+                with np.errstate(
+                    over="ignore"
+                ):  # what single precision has not becomes infinite, and is told in the first step
+                    self.names[name].set_linear_velocity(list(body.v_WB))
+                    self.names[name].set_angular_velocity(list(body.w_WB))
         world.components = {scene.index(name): component for name, component in self.names.items()}
 
     def _ignored(self) -> dict[str, tuple[int, int]]:
-        """What of a body that stands still and those that hang on it keeps them from touching: bits, and their group."""
+        """What of a body that stands still and those that hang on it keeps them from touching: bits, and their group.
+
+        Raises: Unsupported.
+        """
         ignored: dict[str, tuple[int, int]] = {}
         for group, tree in enumerate((tree for tree in self.trees if tree.root != WORLD), 1):
             if self.scene.body(tree.root).motion != "static":
                 continue
             hanging = [branch.node for branch in tree.branches if branch.above == tree.root]
-            ignored[tree.root] = (1 << min(len(hanging), 32)) - 1, group
-            ignored |= {name: (1 << min(k, 31), group) for k, name in enumerate(hanging)}
+            if len(hanging) > IGNORED:
+                raise Unsupported(
+                    f"{len(hanging)} bodies joined to '{tree.root}'", f"SAPIEN has {IGNORED} bits of ignored contact"
+                )
+            ignored[tree.root] = (1 << len(hanging)) - 1, group
+            ignored |= {name: (1 << k, group) for k, name in enumerate(hanging)}
         return ignored
 
     def _link(self, name: str, component: Any) -> Any:

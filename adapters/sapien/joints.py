@@ -90,11 +90,11 @@ class Articulated:
             del links[tree.root]
         return links
 
-    def _tell(self, made: Any, joint: Any, node: str) -> None:
+    def _tell(self, link_joint: Any, joint: Any, node: str) -> None:
         """Frames, limits, rotor, bound of the rate and drive of a link's joint. Raises: Unsupported."""
         first, second = joint_frames(self.scene, joint, node)
-        made.type = {Fixed: "fixed", Revolute: "revolute_unwrapped", Prismatic: "prismatic"}[type(joint)]
-        made.pose_in_parent, made.pose_in_child = pose(self.sapien, *first), pose(self.sapien, *second)
+        link_joint.type = {Fixed: "fixed", Revolute: "revolute_unwrapped", Prismatic: "prismatic"}[type(joint)]
+        link_joint.pose_in_parent, link_joint.pose_in_child = pose(self.sapien, *first), pose(self.sapien, *second)
         if joint.collide:
             raise Unsupported(f"joint '{joint.name}'", "neighbours in an articulation of PhysX do not touch")
         if isinstance(joint, Fixed):
@@ -102,23 +102,25 @@ class Articulated:
         check_laws(joint)
         low, high = (None, None) if joint.limits is None else (joint.limits.lower, joint.limits.upper)
         ends = -np.inf if low is None else low - joint.position, np.inf if high is None else high - joint.position
-        made.limit = np.array([ends], dtype=np.float32)
-        made.set_friction(0.0)
-        made.set_armature(np.array([joint.armature or 0.0], dtype=np.float32))
+        link_joint.limit = np.array([ends], dtype=np.float32)
+        link_joint.set_friction(0.0)
+        link_joint.set_armature(np.array([joint.armature or 0.0], dtype=np.float32))
         if joint.speed_limit is not None:
-            made.max_velocity = joint.speed_limit
+            link_joint.max_velocity = joint.speed_limit
         elif not self.capped:
-            made.max_velocity = _FREE
+            link_joint.max_velocity = _FREE
         driven = joint.drive is not None and Effect.DRIVES in self.scene.effects
         drive = drive_motor(joint.drive, joint.drive.target, joint.position) if driven else None
         if joint.spring is not None and drive is not None and drive.limit is not None:
             raise Unsupported(f"joint '{joint.name}': a spring beside a drive with a limit", "a joint of PhysX has one drive")
         motor = one_motor(drive, joint.spring, joint.position)
-        made.set_drive_property(motor.stiffness, motor.damping, _INFINITE if motor.limit is None else motor.limit, "force")
-        made.set_drive_target(motor.target)
-        made.set_drive_velocity_target(motor.rate)
+        link_joint.set_drive_property(
+            motor.stiffness, motor.damping, _INFINITE if motor.limit is None else motor.limit, "force"
+        )
+        link_joint.set_drive_target(motor.target)
+        link_joint.set_drive_velocity_target(motor.rate)
         if driven:
-            self.driven[joint.name] = Driven(made, joint.drive, joint.spring, joint.position)
+            self.driven[joint.name] = Driven(link_joint, joint.drive, joint.spring, joint.position)
 
     def _set_rates(self, articulation: Any, tree: Tree, still: bool) -> None:
         scene, start = self.scene, State.initial(self.scene)
@@ -154,19 +156,19 @@ def constrain(sapien: Any, scene: Scene, joint: Joint, bodies: Mapping[str, Any]
     node = joint.child if bodies.get(joint.child) is child else joint.parent
     other = bodies.get(joint.parent if node == joint.child else joint.child)
     if isinstance(joint, Distance):
-        made = physx.PhysxDistanceJointComponent(child)
+        constraint = physx.PhysxDistanceJointComponent(child)
         ends = {joint.parent: joint.anchor_W, joint.child: joint.child_anchor_W}
         names = (joint.parent, joint.child) if node == joint.child else (joint.child, joint.parent)
         frames = [pose(sapien, within(scene, name, ends[name]), (1.0, 0.0, 0.0, 0.0)) for name in names]
-        _bound(made, joint)
+        _bound(constraint, joint)
     else:
-        made = physx.PhysxDriveComponent(child)
+        constraint = physx.PhysxDriveComponent(child)
         frames = [pose(sapien, *frame) for frame in joint_frames(scene, joint, node)]
-        _lock(made, joint)
+        _lock(constraint, joint)
     if other is not None:
-        made.parent = other
-    made.pose_in_parent, made.pose_in_child = frames
-    return made
+        constraint.parent = other
+    constraint.pose_in_parent, constraint.pose_in_child = frames
+    return constraint
 
 
 def _touch(scene: Scene, joint: Joint) -> bool:
@@ -174,19 +176,19 @@ def _touch(scene: Scene, joint: Joint) -> bool:
     return len(ends) == 2 and scene.collides(scene.body(ends[0]), scene.body(ends[1]))
 
 
-def _bound(made: Any, joint: Distance) -> None:
+def _bound(constraint: Any, joint: Distance) -> None:
     """A rod or a range. Raises: Unsupported."""
     if joint.spring is not None:
         raise Unsupported(f"distance joint '{joint.name}'", "limits of PhysX's distance are hard or a spring, not both")
     length = math.dist(joint.anchor_W, joint.child_anchor_W)
     if joint.limits is not None:
         upper = joint.limits.upper
-        made.set_limit(joint.limits.lower or 0.0, _INFINITE if upper is None else upper)
+        constraint.set_limit(joint.limits.lower or 0.0, _INFINITE if upper is None else upper)
     else:
-        made.set_limit(length, length)
+        constraint.set_limit(length, length)
 
 
-def _lock(made: Any, joint: Any) -> None:
+def _lock(constraint: Any, joint: Any) -> None:
     """Lock what a joint does not leave free. Raises: Unsupported."""
     laws = [law for law in carried(joint) if law != "limits"]
     if isinstance(joint, Revolute | Prismatic):
@@ -202,21 +204,21 @@ def _lock(made: Any, joint: Any) -> None:
         low, high = joint.limits.lower, joint.limits.upper
     ends = -np.inf if low is None else low - joint.position, np.inf if high is None else high - joint.position
     if not isinstance(joint, Prismatic):
-        made.set_limit_x(0.0, 0.0)
+        constraint.set_limit_x(0.0, 0.0)
     elif joint.limits is not None:
-        made.set_limit_x(*ends)
-    made.set_limit_y(0.0, 0.0)
-    made.set_limit_z(0.0, 0.0)
+        constraint.set_limit_x(*ends)
+    constraint.set_limit_y(0.0, 0.0)
+    constraint.set_limit_z(0.0, 0.0)
     if isinstance(joint, Ball):
         return
-    made.set_limit_cone(0.0, 0.0)
+    constraint.set_limit_cone(0.0, 0.0)
     if not isinstance(joint, Revolute):
-        made.set_limit_twist(0.0, 0.0)
+        constraint.set_limit_twist(0.0, 0.0)
     elif joint.limits is not None:
         low_end, high_end = (float(np.clip(end, -2 * math.pi + 1e-3, 2 * math.pi - 1e-3)) for end in ends)
         if high_end - low_end >= 2 * math.pi:
             raise Unsupported(f"joint '{joint.name}': limits", "PhysX counts the angle of a constraint modulo a turn")
-        made.set_limit_twist(low_end, high_end)
+        constraint.set_limit_twist(low_end, high_end)
 
 
 def holder(joint: Joint, movable: Sequence[str]) -> str:

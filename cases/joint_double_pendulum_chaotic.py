@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Converged, Parameters
+from plumbline.harness.case import Case, Check, Converged, FloatCount, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import ensemble, errors, joints
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
@@ -27,7 +27,7 @@ class P(Parameters):
     upper: float = 120.0
     lower: float = 120.0
     """Degrees from the downward vertical: far above 90, where regular swings end."""
-    members: float = 8
+    members: FloatCount = 8
 
 
 def _starts(upper: float, lower: float, members: float) -> Floats:

@@ -108,7 +108,8 @@ CASE = Case(
         Check(
             jitter.rms_speed,
             _speed,
-            "all balls have come to rest (the slowest at t = 2.9 s from 1 m/s) and resistance takes any speed below that in a step",
+            "all balls have come to rest (the slowest at t = 2.9 s from 1 m/s) and resistance takes any speed below that "
+            "in a step",
             start=ByParameters(lambda p: lasting(p) - 0.25),
         ),
         *forces_obey_coulomb(),

@@ -36,7 +36,7 @@ def broken_checks(case: Case, dt: float, substep: float | None = None) -> Iterat
     samples = round(case.duration / interval) + 1
     if case.expected is None or samples * len(scene.bodies) > MOST:
         return
-    made = case.expected(np.arange(samples) * interval, case.parameters)
+    made = case.expected(np.arange(samples, dtype=np.float64) * interval, case.parameters)
     if made is None:
         return
     truth = replace(made.trajectory if isinstance(made, Converged) else made, dt=dt)

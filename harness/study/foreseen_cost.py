@@ -15,7 +15,7 @@ class NoScene(ValueError):
 
 
 def misfit(parameters: Parameters, name: str, value: bool | int | float | str) -> str:
-    """What is wrong with a value for a parameter of a case, in words; '' where it is of its kind, small enough and in its domain."""
+    """What is wrong with a value for a parameter of a case, in words; '' if nothing is."""
     own = parameters[name]
     if isinstance(own, bool) and not isinstance(value, bool):
         return f"{quoted(value)}, expected true or false"

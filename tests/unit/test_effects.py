@@ -223,9 +223,8 @@ def test_what_lies_within_a_factor_of_two_of_the_bar_is_not_judged_and_says_so(m
     assert found.matters is None
     assert found.near
     doubt = found.doubt(scale_of(plain, run(finer), run(finest), []))
-    assert (
-        doubt
-        == f"moves a body by {moved:.2g} m or rad, within a factor of 2 of the bar, 2 times the 0.003 that halving the step does"
+    assert doubt == (
+        f"moves a body by {moved:.2g} m or rad, within a factor of 2 of the bar, 2 times the 0.003 that halving the step does"
     )
 
 

@@ -191,7 +191,8 @@ def _exact(truth: Trajectory) -> Any:
 def test_a_study_is_refused_before_anything_runs(tmp_path: Path, case: str, parameter: str, value: str, expected: str) -> None:
     study = tmp_path / "own.toml"
     study.write_text(
-        f'name = "own"\n[[experiments]]\nname = "one"\ncases = ["{case}"]\ntiming = false\nparameters = {{{parameter} = [{value}]}}\n'
+        f'name = "own"\n[[experiments]]\nname = "one"\ncases = ["{case}"]\ntiming = false\n'
+        f"parameters = {{{parameter} = [{value}]}}\n"
     )
     with np.errstate(all="ignore"):
         result = CliRunner().invoke(main, ["run", str(study), "--engine", "reference", "--out", str(tmp_path / "out")])

@@ -98,11 +98,7 @@ def all_near(*asked: tuple[str, ArrayLike, ArrayLike, float], because: str) -> l
         for _, got, expected, within in asked
     ]
     if all(share <= 1.0 for share in shares):
-        return [
-            Comparison(
-                True, f"{asked[0][0]} and others: at most {max(shares):.2g} of what is allowed ({because})", measured=True
-            )
-        ]
+        return [Comparison(True, f"{asked[0][0]} and more: at most {max(shares):.2g} of what is allowed", measured=True)]
     return [near(what, got, expected, within, because) for what, got, expected, within in asked]
 
 

@@ -84,10 +84,22 @@ def compared(adapter: Adapter, settings: Settings, pair: Pair) -> list[Compariso
     fastest, spun = (float(np.linalg.norm(values, axis=1).max()) for values in (exact.v_WB, exact.w_WB))
     lost = DEFAULT_DAMPING * DURATION if settings == adapter.tracks.get("default") else 0.0
     on = "on the world" if pair.hung else "on a body"
+    # A led body moves through a step at the velocity of its middle, and takes along what hangs on it.
+    late = dt / DURATION if any(body.prescribed for body in scene.bodies) else 0.0
     turns = [angle_between(a, b) for a, b in zip(end.q_WB, exact.q_WB, strict=True)]
     return all_near(
-        (f"{on}: v_WB [m/s]", end.v_WB[moved], exact.v_WB[moved], dt * exact.varied + lost * fastest + ROUNDING),
-        (f"{on}: w_WB [rad/s]", end.w_WB[moved], exact.w_WB[moved], dt * exact.swung + lost * spun + ROUNDING),
+        (
+            f"{on}: v_WB [m/s]",
+            end.v_WB[moved],
+            exact.v_WB[moved],
+            dt * exact.varied + late * exact.gained + lost * fastest + ROUNDING,
+        ),
+        (
+            f"{on}: w_WB [rad/s]",
+            end.w_WB[moved],
+            exact.w_WB[moved],
+            dt * exact.swung + late * exact.turned + lost * spun + ROUNDING,
+        ),
         (f"{on}: p_WB [m]", end.p_WB, exact.p_WB, dt * exact.gained + lost * DURATION * fastest + ROUNDING),
         (f"{on}: turn [rad]", turns, np.zeros(len(turns)), dt * exact.turned + lost * DURATION * spun + ROUNDING),
         because=_BECAUSE,

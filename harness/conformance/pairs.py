@@ -143,9 +143,9 @@ def _drive(joint: Revolute | Prismatic) -> dict[str, Any]:
     return {"drive": Drive(stiffness=stiffness, damping=damping, target=joint.position + ahead)}
 
 
-def _limited(lower: float | None, upper: float | None) -> Callable[[Plan], Plan]:
-    """Limits about a coordinate that starts at .5, its zero outside of them."""
-    return lambda plan: _axial(plan, lambda _: {"position": 0.5, "limits": Limits(lower=lower, upper=upper)})
+def _limited(lower: float | None, upper: float | None, start: float) -> Callable[[Plan], Plan]:
+    """Limits about a coordinate that starts within them, its zero outside: counted from there, one would be in its way."""
+    return lambda plan: _axial(plan, lambda _: {"position": start, "limits": Limits(lower=lower, upper=upper)})
 
 
 def _spring(plan: Plan) -> Plan:
@@ -191,9 +191,9 @@ NOUNS = (
     Noun("hinge", Feature.REVOLUTE, joint="hinge"),
     Noun("slide", Feature.PRISMATIC, joint="slide"),
     Noun("ball", Feature.BALL, joint="ball"),
-    Noun("distance spring", Feature.DISTANCE | Feature.DISTANCE_SPRING, _spring),
-    Noun("limit", Feature.LIMITS, _limited(0.2, 0.8), coordinate=True),
-    Noun("one-sided limit", Feature.LIMITS, _limited(0.3, None), coordinate=True),
+    Noun("distance spring", Feature.DISTANCE_SPRING, _spring),
+    Noun("limit", Feature.LIMITS, _limited(0.2, 0.8, 0.5), coordinate=True),
+    Noun("one-sided limit", Feature.LIMITS, _limited(None, -0.3, -0.5), coordinate=True),
     Noun("drive", Feature.DRIVES, lambda plan: _axial(plan, _drive), coordinate=True),
     Noun(
         "friction loss",
@@ -270,12 +270,14 @@ def _set_going(plan: Plan) -> Plan:
         start = np.zeros(3) if upper is None else np.array(upper.p_WB)
         lower = np.array(plan.bodies[joint.child].p_WB)
         spin = np.array([1.0, -0.8, 1.3]) if isinstance(joint, Ball) else np.zeros(3)
+        # Towards a lower limit where there is one, else upwards.
+        rate = -_RATE if not isinstance(joint, Ball) and joint.limits and joint.limits.lower is not None else _RATE
         if isinstance(joint, Revolute):
-            spin = _RATE * np.array(joint.axis_W)
+            spin = rate * np.array(joint.axis_W)
         anchor = np.array(joint.anchor_W)
         moving = v + np.cross(w, anchor - start) + np.cross(w + spin, lower - anchor)
         if isinstance(joint, Prismatic):
-            moving = moving + _RATE / 3 * np.array(joint.axis_W)
+            moving = moving + rate / 3 * np.array(joint.axis_W)
         plan = _body(plan, joint.child, v_WB=_vector(moving), w_WB=_vector(w + spin))
     return plan
 

@@ -207,7 +207,7 @@ class Multibody:
                 for axis in np.eye(3):
                     rows.append(row(((head, axis), (tail, -axis))))
                     biases.append(float(axis @ (head.bias - tail.bias)))
-            if isinstance(joint, Ball):
+            if not isinstance(joint, Revolute | Prismatic):
                 continue
             on_parent = {name: fixture(parent, local[f"parent {name}"], point=False) for name in "xyz"}
             on_child = {name: fixture(child, local[f"child {name}"], point=False) for name in "xyz"}

@@ -63,18 +63,18 @@ def half_way(built: Built, a: int, b: int, point: Floats, normal: Floats, gap: f
 def _end(built: Built, body: int, normal: Floats) -> float | None:
     """How far a body reaches along a direction of W, from the origin of W [m]; None where it has no end there."""
     transform = built.nodes[body].getWorldTransform()
-    way = transform.rotation().T @ normal
+    along_B = transform.rotation().T @ normal
     ends = []
     for placed in built.scene.bodies[body].collision:
         R_BS = rotation_matrix(placed.q_BS)
-        own = np.array(R_BS).T @ way
+        own = np.array(R_BS).T @ along_B
         if isinstance(placed.shape, Plane):
             if own @ np.array(placed.shape.normal) < 1.0 - 1e-9:
                 return None
             reach = 0.0
         else:
             reach = float(support(placed.shape, own))
-        ends.append(way @ np.array(placed.p_BS) + reach)
+        ends.append(along_B @ np.array(placed.p_BS) + reach)
     return float(normal @ transform.translation() + max(ends)) if ends else None
 
 

@@ -36,10 +36,10 @@ def broken_checks(case: Case, dt: float, substep: float | None = None) -> Iterat
     samples = round(case.duration / interval) + 1
     if case.expected is None or samples * len(scene.bodies) > MOST:
         return
-    made = case.expected(np.arange(samples, dtype=np.float64) * interval, case.parameters)
-    if made is None:
+    answer = case.expected(np.arange(samples, dtype=np.float64) * interval, case.parameters)
+    if answer is None:
         return
-    truth = replace(made.trajectory if isinstance(made, Converged) else made, dt=dt)
+    truth = replace(answer.trajectory if isinstance(answer, Converged) else answer, dt=dt)
     for check in case.checks:
         if reason := breaks(check, scene, check.judged(truth), check.bound(dt, case.parameters, substep)):
             yield reason
@@ -50,9 +50,9 @@ def refused(case: Case, parameters: Mapping[str, Any], dt: float) -> str:
     given = {name: value for name, value in parameters.items() if case.parameters[name] != value and name != "seed"}
     if not given:
         return ""
-    asked = ", ".join(f"{name} = {value}" for name, value in given.items())
+    altered = ", ".join(f"{name} = {value}" for name, value in given.items())
     try:
         reason = "; ".join(broken_checks(case.put(parameters), dt))
     except (ValueError, ArithmeticError, NotMeasurable) as error:
         reason = f"{type(error).__name__}: {error}"
-    return f"case '{case.name}' does not hold at {asked}: {reason}" if reason else ""
+    return f"case '{case.name}' does not hold at {altered}: {reason}" if reason else ""

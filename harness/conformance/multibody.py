@@ -171,12 +171,12 @@ class Multibody:
 
         def row(terms: tuple[tuple[_Fixture, Floats], ...]) -> Floats:
             """d/dt of a sum of value . weight, the weights held: in velocities (6 n,)."""
-            made = np.zeros((n, 6))
+            gradient = np.zeros((n, 6))
             for held, weight in terms:
-                made[held.body, 3:] += _cross(held.lever, weight)
+                gradient[held.body, 3:] += _cross(held.lever, weight)
                 if held.point:
-                    made[held.body, :3] += weight
-            return made.ravel()
+                    gradient[held.body, :3] += weight
+            return gradient.ravel()
 
         def along(direction: _Fixture, tail: _Fixture, head: _Fixture) -> tuple[Floats, float]:
             """Of direction . (head - tail), its row and what its second derivative has beside it."""
@@ -278,10 +278,10 @@ class Multibody:
             k4, _ = slope(state + h * k3, time + h)
             state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
             state[:, 3:7] /= np.linalg.norm(state[:, 3:7], axis=1, keepdims=True)
-            for part, columns in enumerate((slice(0, 3), slice(3, 6))):
-                grown[part] += h * np.linalg.norm(a[:, columns], axis=1)
+            for kind, columns in enumerate((slice(0, 3), slice(3, 6))):
+                grown[kind] += h * np.linalg.norm(a[:, columns], axis=1)
                 if last.size:
-                    changed[part] += np.linalg.norm(a[:, columns] - last[:, columns], axis=1)
+                    changed[kind] += np.linalg.norm(a[:, columns] - last[:, columns], axis=1)
             last = a
         self._led(state, duration)
         gained, turned, varied, swung = (float(row.max()) for row in (*grown, *changed))

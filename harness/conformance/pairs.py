@@ -116,10 +116,10 @@ def _body(plan: Plan, name: str, **fields: Any) -> Plan:
 
 def _axial(plan: Plan, fields: Callable[[Revolute | Prismatic], dict[str, Any]]) -> Plan:
     """A plan with its last joint of one coordinate changed."""
-    place = max(k for k, joint in enumerate(plan.joints) if isinstance(joint, Revolute | Prismatic))
-    joint = plan.joints[place]
+    last = max(k for k, joint in enumerate(plan.joints) if isinstance(joint, Revolute | Prismatic))
+    joint = plan.joints[last]
     assert isinstance(joint, Revolute | Prismatic)
-    return replace(plan, joints=(*plan.joints[:place], replace(joint, **fields(joint)), *plan.joints[place + 1 :]))
+    return replace(plan, joints=(*plan.joints[:last], replace(joint, **fields(joint)), *plan.joints[last + 1 :]))
 
 
 def _start_pose(plan: Plan) -> Plan:

@@ -76,7 +76,7 @@ def _led(scene: Scene) -> Velocities | None:
 
 def compared(adapter: Adapter, settings: Settings, pair: Pair) -> list[Comparison]:
     """Positions, turns and velocities at the end, each within what the step allows on this motion."""
-    plan, scene, exact = (asked := task(pair)).plan, asked.scene, asked.expected
+    plan, scene, exact = (worked_out := task(pair)).plan, worked_out.scene, worked_out.expected
     end = carried_out(adapter, plan, scene, settings)
     dt = STEP * (max(LENGTHS) if plan.uneven else 1.0)
     # What a body that is led says of its velocity is that of the step that led it there: asked elsewhere.

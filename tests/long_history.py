@@ -1,6 +1,6 @@
 """What the commands on a history cost as nights come: `python -m tests.long_history [NIGHTS] [--keep DIR]`.
 
-Two nights are carried out in this process, and the second is written again for each day, its prices with noise of their own; the
+Two nights are carried out in this process, and the second is written again for each day, its prices with noise of its own; all
 nights share their trajectories with the pool, as nights do. Printed are CPU seconds and peak memory [MB] of each command.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from plumbline.harness.findings.summary import write_summary
 from plumbline.harness.history.folder import NIGHT, Night, created, stamp_of
-from plumbline.harness.history.kept_readings import FOLDER
+from plumbline.harness.history.readings import FOLDER
 from plumbline.harness.store.journal import Writer, Written, read_written
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import read_plain, write_json

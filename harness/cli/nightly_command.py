@@ -139,6 +139,7 @@ def _night(
     from plumbline.harness.history.gate import reasons
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+    from plumbline.harness.history.readings import said_by
     from plumbline.harness.history.sentences import (
         in_short,
         left_out_in_short,
@@ -168,6 +169,7 @@ def _night(
             account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
             summary = _write_summary(history, done, news, account, [turn.sentence for turn in changed])
             close(night, account)
+            said_by(history, night, done.store)
     except StudyError as error:
         if not (night.folder / "journal.jsonl").exists():
             shutil.rmtree(night.folder)

@@ -11,6 +11,7 @@ from typing import Any
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.summary import SUMMARIES
 from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import LATELY, Key, Sight, cells_of, last_seen, last_unanswered
@@ -232,6 +233,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "versions": {engine: saw["version"] for of in cells.values() for engine, saw in of.items() if saw["version"]},
         "unconfirmed": [told(row, news.changes, night.stamp) for row in rows if news and row.sense == "unconfirmed"],
         "unread": [str(error) for error in done.unread],
+        "summaries": {name: disk.digest(path) for name in SUMMARIES if (path := night.folder / name).is_file()},
         "left_out": [asdict(entry) for entry in steering.out],
         "unanswered": [asdict(waiting) for waiting in steering.unanswered],
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],

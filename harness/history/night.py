@@ -15,7 +15,7 @@ from plumbline.harness.findings.summary import SUMMARIES
 from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import LATELY, Key, Sight, cells_of, last_seen, last_unanswered
-from plumbline.harness.history.budget import Budget, Closings, bytes_of, memory_peaks
+from plumbline.harness.history.budget import Budget, bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, first_seen, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from plumbline.harness.history.known_searches import KnownSearches
@@ -120,7 +120,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     unread += [damage for other in unfinished if (damage := _damage(other)) is not None]
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
-    budget = Budget.of(asked.budget, Closings.of([earlier.plan for earlier in before[-LATELY:]]))
+    budget = Budget.of(asked.budget, (earlier.plan for earlier in before[-LATELY:]))
     seed = asked.seed or night.stamp
     started: dict[str, Any] = {
         "schema": SCHEMA,

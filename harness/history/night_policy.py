@@ -15,7 +15,7 @@ from plumbline.harness.history.answer_store import MACHINE_BOUND, Answer, Pool
 from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.history.last_answers import LastAnswer
-from plumbline.harness.history.plan import Left, LeftOut, Plan, ranked
+from plumbline.harness.history.plan import Left, LeftOut, Plan
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
@@ -79,7 +79,7 @@ class Steering(Guide):
         self.blocks = blocks_of(trials)
         due = {block.key: self._due(block) for block in self.blocks}
         stuck = {cell[:2]: stamp for cell, stamp in self.waited.items()}
-        self._plan = plan = Plan(ranked(self.blocks, self.seen, stuck), self.seen, due, stuck)
+        self._plan = plan = Plan(self.blocks, self.seen, due, stuck)
         for batch in plan.batches(self.left):
             self._mark = time.monotonic()
             self.begun |= {block.key for block in batch}

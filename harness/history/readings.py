@@ -49,7 +49,7 @@ _FILES = ("journal.jsonl", *(f"{name}.parquet" for name in TABLES))
 _BESIDE = ("catalogue.json", "machine.json", "study.toml")
 _ROOMS = ("findings", "history", "search", "statistics", "store")
 
-Said: TypeAlias = Mapping[str, Any]
+Content: TypeAlias = Mapping[str, Any]
 """What one night says, in plain values: 'night', as in `NightOf`, and 'columns' of its rows."""
 
 
@@ -75,32 +75,32 @@ class Readings:
     table: pd.DataFrame
 
     @classmethod
-    def of(cls, said: Sequence[Said]) -> "Readings":
-        """Args: said: as `said_by` gives it."""
-        columns = {name: [*chain.from_iterable(each["columns"][name] for each in said)] for name in COLUMNS}
-        counts = [len(each["columns"]["key"]) for each in said]
-        nights = tuple(NightOf(**each["night"]) for each in said)
-        return cls(nights, pd.DataFrame(columns | {"night": np.repeat(np.arange(len(said)), counts)}))
+    def of(cls, contents: Sequence[Content]) -> "Readings":
+        """Args: contents: as `said_by` gives them."""
+        columns = {name: [*chain.from_iterable(each["columns"][name] for each in contents)] for name in COLUMNS}
+        counts = [len(each["columns"]["key"]) for each in contents]
+        nights = tuple(NightOf(**each["night"]) for each in contents)
+        return cls(nights, pd.DataFrame(columns | {"night": np.repeat(np.arange(len(contents)), counts)}))
 
 
-def said_by(history: History, night: Night, store: Store) -> Said:
+def said_by(history: History, night: Night, store: Store) -> Content:
     """What a night says, as it is kept or, where that is not there, read. Raises: StoreError, OSError."""
     path, files = path_of(history, night.stamp), _files(night)
     dates = [_text_digest(), str(night.folder), *(f"{file.name} {_size_and_date(file)}" for file in files)]
     try:
         kept = read_plain(path)
         if kept["dates"] == dates or kept["rests_on"] == _rests_on(night, files):
-            said = json.loads(kept["said"])
-            return {"night": said["night"], "columns": {name: said["columns"][name] for name in COLUMNS}}
+            content = json.loads(kept["said"])
+            return {"night": content["night"], "columns": {name: content["columns"][name] for name in COLUMNS}}
     except (StoreError, KeyError, TypeError, ValueError):
         pass  # it is made of what is there still
-    said = _read(night, store)
+    content = _read(night, store)
     # Numbers that are not finite are among them, which a sealed file has no word for.
-    content = {"dates": dates, "rests_on": _rests_on(night, files), "said": json.dumps(said)}
+    file = {"dates": dates, "rests_on": _rests_on(night, files), "said": json.dumps(content)}
     with suppress(OSError):  # of a history that can only be read, each reader reads the nights anew
         disk.make_folder(path.parent)
-        disk.write_atomically(path, sealed_json(path.name, content))
-    return said
+        disk.write_atomically(path, sealed_json(path.name, file))
+    return content
 
 
 def of_others(history: History, stamps: Collection[str]) -> tuple[Path, ...]:
@@ -125,7 +125,7 @@ def answer_key(question: Hashable) -> str:
     return _named("answer", question)
 
 
-def _read(night: Night, store: Store) -> Said:
+def _read(night: Night, store: Store) -> Content:
     versions, machine, samples = versions_of(store), machine_digest(store.machine), store.samples
     canaries = {} if samples.empty else samples.groupby("trial")["canary"].median().to_dict()
     about = NightOf(
@@ -137,13 +137,13 @@ def _read(night: Night, store: Store) -> Said:
         canary=float(np.median(list(canaries.values()))) if canaries else np.nan,
         titles=store.titles,
     )
-    asked = by_question(store)
+    questions = by_question(store)
     rows = [
         {**COLUMNS, **row}
         for row in chain(
-            _of_trials(store, asked, machine, canaries),
+            _of_trials(store, questions, machine, canaries),
             _of_searches(store, versions),
-            _of_answers(store, asked),
+            _of_answers(store, questions),
             _of_repetitions(store),
         )
     ]
@@ -218,7 +218,7 @@ def _of_answers(store: Store, questions: Mapping[Hashable, Any]) -> Iterator[dic
 def _of_repetitions(store: Store) -> Iterator[dict[str, Any]]:
     """Nothing where a history keeps hashes only: a parting cannot be read off these."""
     with suppress(StoreError):
-        for cell, agreement in agreements_by_cell(store).items():
+        for cell, agreement in ({} if store.trials.empty else agreements_by_cell(store)).items():
             yield {"kind": "repetition", "key": _named("repeated", cell), "said": json.dumps(asdict(agreement))}
 
 

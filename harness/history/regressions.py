@@ -16,7 +16,7 @@ from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, change_id
 from plumbline.harness.history.normalisation import over_segments
-from plumbline.harness.history.readings import NightOf, Readings, Said, said_by
+from plumbline.harness.history.readings import Content, NightOf, Readings, said_by
 from plumbline.harness.history.series import Series, series_of
 from plumbline.harness.history.steps import Step, steps_of
 from plumbline.harness.statistics.change_points import levelled
@@ -99,18 +99,18 @@ class Trends:
 
 def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
-    over, said, unread = list[Night](), list[Said](), list[DamagedFile]()
+    over, contents, unread = list[Night](), list[Content](), list[DamagedFile]()
     for night in history.each():
         if isinstance(night, DamagedFile):
             unread.append(night)
         elif night.plan.get("complete", True):  # a run folder that was put there by hand has no plan
             try:
-                said.append(said_by(history, night, night.store()))
+                contents.append(said_by(history, night, night.store()))
             except DamagedFile as error:
                 unread.append(error)
             else:
                 over.append(night)
-    readings = Readings.of(said)
+    readings = Readings.of(contents)
     series = series_of(readings)
     steps = steps_of(over, readings, series)
     return Trends(

@@ -53,20 +53,22 @@ def over_nights(
     late = list(before[-MOST:])
     if len(late) + 1 < FEWEST:
         return OverNights()
-    begun, said = time.monotonic(), [said_by(history, tonight, store)]
+    begun, contents = time.monotonic(), [said_by(history, tonight, store)]
     for night in reversed(late):
         if time.monotonic() - begun > left * SHARE:
             break
         with suppress(DamagedFile):  # what reads all nights names it
-            said.insert(0, said_by(history, night, night.store()))
-    readings = Readings.of(said)
-    if len(said) < FEWEST:
+            contents.insert(0, said_by(history, night, night.store()))
+    readings = Readings.of(contents)
+    if len(contents) < FEWEST:
         return OverNights()
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
-    steps = tuple(price_steps(series_of(readings, {"price"}), CHANCE_OF_ALL / len(said)))
+    steps = tuple(price_steps(series_of(readings, {"price"}), CHANCE_OF_ALL / len(contents)))
     stamps = {night.stamp for night in readings.nights}
-    told = named_by(night.plan for night in late if night.stamp in stamps)
-    told += [Named.of(row, tonight.stamp) for row in own]
+    told = [
+        *named_by(night.plan for night in late if night.stamp in stamps),
+        *(Named.of(row, tonight.stamp) for row in own),
+    ]
     fresh: list[Dated] = []
     while True:
         # What is told of one is told of what goes on with it: a drift has several steps, and one name.

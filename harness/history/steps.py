@@ -86,7 +86,7 @@ def _changes(kind: str, before: Night, after: Night, rows: pd.DataFrame) -> Iter
         return answer_changes(then, now, [Pair(were[key], are[key]) for key in rows["key"]])
     form = _form(Search if kind == "search" else Agreement)
     sides: list[Mapping[str, Any]] = [
-        {key: form.validate_python(json.loads(said)) for key, said in zip(rows["key"], rows[side], strict=True)}
+        {key: form.validate_python(json.loads(text)) for key, text in zip(rows["key"], rows[side], strict=True)}
         for side in ("was", "said")
     ]
     return moved_limits(*(side.values() for side in sides)) if kind == "search" else lost_and_won(*sides)

@@ -4,7 +4,7 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -234,8 +234,8 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "unconfirmed": [told(row, news.changes, night.stamp) for row in rows if news and row.sense == "unconfirmed"],
         "unread": [str(error) for error in done.unread],
         "summaries": {name: disk.digest(path) for name in SUMMARIES if (path := night.folder / name).is_file()},
-        "left_out": [asdict(entry) for entry in steering.out],
-        "unanswered": [asdict(waiting) for waiting in steering.unanswered],
+        "left_out": steering.out,
+        "unanswered": steering.unanswered,
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
         "told": changed,
     }

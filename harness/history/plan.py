@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import InitVar, dataclass, field
 from statistics import mean
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from plumbline.harness.history.blocks import Block, Key, Seen
 
@@ -17,18 +17,6 @@ KNOWN_SECONDS = 10.0
 
 Why = Literal["no time was left", "it is foreseen to take longer than was left", "time was up half-way"]
 """Why a block was left out."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LeftOut:
-    """A block that the budget left out. Terms: last_seen: the stamp of a night, '' for none. foreseen [s], None if unknown."""
-
-    experiment: str
-    case: str
-    trials: int
-    why: Why
-    last_seen: str
-    foreseen: float | None
 
 
 def rank(block: Block, seen: Mapping[Key, Seen], stuck: Mapping[Key, str]) -> tuple[int, str]:
@@ -116,14 +104,9 @@ class Plan:
                     spent[kind[block.key]] += self.taken.get(block.key, 0.0)
         self.waiting = skipped + self.waiting
 
-    def left_out(self, block: Block, why: Why) -> LeftOut:
-        """A block of these, as it is named."""
+    def left_out(self, block: Block, why: Why) -> dict[str, Any]:
+        """A block of these as a row: 'last_seen' is the stamp of a night, '' for none, 'foreseen' [s], None if unknown."""
         known = self.seen.get(block.key)
-        return LeftOut(
-            experiment=block.experiment,
-            case=block.case,
-            trials=len(block.trials),
-            why=why,
-            last_seen="" if known is None else known.night.stamp,
-            foreseen=self.foreseen(block),
-        )
+        last = "" if known is None else known.night.stamp
+        about = {"experiment": block.experiment, "case": block.case, "trials": len(block.trials)}
+        return about | {"why": why, "last_seen": last, "foreseen": self.foreseen(block)}

@@ -34,7 +34,7 @@ class Dated:
 
     Terms: id: as `plumbline history ack` takes it. night: index of the first one. stamp, folder: of it. changes: those of one
     kind, case, engine, track, metric and night, the heaviest first. until: index of the night that ended it, None while it
-    lasts. note, when: of who acknowledged it.
+    lasts. note: of who acknowledged it.
     """
 
     id: str
@@ -46,7 +46,6 @@ class Dated:
     until: int | None = None
     told: bool = False
     note: str = ""
-    when: str = ""
 
     @property
     def first(self) -> Change:
@@ -161,7 +160,6 @@ def date(
                 until=until,
                 told=bool(same),
                 note="" if entry is None else entry.note,
-                when="" if entry is None else entry.when,
             )
         )
     return tuple(sorted(made, key=lambda each: (each.night, -each.first.weight, each.id)))

@@ -54,7 +54,7 @@ def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
             left[0] -= 1.5 * costs[one.case]
     assert carried == ["a", "c", "d"]
     (out,) = (plan.left_out(one, "it is foreseen to take longer than was left") for one in plan.waiting)
-    assert (out.case, out.foreseen, out.last_seen) == ("b", 150.0, NIGHTS[0])
+    assert (out["case"], out["foreseen"], out["last_seen"]) == ("b", 150.0, NIGHTS[0])
 
 
 def _carried(plan: Plan, budget: float, takes: float) -> list[str]:

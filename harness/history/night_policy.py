@@ -46,9 +46,10 @@ class Steering(Guide):
         trial, whatever it rests on, the last answer. distrusted: by case and engine, the night before which nothing
         is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
         know. hashes: of trajectories that stay. out, unanswered: rows of `night.json`, what was left out, and what was waited
-        for when time was up.
+        for when time was up. sitting: 0, as a night may end after any question.
     """
 
+    sitting = 0.0
     pool: Pool
     folder: Path
     stamp: str

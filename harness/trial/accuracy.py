@@ -341,7 +341,7 @@ def run_trial(
         )
         measurements = judge(bounded_case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
-    reason += "" if status == "passed" else short_of(warnings)
+    reason = reason if status == "passed" else short_of(warnings) + reason
     return replace(
         plain,
         status=status,

@@ -359,7 +359,7 @@ def run_trial(
         except TruthBroken as error:
             return unjudged(plain, case, str(error))
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
-    reason += "" if status == "passed" else short_of(warnings)
+    reason = reason if status == "passed" else short_of(warnings) + reason
     return replace(
         plain,
         status=status,

@@ -148,7 +148,7 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
     beside = Counter(fate.beside for fate in fates if fate.beside)
     shown = min(broken, key=lambda fate: fate.time, default=fates[0])
     reason = f"{len(broken)} of {len(fates)} broke: {_listed(counts)}" if broken else f"all {len(fates)} held"
-    reason += short_of(shown.answer.warnings) if broken else ""
+    reason = short_of(shown.answer.warnings) + reason if broken else reason
     if beside:
         reason += f"; beside the question, in a scene not meant to stand: {_listed(beside)}"
     made = [Measurement(metric=HELD, value=1 - len(broken) / len(fates), unit="1", at_most=1.0, passed=not broken)]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.harness.cli.chosen_engines import chosen_engines
+from plumbline.api.engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from plumbline.harness.cli.options import agreed
 from plumbline.harness.cli.seconds import Seconds
@@ -106,18 +106,15 @@ def _drill(engines: Sequence[str]) -> None:
 def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, agreed: bool, **rest: Any
 ) -> "Asked":
-    from plumbline.harness.cli.run_study import study_and_cases
+    from plumbline.api.studies import study_and_cases
     from plumbline.harness.history.night import Asked
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.experiment import StudyError
-    from plumbline.harness.study.roll_call import twice
 
     try:
         plan, cases = study_and_cases(study, globs)
     except StudyError as error:
         stop(USAGE, str(error))
-    if double := twice(engines):
-        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint="--engine")
     adapters = chosen_engines(engines, agreed)
     for engine in gated:
         if engine not in adapters:
@@ -135,18 +132,19 @@ def _night(
 
     Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
     """
-    from plumbline.harness.findings.changes.words import gate_in_short, headline, judged_in_short
+    from plumbline.harness.findings.changes.words import headline, judged_in_short
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.findings.vendor.shelf import shelf
+    from plumbline.harness.history.gate import reasons
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+    from plumbline.harness.history.readings import said_by
     from plumbline.harness.history.sentences import (
         in_short,
         left_out_in_short,
         outcomes_in_short,
         unanswered_in_short,
         unconfirmed_in_short,
-        without_answers,
         worse_in_short,
     )
     from plumbline.harness.study.experiment import StudyError
@@ -163,13 +161,14 @@ def _night(
             if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
             elif reported:
-                not_made = _publish(done, news)
+                not_made = _present(done, news)
             about = shelf()
             rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
             account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
             summary = _write_summary(history, done, news, account, [turn.sentence for turn in changed])
             close(night, account)
+            said_by(history, night, done.store)
     except StudyError as error:
         if not (night.folder / "journal.jsonl").exists():
             shutil.rmtree(night.folder)
@@ -193,20 +192,16 @@ def _night(
     for turn in changed:
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
-    barred = [*news.regressions(asked.gated)] if news is not None else []
-    mute = [f"gate: {sentence}" for sentence in without_answers(account, asked.gated)]
-    if asked.least > (0.0 if news is None else news.changes.judged_of(asked.gated).share):
-        seen = "" if news is None else gate_in_short(news.changes, asked.gated, asked.least)
-        mute.append(f"gate: {seen or 'not judged: nothing of it was seen before'}")
+    failing = [f"gate: {reason}" for reason in reasons(news, account, asked.gated, asked.least)]
     for line in (
         *worse_in_short(account["told"], asked.gated),
         *unconfirmed_in_short(account["unconfirmed"]),
-        *mute,
+        *failing,
         *not_made,
     ):
         say(line)
     say(str(summary))
-    return bool(barred or mute or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
+    return bool(failing or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
 
 
 @contextmanager
@@ -219,7 +214,7 @@ def _logged(path: Path) -> Iterator[None]:
         yield
 
 
-def _publish(done: "Done", news: "News | None") -> list[str]:
+def _present(done: "Done", news: "News | None") -> list[str]:
     """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
     from plumbline.reports import build, write_recordings
 

@@ -39,6 +39,12 @@ class ConformanceCheck:
     needs: Feature = Feature.NONE
     excusable: bool = True
 
+    @property
+    def subject(self) -> tuple[str, str]:
+        """The folder and the file of `checks` that it stands in: ('contact', 'friction')."""
+        folder, file = getattr(self.run, "func", self.run).__module__.split(".")[-2:]
+        return folder, file
+
 
 CHECKS: list[ConformanceCheck] = []
 """Every check that is defined so far, in the order of definition; `harness.conformance.CHECKS` are all of them."""
@@ -88,6 +94,18 @@ def near(what: str, got: ArrayLike, expected: ArrayLike, within: float, because:
     return Comparison(
         holds, f"{what}: got {_worded(got)}, expected {_worded(expected)} within {within:.3g}{reason}", measured=True
     )
+
+
+def all_near(*numbers: tuple[str, ArrayLike, ArrayLike, float], because: str) -> list[Comparison]:
+    """Several comparisons (what, got, expected, within), in words only if one does not hold: numbers take longer to print than
+    to compare. NaN is near to nothing."""
+    shares = [
+        float(np.max(np.abs(np.asarray(got, dtype=np.float64) - np.asarray(expected, dtype=np.float64)), initial=0.0)) / within
+        for _, got, expected, within in numbers
+    ]
+    if all(share <= 1.0 for share in shares):
+        return [Comparison(True, f"{numbers[0][0]} and more: at most {max(shares):.2g} of what is allowed", measured=True)]
+    return [near(what, got, expected, within, because) for what, got, expected, within in numbers]
 
 
 def that(holds: bool, text: str) -> Comparison:

@@ -8,6 +8,6 @@ LARGEST = 1e60
 
 def wrong_size(value: float) -> str:
     """What is expected of a number that is none, or too large; '' where nothing is."""
-    if not math.isfinite(value):
+    if value != value or abs(value) == math.inf:  # of a whole number without end there is no float
         return "expected finite numbers"
     return f"expected at most {LARGEST:g} in size" if abs(value) > LARGEST else ""

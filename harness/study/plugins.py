@@ -18,7 +18,7 @@ from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Un
 from plumbline.harness.case import Case
 from plumbline.harness.case.own_titles import OWN
 from plumbline.harness.intake.apart import NoAnswer, apart
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.strangers import PATIENCE, points, trouble
 from plumbline.harness.scene import Scene
@@ -29,7 +29,7 @@ _LONGEST_VERSION = 100
 SCENE_PREFIX = OWN
 
 
-class PluginError(Mendable):
+class PluginError(PlumblineError):
     """A plug-in that breaks its contract; the message names it and what was expected."""
 
 
@@ -164,6 +164,11 @@ def cases(wanted: Callable[[str], bool] = lambda _name: True) -> dict[str, Case]
 def left_out(kind: str) -> dict[str, str]:
     """Third parties' plug-ins of a kind ('cases', 'pages') that cannot be loaded, each with the reason."""
     return {name: reason for name, point in points(f"plumbline.{kind}").items() if (reason := trouble(point))}
+
+
+def left_out_in_words(*kinds: str) -> list[str]:
+    """The same of these kinds, a sentence each."""
+    return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in left_out(kind).items()]
 
 
 def version_of(engine: Adapter) -> tuple[str, str | None]:

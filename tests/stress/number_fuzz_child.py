@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from plumbline.harness.adapter import SettingsError, Unavailable, Unsupported
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.import_wishes import DROPPABLE, Wishes
-from plumbline.harness.intake.mendable import Mendable
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.importers.companion import Companion, Massless, load_companion
 from plumbline.harness.scene.importers.reading import read
@@ -101,7 +101,7 @@ def _one(path: Path, engines: list[str]) -> str:
                 raise
             except BaseException as error:
                 return f"{name}: {type(error).__name__}: {error} ({_where(error)})"[:500]
-    except Mendable:
+    except PlumblineError:
         return "refused"
     except Hang:
         return f"no end within {DEADLINE} s"

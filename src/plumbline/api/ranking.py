@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from plumbline.api.arguments import checked, within
 from plumbline.api.frames import described
 from plumbline.api.results import Results, open_results
 from plumbline.harness.findings.selection import CRITERIA, PresetError, Wish, choose, read_preset
@@ -47,6 +48,7 @@ class Ranking:
         return described("ranking", pd.DataFrame(rows, columns=names))
 
 
+@checked
 def select(
     results: Results | str | PathLike[str],
     need: Sequence[str] = (),
@@ -80,9 +82,8 @@ def select(
     for name, weight in (weights or {}).items():
         if name not in CRITERIA or not 0 <= weight <= 1000:
             raise PresetError(f"weights: {quoted(name)}: {weight}, expected 0..1000 for some of {', '.join(CRITERIA)}")
-    for name, value in (("error", error), ("realtime", realtime)):
-        if value is not None and not 0 < value <= (1 if name == "error" else float("inf")):
-            raise PresetError(f"{name}: {value}, expected above 0{' and at most 1' if name == 'error' else ''}")
+    within("error", error, 1e-12, 1.0)
+    within("realtime", realtime, 1e-12, 1e12)
     wish = merged(
         base,
         cases=_counted(store, need),

@@ -62,9 +62,9 @@ def within(name: str, value: float | None, low: float, high: float) -> None:
 
 def _short(kind: str) -> str:
     """A kind without the rooms that its names lie in: 'Scene | Path | str'."""
-    return " | ".join(part.rpartition(".")[2] if "[" not in part else _inner(part) for part in kind.split(" | "))
+    return " | ".join(each.rpartition(".")[2] if "[" not in each else _inner(each) for each in kind.split(" | "))
 
 
-def _inner(part: str) -> str:
-    head, _, rest = part.partition("[")
+def _inner(kind: str) -> str:
+    head, _, rest = kind.partition("[")
     return f"{head.rpartition('.')[2]}[{rest}"

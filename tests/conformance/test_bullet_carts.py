@@ -74,8 +74,8 @@ def test_no_drive_pushes_a_cart_faster_than_its_wheels_roll(damping: float, dt: 
     mass, inertia = CHASSIS + 4, 0.4 * RADIUS**2
     assert np.linalg.norm(momenta, axis=1).max() < mass * max(turn) * RADIUS
     # A drive may push a wheel beyond its rate by what friction, mu m g/2 at the rim, held it by in a step; friction itself may
-    # push as much. Statics leave open how four wheels share the weight: two across may bear all of it, and which ones do hangs
-    # on the last bit of the first step.
+    # push as much. Statics leave open how four wheels share the weight: two across may bear all of it, and which ones do is up
+    # to the last bit of the first step.
     assert rates.max() < max(turn) + 2 * 0.8 * mass * G / 2 * RADIUS * dt / inertia
 
 

@@ -122,6 +122,8 @@ def _rows(answer: "Answer") -> list[dict[str, Any]]:
                 "engine": place.engine,
                 "place": place.number,
                 "first": None if answer.alone else place.first,
+                "speed": answer.evidence.typical("speed", place.engine),
+                "error": answer.evidence.typical("accuracy", place.engine),
                 "score": place.score,
                 "low": place.low,
                 "high": place.high,
@@ -133,7 +135,9 @@ def _rows(answer: "Answer") -> list[dict[str, Any]]:
                 "trial": None,
             }
         )
-    blank = dict.fromkeys(rows[0] if rows else ("place", "first", "score", "low", "high", "track", *_criteria(), "alone"))
+    blank = dict.fromkeys(
+        rows[0] if rows else ("place", "first", "speed", "error", "score", "low", "high", "track", *_criteria(), "alone")
+    )
     for drop in answer.dropped:
         why = f"{drop.requirement}: {drop.value}"
         rows.append({**blank, "engine": drop.engine, "left_out": why, "case": drop.case or None, "trial": drop.trial or None})
@@ -147,7 +151,15 @@ def _criteria() -> tuple[str, ...]:
 
 
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
-    from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
+    from plumbline.harness.findings.selection.words import (
+        decisive,
+        dropped_sentence,
+        headline,
+        percent,
+        trade,
+        turn_sentences,
+        undecided_sentence,
+    )
 
     titles = store.titles
 
@@ -155,18 +167,35 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         return titles.get(name, name)
 
     say(headline(answer, called))
+    if told := trade(answer, called):
+        say(told)
+    sentence, command = decisive(answer, called, called)
+    if sentence:
+        say(sentence)
+    if command:
+        say(f"  {command}")
     if answer.rank is not None:
-        counted = answer.rank.counted
-        columns = ["place", "engine", "settings", "first in", "score", *(f"{name} ({counted[name]})" for name in counted)]
+        counted, evidence = answer.rank.counted, answer.evidence
+        columns = ["place", "engine", "settings", "first in", "speed", "error", "score"]
+        columns += [f"{name} ({counted[name]})" for name in counted]
         rows = []
         for place in answer.rank.places:
             shares = [f"{place.by_criterion[name]:.2f}" for name in counted]
+            speed, error = (evidence.typical(name, place.engine) for name in ("speed", "accuracy"))
             score = f"{place.score:.2f} ({place.low:.2f} .. {place.high:.2f})"
-            track = answer.evidence.tracks[place.engine]
-            first = "-" if answer.alone else f"{100 * place.first:.0f} %"
-            rows.append([place.number, called(place.engine), track, first, score, *shares])
-        title = f"of 1; in brackets the cases that each is measured on{f'; preset {preset}' if preset else ''}"
-        print_table(title, columns, rows)
+            figures = [
+                "-" if speed is None else f"{float(f'{speed:.2g}'):g}x",
+                "-" if error is None else f"{100 * error:.2g} %",
+            ]
+            first = "-" if answer.alone else percent(place.first)
+            track = evidence.tracks[place.engine]
+            rows.append([place.number, called(place.engine), track, first, *figures, score, *shares])
+        purpose = f"preset {preset}; " if preset else ""
+        print_table(
+            f"{purpose}speed (times real time) and error of the typical case; scores 0 to 1, in brackets the cases that count",
+            columns,
+            rows,
+        )
     for drop in answer.dropped:
         say(dropped_sentence(drop, called, called))
     for drop in answer.undecided:
@@ -178,12 +207,18 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
 
 def _print_gaps(answer: "Answer") -> None:
     """What there is no evidence of, so that nobody takes silence for a good mark."""
-    without = [name for name in _criteria() if answer.rank is not None and name not in answer.rank.counted]
+    if answer.rank is None:
+        return
+    without = [name for name in _criteria() if name not in answer.rank.counted and answer.wish.weight(name) > 0]
     if without:
-        say(f"Nothing in this run says anything of {', '.join(without)}.")
-    bounds = {case for (_, case, _), datum in answer.evidence.table.items() if datum.bounded}
-    if bounds:
-        say(f"Speed known only as a lower bound in {len(bounds)} cases; --evidence lists them.")
+        say(f"Not measured in this run: {', '.join(without)}.")
+    nominal = [key for key, speed in answer.evidence.speeds.items() if not speed.at_error]
+    if nominal:
+        error = f"{100 * answer.wish.max_error:g} %"
+        say(
+            f"Speed at {error} error is known in {len(answer.evidence.speeds) - len(nominal)} of {len(answer.evidence.speeds)} "
+            "pairs of engine and case; otherwise it is that of the cheapest run that passes. --evidence lists them."
+        )
     if answer.evidence.incomplete:
         pairs = answer.evidence.incomplete
         cases = ", ".join(dict.fromkeys(case for _, case in pairs))

@@ -114,21 +114,21 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _rows(answer: "Answer") -> list[dict[str, Any]]:
-    """One an engine: its place, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
+    """One an engine: its entry, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
     rows: list[dict[str, Any]] = []
-    for place in answer.rank.places if answer.rank is not None else ():
+    for entry in answer.rank.places if answer.rank is not None else ():
         rows.append(
             {
-                "engine": place.engine,
-                "place": place.number,
-                "first": None if answer.alone else place.first,
-                "speed": answer.evidence.typical("speed", place.engine),
-                "error": answer.evidence.typical("accuracy", place.engine),
-                "score": place.score,
-                "low": place.low,
-                "high": place.high,
-                "track": answer.evidence.tracks[place.engine],
-                **{criterion: place.by_criterion.get(criterion) for criterion in _criteria()},
+                "engine": entry.engine,
+                "place": entry.number,
+                "first": None if answer.alone else entry.first,
+                "speed": answer.evidence.typical("speed", entry.engine),
+                "error": answer.evidence.typical("accuracy", entry.engine),
+                "score": entry.score,
+                "low": entry.low,
+                "high": entry.high,
+                "track": answer.evidence.tracks[entry.engine],
+                **{criterion: entry.by_criterion.get(criterion) for criterion in _criteria()},
                 "alone": answer.alone or None,
                 "left_out": None,
                 "case": None,
@@ -167,8 +167,8 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         return titles.get(name, name)
 
     say(headline(answer, called))
-    if told := trade(answer, called):
-        say(told)
+    if traded := trade(answer, called):
+        say(traded)
     sentence, command = decisive(answer, called, called)
     if sentence:
         say(sentence)
@@ -179,17 +179,17 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         columns = ["place", "engine", "settings", "first in", "speed", "error", "score"]
         columns += [f"{name} ({counted[name]})" for name in counted]
         rows = []
-        for place in answer.rank.places:
-            shares = [f"{place.by_criterion[name]:.2f}" for name in counted]
-            speed, error = (evidence.typical(name, place.engine) for name in ("speed", "accuracy"))
-            score = f"{place.score:.2f} ({place.low:.2f} .. {place.high:.2f})"
+        for entry in answer.rank.places:
+            shares = [f"{entry.by_criterion[name]:.2f}" for name in counted]
+            speed, error = (evidence.typical(name, entry.engine) for name in ("speed", "accuracy"))
+            score = f"{entry.score:.2f} ({entry.low:.2f} .. {entry.high:.2f})"
             figures = [
                 "-" if speed is None else f"{float(f'{speed:.2g}'):g}x",
                 "-" if error is None else f"{100 * error:.2g} %",
             ]
-            first = "-" if answer.alone else percent(place.first)
-            track = evidence.tracks[place.engine]
-            rows.append([place.number, called(place.engine), track, first, *figures, score, *shares])
+            first = "-" if answer.alone else percent(entry.first)
+            track = evidence.tracks[entry.engine]
+            rows.append([entry.number, called(entry.engine), track, first, *figures, score, *shares])
         purpose = f"preset {preset}; " if preset else ""
         print_table(
             f"{purpose}speed (times real time) and error of the typical case; scores 0 to 1, in brackets the cases that count",

@@ -63,7 +63,7 @@ class Speed:
 def speeds(store: Store, error: float) -> Mapping[Side, Speed]:
     """By case, engine and track, in cases whose costs are those of steps; a side has none if one of its scenes has none."""
     prices, sound = priced(store), _sound(store)
-    found: dict[Side, Speed | None] = {}
+    by_side: dict[Side, Speed | None] = {}
     for case, where, trials in prices.groups():
         if unit_of(trials) != PER_SECOND:
             continue
@@ -74,9 +74,9 @@ def speeds(store: Store, error: float) -> Mapping[Side, Speed]:
         own = float(store.catalogue.get("cases", {}).get(case, {}).get("dt") or 0.0)
         for side, points in sides.items():
             speed = _speed([point for point in points if point.trial in sound], prices.draws(case, where), error, own)
-            known = found.get(side, speed)
-            found[side] = None if speed is None or known is None else min(speed, known, key=lambda speed: speed.times)
-    return {side: speed for side, speed in found.items() if speed is not None}
+            slowest = by_side.get(side, speed)
+            by_side[side] = None if speed is None or slowest is None else min(speed, slowest, key=lambda speed: speed.times)
+    return {side: speed for side, speed in by_side.items() if speed is not None}
 
 
 def _sound(store: Store) -> frozenset[str]:

@@ -57,17 +57,17 @@ def render(store: Store) -> Mapping[str, Rendered]:
     sides: dict[str, dict[str, Glance]] = {}
     for glance in glances(store):
         sides.setdefault(glance.engine, {})[glance.track] = glance
-    asked = needs(store)
-    typical = typical_case(store) if asked else None
+    purposes = needs(store)
+    typical = typical_case(store) if purposes else None
     page = fill(
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
         described=bool(store.catalogue),
-        needs=asked,
+        needs=purposes,
         sentences=sentences(store),
         typical=typical,
-        ranked=[name for name in engines(store) if any(name in need.standings for need in asked)],
+        ranked=[name for name in engines(store) if any(name in need.standings for need in purposes)],
         failures=failing(store),
         limits=limits_met(store),
         bounded=bool(judged - by_case(store).keys()),

@@ -33,8 +33,8 @@ def answer(store: Store) -> Answer:
 
 def asked_of_several(store: Store) -> bool:
     """Were two engines of others asked at least, and is one left? That nothing else can express a scene is an answer too."""
-    found = answer(store)
-    return found.rank is not None and found.asked > 1
+    chosen = answer(store)
+    return chosen.rank is not None and chosen.asked > 1
 
 
 def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
@@ -83,8 +83,8 @@ FEWEST = 3
 @lru_cache(maxsize=1)
 def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
     """Of each built-in purpose of which the run has cases enough."""
-    found = {name: choose(store, read_preset(name).wish()) for name in preset_names()}
-    return {name: a for name, a in found.items() if a.rank is not None and len(a.evidence.cases) >= FEWEST}
+    chosen = {name: choose(store, read_preset(name).wish()) for name in preset_names()}
+    return {name: a for name, a in chosen.items() if a.rank is not None and len(a.evidence.cases) >= FEWEST}
 
 
 @lru_cache(maxsize=1)
@@ -93,10 +93,10 @@ def needs(store: Store) -> list[Need]:
     if not asked_of_several(store):
         return []
     own = [_own_need(store, case) for case in by_case(store)]
-    presets = ((name, read_preset(name), found) for name, found in answers_by_purpose(store).items())
+    presets = ((name, read_preset(name), chosen) for name, chosen in answers_by_purpose(store).items())
     return [
         *(need for need in own if need is not None),
-        *(_need(store, name, preset.title, preset.why, found) for name, preset, found in presets),
+        *(_need(store, name, preset.title, preset.why, chosen) for name, preset, chosen in presets),
     ]
 
 
@@ -107,41 +107,41 @@ def _own_need(store: Store, case: str) -> Need | None:
     return None if mine.rank is None else _need(store, slug(case), str(cases(store)[case]["title"]), OWN, mine, own=True)
 
 
-def _need(store: Store, name: str, title: str, why: str, found: Answer, *, own: bool = False) -> Need:
+def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own: bool = False) -> Need:
     titled: Callable[[str], str] = partial(engine_title, store)
-    what, command = decisive(found, titled, lambda case: str(cases(store)[case]["title"]))
+    what, command = decisive(chosen, titled, lambda case: str(cases(store)[case]["title"]))
     return Need(
         name=name,
         title=title,
         why=why,
-        answer=who_leads(found, titled),
-        trade=trade(found, titled),
+        answer=who_leads(chosen, titled),
+        trade=trade(chosen, titled),
         decisive=what,
         command=command,
-        standings={place.engine: standing for standing, place in standings(store, found)},
-        cases=len(found.evidence.cases),
-        error=f"{amount(100 * found.wish.max_error)} %",
+        standings={entry.engine: standing for standing, entry in standings(store, chosen)},
+        cases=len(chosen.evidence.cases),
+        error=f"{amount(100 * chosen.wish.max_error)} %",
         own=own,
     )
 
 
-def standings(store: Store, found: Answer) -> list[tuple[Standing, Place]]:
+def standings(store: Store, chosen: Answer) -> list[tuple[Standing, Place]]:
     """The engines of an answer, best first."""
-    return [(_standing(store, found, place), place) for place in (found.rank.places if found.rank is not None else ())]
+    return [(_standing(store, chosen, entry), entry) for entry in (chosen.rank.places if chosen.rank is not None else ())]
 
 
-def _standing(store: Store, found: Answer, place: Place) -> Standing:
-    track = found.evidence.tracks[place.engine]
-    speed, error = (found.evidence.typical(name, place.engine) for name in ("speed", "accuracy"))
+def _standing(store: Store, chosen: Answer, entry: Place) -> Standing:
+    track = chosen.evidence.tracks[entry.engine]
+    speed, error = (chosen.evidence.typical(name, entry.engine) for name in ("speed", "accuracy"))
     return Standing(
-        engine=place.engine,
-        number=place.number,
-        first=None if found.alone else place.first,
+        engine=entry.engine,
+        number=entry.number,
+        first=None if chosen.alone else entry.first,
         speed="" if speed is None else f"{amount(speed, 2)}{TIMES}",
         error="" if error is None else percents(error),
         track=track,
-        setting=setting_words(store, place.engine, track),
-        settings=_settings(store, place.engine, track),
+        setting=setting_words(store, entry.engine, track),
+        settings=_settings(store, entry.engine, track),
     )
 
 
@@ -172,8 +172,8 @@ def live(store: Store) -> Markup:
         "purposes": [
             _purpose(store, "", "everything alike", "", Wish(), answer(store)),
             *(
-                _purpose(store, name, preset.title, preset.why, preset.wish(), found)
-                for name, found in answers_by_purpose(store).items()
+                _purpose(store, name, preset.title, preset.why, preset.wish(), chosen)
+                for name, chosen in answers_by_purpose(store).items()
                 for preset in (read_preset(name),)
             ),
         ],
@@ -181,15 +181,15 @@ def live(store: Store) -> Markup:
     return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, found: Answer) -> dict[str, Any]:
+def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: Answer) -> dict[str, Any]:
     """What is known for one purpose. cells: criterion, case and engine by number, with value, low and high; of a speed these
     are times real time, and 1 after them if it is a bound. A speed of 0 is of no use."""
-    evidence = found.evidence
+    evidence = chosen.evidence
     about, known = store.catalogue.get("engines", {}), cases(store)
     names, engines = list(evidence.cases), list(evidence.engines)
     criteria = [criterion for criterion in CRITERIA if any(key[0] == criterion for key in evidence.table)]
     families = list(dict.fromkeys(evidence.families[case] for case in names))
-    typical = {standing.engine: [standing.speed, standing.error] for standing, _ in standings(store, found)}
+    typical = {standing.engine: [standing.speed, standing.error] for standing, _ in standings(store, chosen)}
     cells: list[list[float | int]] = []
     for (criterion, case, engine), datum in evidence.table.items():
         values = [datum.value, datum.low, datum.high]
@@ -219,6 +219,6 @@ def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, found: A
             for engine in engines
         ],
         "cells": cells,
-        "asked": found.asked,
-        "others": any(drop.requirement != EXPRESSED for drop in found.dropped),
+        "asked": chosen.asked,
+        "others": any(drop.requirement != EXPRESSED for drop in chosen.dropped),
     }

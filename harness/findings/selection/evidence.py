@@ -89,8 +89,8 @@ class Evidence:
         figures = [
             datum.figure for (of, _, name), datum in self.table.items() if (of, name) == (criterion, engine) and datum.figure
         ]
-        asked = sum((of, name) == (criterion, engine) for of, _, name in self.table)
-        return median(figures) if figures and 2 * len(figures) >= asked else None
+        counted = sum((of, name) == (criterion, engine) for of, _, name in self.table)
+        return median(figures) if figures and 2 * len(figures) >= counted else None
 
 
 def _useful(times: float, decades: float) -> float:
@@ -141,9 +141,9 @@ def _failing(store: Store) -> Mapping[str, list[dict[str, Any]]]:
 
 
 @lru_cache(maxsize=8)
-def _accuracy(store: Store, asked: float) -> dict[Side, Datum]:
+def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     """By case, engine and track, of the run that the speed is taken from; without one, of the run at the case's own step."""
-    prices, fast, about_cases = priced(store), speeds(store, asked), store.catalogue.get("cases", {})
+    prices, fast, about_cases = priced(store), speeds(store, target), store.catalogue.get("cases", {})
     data: dict[Side, Datum] = {}
     for (case, engine, track), group in _judged(store).items():
         speed, about = fast.get((case, engine, track)), about_cases.get(case, {})
@@ -159,8 +159,8 @@ def _accuracy(store: Store, asked: float) -> dict[Side, Datum]:
         error = speed.error if speed is not None else prices.error(settings["trial"], case)
         headline = str(about.get("headline", "")) if error is not None else ""
         times, says = _beyond(row, _failing(store).get(settings["trial"], ()), headline)
-        if error is not None and error / asked >= times:
-            times, says = error / asked, f"an error of {error:.2g} of the scale"
+        if error is not None and error / target >= times:
+            times, says = error / target, f"an error of {error:.2g} of the scale"
         value = _useful(times, DECADES_OF_ERROR)
         data[case, engine, track] = Datum.of(value, says=says or "every check holds", figure=error, **settings)
     for row in AGREEMENT.rows(store):

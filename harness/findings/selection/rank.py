@@ -119,7 +119,7 @@ def resampled(evidence: Evidence, wish: Wish, draws: int = DRAWS) -> Resampled:
     criteria, (value, low, high), has = _table(evidence, wish)
     if not criteria or not evidence.engines:
         raise ValueError("no evidence: no criterion has anything to say of these cases and engines")
-    of_cases, asked = np.array([*evidence.cases.values()]), np.array([wish.weight(name) for name in criteria])
+    of_cases, wanted = np.array([*evidence.cases.values()]), np.array([wish.weight(name) for name in criteria])
     count, engines = len(of_cases), len(evidence.engines)
     # One case less than there are: the spread of a mean over n cases is then without bias (J. N. K. Rao & C. F. J. Wu, 1988).
     taken = max(count - 1, 1)
@@ -131,28 +131,28 @@ def resampled(evidence: Evidence, wish: Wish, draws: int = DRAWS) -> Resampled:
     middle, end = taken + 2 * count * engines, numbers.shape[1]
     within = np.clip(_normal(numbers[:, taken:middle].reshape(draws, 1, count, engines, 2)) / 1.96, -1.0, 1.0)
     factors = np.exp(DOUBT_OF_WEIGHTS * _normal(numbers[:, middle:end].reshape(draws, -1, 2)))
-    share = _shares(has, times * of_cases, asked * factors)
-    found = np.empty((draws, engines))
+    share = _shares(has, times * of_cases, wanted * factors)
+    totals = np.empty((draws, engines))
     drawn = np.empty((draws, *value.shape), dtype=np.float64)
     for block in np.array_split(np.arange(draws), math.ceil(draws / 500)):
         up = within[block]
         drawn[block] = value + np.where(up > 0, up * (high - value), up * (value - low))
-        found[block] = np.einsum("dkc,dkce->de", share[block], drawn[block])
+        totals[block] = np.einsum("dkc,dkce->de", share[block], drawn[block])
     return Resampled(
         criteria=criteria,
         cases=tuple(evidence.cases),
         value=value,
         share=share,
-        fixed=_shares(has, of_cases, asked),
+        fixed=_shares(has, of_cases, wanted),
         has=has,
-        scores=found,
+        scores=totals,
         drawn=drawn,
     )
 
 
-def first_shares(found: Floats) -> Floats:
+def first_shares(scores: Floats) -> Floats:
     """The share of resamples in which each engine leads, (engines,), of scores (draws, engines)."""
-    best = found >= found.max(axis=1, keepdims=True) - _EQUAL
+    best = scores >= scores.max(axis=1, keepdims=True) - _EQUAL
     shares: Floats = (best / best.sum(axis=1, keepdims=True)).mean(axis=0)
     return shares
 

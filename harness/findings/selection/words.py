@@ -29,7 +29,7 @@ FEW = 8
 CERTAIN = 0.95
 """The share of resamples from which on nothing has to be decided."""
 TRADED, FASTER = 0.05, 1.1
-"""How far apart two engines' means of a criterion have to be for it to be said, and the ratio of their speeds."""
+"""How far apart two engines' means of a criterion have to be for it to be phrases, and the ratio of their speeds."""
 
 
 def _listed(names: Sequence[str], last: str = "and") -> str:
@@ -59,7 +59,7 @@ def who_leads(answer: Answer, titled: Titled) -> str:
     if first.first > CLEAR:
         second = titled(others[0].engine)
         return SENTENCES["first"].format(engine=titled(first.engine), share=percent(first.first), second=second)
-    shares = [f"{titled(place.engine)} is first in {percent(place.first)}" for place in (first, *others)]
+    shares = [f"{titled(entry.engine)} is first in {percent(entry.first)}" for entry in (first, *others)]
     return SENTENCES["open"].format(shares=_listed(shares))
 
 
@@ -83,19 +83,19 @@ def trade(answer: Answer, titled: Titled) -> str:
     if answer.rank is None or len(answer.rank.places) < 2:
         return ""
     pair = answer.rank.places[:2]
-    parts: dict[str, list[str]] = {place.engine: [] for place in pair}
+    parts: dict[str, list[str]] = {entry.engine: [] for entry in pair}
     for name in answer.rank.counted:
-        better, worse = sorted(pair, key=lambda place: -place.by_criterion[name])
+        better, worse = sorted(pair, key=lambda entry: -entry.by_criterion[name])
         if better.by_criterion[name] - worse.by_criterion[name] >= TRADED:
             words = _faster(answer, better.engine, worse.engine) if name == "speed" else _BETTER[name]
             if name == "accuracy":
-                within = [_within(answer, place.engine) for place in (better, worse)]
+                within = [_within(answer, entry.engine) for entry in (better, worse)]
                 cases = f"{within[0]} of {answer.rank.counted[name]} cases within {100 * answer.wish.max_error:g} %"
                 words += f" ({cases}, {titled(worse.engine)} {within[1]})" if within[0] > within[1] else ""
             if words:
                 parts[better.engine].append(words)
-    said = [f"{titled(engine)} {_listed(mine)}" for engine, mine in parts.items() if mine]
-    return f"{'; '.join(said)}." if said else ""
+    phrases = [f"{titled(engine)} {_listed(mine)}" for engine, mine in parts.items() if mine]
+    return f"{'; '.join(phrases)}." if phrases else ""
 
 
 def _faster(answer: Answer, fast: str, slow: str) -> str:
@@ -122,12 +122,15 @@ def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
     single figure would. Args: titled: an engine's name to its title. called: that of a case."""
     if answer.rank is None or answer.alone or answer.rank.places[0].first >= CERTAIN:
         return "", ""
-    found = answer.decider
-    if found is None:
+    decider = answer.decider
+    if decider is None:
         return "No single figure of this run would decide it: it rests on which cases count.", ""
-    what = "speed" if found.criterion == "speed" else "limit"
-    took = f"{found.runs} run{'' if found.runs == 1 else 's'} of it here took {found.seconds:.2g} s"
-    return f"What would decide it: the {what} of {titled(found.engine)} in “{called(found.case)}” ({took}).", found.command
+    what = "speed" if decider.criterion == "speed" else "limit"
+    took = f"{decider.runs} run{'' if decider.runs == 1 else 's'} of it here took {decider.seconds:.2g} s"
+    return (
+        f"What would decide it: the {what} of {titled(decider.engine)} in “{called(decider.case)}” ({took}).",
+        decider.command,
+    )
 
 
 def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> list[str]:

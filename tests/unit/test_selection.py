@@ -266,7 +266,7 @@ def test_each_preset_asks_for_cases_that_there_are_and_says_why() -> None:
             assert any(wish.weight_of_case(case, case.partition("_")[0]) for case in names("cases")), (name, cases.match)
             assert len(cases.why) > 10
         assert families
-    assert set(preset_names()) == {"games", "legged", "manipulation", "rl-throughput", "sensors", "teaching"}
+    assert set(preset_names()) == {"games", "legged", "manipulation", "rl-throughput", "sensors", "teaching", "vehicles"}
 
 
 @pytest.mark.parametrize(

@@ -38,16 +38,54 @@ def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[
 
 @click.command()
 @run_folder
-@click.option("--need", multiple=True, callback=_listed, metavar="NAME,...", help="Families or patterns of cases that count.")
-@click.option("--feature", multiple=True, callback=_listed, metavar="NAME,...", help="What an engine has to be able to do.")
-@click.option("--max-error", type=click.FloatRange(0, 1, min_open=True), help="A share of each case's scale, to be reached.")
-@click.option("--realtime", type=click.FloatRange(0, min_open=True), help="How many times faster than real time.")
-@click.option("--weight", multiple=True, callback=_weights, metavar="CRITERION=NUMBER,...", help="1 unless said.")
-@click.option("--licence", multiple=True, callback=_listed, metavar="SPDX,...", help="Any of these.")
-@click.option("--platform", default="", metavar="NAME", help="linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.")
-@click.option("--preset", default="", metavar="NAME|FILE", help="Weights, cases and reasons for a purpose.")
-@click.option("--with-reference", is_flag=True, help="Rank our own engine, the ruler, too.")
-@click.option("--evidence", is_flag=True, help="What the answer leans on, run by run, in place of the answer.")
+@click.option(
+    "--need",
+    multiple=True,
+    callback=_listed,
+    metavar="NAME,...",
+    help="Families (flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor) or patterns of "
+    "cases that count.",
+)
+@click.option(
+    "--feature",
+    multiple=True,
+    callback=_listed,
+    metavar="NAME,...",
+    help="A feature that an engine must have; `plumbline engines --json` lists them.",
+)
+@click.option(
+    "--max-error",
+    type=click.FloatRange(0, 1, min_open=True),
+    help="The error to be reached, a share of each case's scale [0.01]. Engines that do not reach it are excluded.",
+)
+@click.option(
+    "--realtime",
+    type=click.FloatRange(0, min_open=True),
+    help="The speed to be reached, in times real time. Slower engines are excluded.",
+)
+@click.option(
+    "--weight",
+    multiple=True,
+    callback=_weights,
+    metavar="CRITERION=NUMBER,...",
+    help="Weights of accuracy, speed, limits, robustness, determinism, capability [1 each].",
+)
+@click.option("--licence", multiple=True, callback=_listed, metavar="SPDX,...", help="Only engines with one of these licences.")
+@click.option(
+    "--platform",
+    default="",
+    metavar="NAME",
+    help="Only engines that run on: linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.",
+)
+@click.option(
+    "--preset",
+    default="",
+    metavar="NAME|FILE",
+    help="Weights and cases for a purpose: games, legged, manipulation, rl-throughput, sensors, teaching, vehicles; "
+    "or a TOML file of your own.",
+)
+@click.option("--with-reference", is_flag=True, help="Rank the reference engine too.")
+@click.option("--evidence", is_flag=True, help="The figures behind the answer, run by run.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 def select(
     folder: Path,
@@ -63,7 +101,7 @@ def select(
     evidence: bool,
     as_json: bool,
 ) -> None:
-    """Which engine? By the run in DIR, for what is needed, and how surely."""
+    """Which engine suits a purpose, and how sure that is, by the runs in DIR."""
     from plumbline.harness.findings.selection import Wish, choose, read_preset
     from plumbline.harness.findings.selection.preset import merged
 
@@ -201,7 +239,7 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
     for drop in answer.undecided:
         say(undecided_sentence(drop, called, called))
     for sentence in turn_sentences(answer.turns, called, called):
-        say(f"It would be {sentence}")
+        say(sentence)
     _print_gaps(answer)
 
 

@@ -27,7 +27,7 @@ LEAST_ERROR = 1e-5
 
 @lru_cache(maxsize=1)
 def answer(store: Store) -> Answer:
-    """At equal weights, over all cases, without our own engine."""
+    """At equal weights, over all cases, without the reference engine."""
     return choose(store, Wish())
 
 

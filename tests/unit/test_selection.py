@@ -246,9 +246,12 @@ def test_what_would_turn_the_answer_is_said_without_ids() -> None:
     def said(*turns: Turn) -> list[str]:
         return turn_sentences(turns, titles.__getitem__, titles.__getitem__)
 
-    assert said(case) == ["DART without “A tower of boxes”."]
-    assert said(case, other) == ["DART without one of “A tower of boxes”, “Standing still”."]
-    assert said(*heavier, case) == ["DART if speed or friction counted double.", "DART without “A tower of boxes”."]
+    assert said(case) == ["Without “A tower of boxes”, DART would be first."]
+    assert said(case, other) == ["Without one of “A tower of boxes”, “Standing still”, DART would be first."]
+    assert said(*heavier, case) == [
+        "If speed or friction counted double, DART would be first.",
+        "Without “A tower of boxes”, DART would be first.",
+    ]
 
 
 def test_our_own_engine_is_ranked_only_where_it_is_asked_for(answer: Ask) -> None:

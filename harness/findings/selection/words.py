@@ -144,10 +144,10 @@ def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> lis
         left_out = [f"“{called(turn.name)}”" for turn in mine if turn.kind == "case"]
         if doubled:
             either = doubled[0] if len(doubled) == 1 else f"{', '.join(doubled[:-1])} or {doubled[-1]}"
-            sentences.append(f"{titled(first)} if {either} counted double.")
+            sentences.append(f"If {either} counted double, {titled(first)} would be first.")
         if left_out:
             either = left_out[0] if len(left_out) == 1 else f"one of {', '.join(left_out)}"
-            sentences.append(f"{titled(first)} without {either}.")
+            sentences.append(f"Without {either}, {titled(first)} would be first.")
     return sentences
 
 

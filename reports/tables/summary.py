@@ -80,7 +80,7 @@ def farthest(store: Store) -> str:
 
 
 def leading(store: Store) -> list[str]:
-    """In how many cases the reference engine errs least, and by what: nobody should take the reference engine for a contestant."""
+    """In how many cases the reference engine errs least, and by what."""
     by_track: dict[str, Counter[str]] = {}
     for lead in leads(store).values():
         by_track.setdefault(lead.track, Counter())[lead.by] += 1
@@ -260,7 +260,7 @@ def ours(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
 
 
 def standing_beside(store: Store, seen: list[Glance]) -> list[str]:
-    """What the reference engine comes to on the scale of those that people can deploy: a line beside them, and in no headline."""
+    """What the reference engine costs and errs on the scale of those that people can deploy: in no headline."""
     return [
         f"Beside them {engines(store)[glance.engine]['title']}, {glance.track}, takes {amount(glance.relative_cost, 2)}{TIMES} "
         f"the CPU time of the cheapest of each case, at {amount(glance.relative_error, 2)}{TIMES} the smallest error."

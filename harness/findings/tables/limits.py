@@ -41,7 +41,7 @@ def _setting(row: Row) -> str:
 
 
 def _sentences(rows: Sequence[Row]) -> list[str]:
-    """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, the reference engine beside them.
+    """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, and the reference engine.
 
     Leads are counted by the table `farthest`.
     """

@@ -192,6 +192,7 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from plumbline.harness.findings.selection.words import (
         decisive,
         dropped_sentence,
+        error_percent,
         headline,
         percent,
         trade,
@@ -223,7 +224,7 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
             score = f"{entry.score:.2f} ({entry.low:.2f} .. {entry.high:.2f})"
             figures = [
                 "-" if speed is None else f"{float(f'{speed:.2g}'):g}x",
-                "-" if error is None else f"{100 * error:.2g} %",
+                "-" if error is None else error_percent(error),
             ]
             first = "-" if answer.alone else percent(entry.first)
             track = evidence.tracks[entry.engine]

@@ -126,7 +126,6 @@
 
   const percent = (share) => `${Math.floor(100 * share + 0.5)} %`;
   const filled = (name, values) => sentences[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
-  const listed = (names) => (names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0]);
 
   // The first sentence, as `headline` of harness/findings/selection/words.py has it, in the same words.
   const headline = (places, known, reasons) => {
@@ -138,8 +137,8 @@
       const all = !others && [...reasons.values()].every((why) => why === NOTHING);
       return filled(asked === 1 ? "single" : all ? "expresses" : "left", { engine: titled(places[0]), scenes, asked });
     }
-    const [first, second] = places, shares = listed(places.map((place) => `${titled(place)} is first in ${percent(place.first)}`));
-    const values = { engine: titled(first), share: percent(first.first), second: titled(second), shares };
+    const [first, ...rest] = places, told = rest.map((place) => `${titled(place)} in ${percent(place.first)}`).join(", ");
+    const values = { engine: titled(first), share: percent(first.first), second: titled(rest[0]), others: told };
     const sentence = filled(first.first > clear ? "first" : "open", values);
     if (counted.length >= few || counted.every((one) => one.own)) return sentence;
     return `${sentence} ${filled("few", { cases: `${counted.length} case${counted.length === 1 ? "" : "s"}` })}`;

@@ -14,15 +14,12 @@ from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose,
 from plumbline.harness.findings.selection.choose import EXPRESSED
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Datum
 from plumbline.harness.findings.selection.rank import DOUBT_OF_WEIGHTS, DRAWS, SEED, Place
-from plumbline.harness.findings.selection.words import CLEAR, FEW, SENTENCES, decisive, trade, who_leads
+from plumbline.harness.findings.selection.words import CLEAR, FEW, SENTENCES, decisive, error_percent, percent, trade, who_leads
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.trial_results import stepless
 from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
 from plumbline.reports.words.text import TIMES, amount, settings_text, slug
-
-LEAST_ERROR = 1e-5
-"""Share of the scale below which an error is said to be less than this."""
 
 
 @lru_cache(maxsize=1)
@@ -45,11 +42,13 @@ def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
 @dataclass(frozen=True)
 class Standing:
     """An engine in the answer for a purpose. Terms: first: the share of resamples in which it leads, None where there is no
-    contest; speed, error: of the typical case, in words; setting: its track in words, settings: what that means."""
+    contest; share: the same in words; leads: is it named alone? speed, error: of the typical case, in words; setting: its track in words, settings: what that means."""
 
     engine: str
     number: int
     first: float | None
+    share: str
+    leads: bool
     speed: str
     error: str
     track: str
@@ -83,7 +82,8 @@ FEWEST = 3
 @lru_cache(maxsize=1)
 def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
     """Of each built-in purpose of which the run has cases enough."""
-    chosen = {name: choose(store, read_preset(name).wish()) for name in preset_names()}
+    listed = sorted(preset_names(), key=lambda name: read_preset(name).order)
+    chosen = {name: choose(store, read_preset(name).wish()) for name in listed}
     return {name: a for name, a in chosen.items() if a.rank is not None and len(a.evidence.cases) >= FEWEST}
 
 
@@ -137,17 +137,14 @@ def _standing(store: Store, chosen: Answer, entry: Place) -> Standing:
         engine=entry.engine,
         number=entry.number,
         first=None if chosen.alone else entry.first,
+        share="" if chosen.alone else percent(entry.first),
+        leads=bool(chosen.alone) or entry.first > CLEAR,
         speed="" if speed is None else f"{amount(speed, 2)}{TIMES}",
-        error="" if error is None else percents(error),
+        error="" if error is None else error_percent(error),
         track=track,
         setting=setting_words(store, entry.engine, track),
         settings=_settings(store, entry.engine, track),
     )
-
-
-def percents(error: float) -> str:
-    """'0.8 %' of an error as a share; of what is below a thousandth of a per cent no more is said."""
-    return f"<{amount(100 * LEAST_ERROR)} %" if error < LEAST_ERROR else f"{amount(100 * error, 2)} %"
 
 
 def _settings(store: Store, engine: str, track: str) -> str:

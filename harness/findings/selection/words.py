@@ -12,7 +12,7 @@ Titled = Callable[[str], str]
 
 SENTENCES: Mapping[str, str] = {
     "first": "{engine} is first in {share} of resamples; {second} is second.",
-    "open": "No clear winner: {shares} of resamples.",
+    "open": "No clear winner: {engine} is first in {share} of resamples, {others}.",
     "expresses": "{engine} is the only engine that can express {scenes}, of {asked} asked: there is no contest.",
     "left": "{engine} is the only engine left, of {asked} asked: there is no contest.",
     "single": "{engine} alone was asked: there is no contest.",
@@ -59,13 +59,22 @@ def who_leads(answer: Answer, titled: Titled) -> str:
     if first.first > CLEAR:
         second = titled(others[0].engine)
         return SENTENCES["first"].format(engine=titled(first.engine), share=percent(first.first), second=second)
-    shares = [f"{titled(entry.engine)} is first in {percent(entry.first)}" for entry in (first, *others)]
-    return SENTENCES["open"].format(shares=_listed(shares))
+    rest = ", ".join(f"{titled(entry.engine)} in {percent(entry.first)}" for entry in others)
+    return SENTENCES["open"].format(engine=titled(first.engine), share=percent(first.first), others=rest)
 
 
 def percent(share: float) -> str:
     """'83 %'."""
     return f"{math.floor(100 * share + 0.5)} %"
+
+
+LEAST_ERROR = 1e-5
+"""Share of the scale below which an error is said to be less than this."""
+
+
+def error_percent(error: float) -> str:
+    """'0.8 %' of an error as a share of the scale."""
+    return f"<{100 * LEAST_ERROR:g} %" if error < LEAST_ERROR else f"{float(f'{100 * error:.2g}'):g} %"
 
 
 _BETTER: Mapping[str, str] = {

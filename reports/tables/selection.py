@@ -42,7 +42,8 @@ def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
 @dataclass(frozen=True)
 class Standing:
     """An engine in the answer for a purpose. Terms: first: the share of resamples in which it leads, None where there is no
-    contest; share: the same in words; leads: is it named alone? speed, error: of the typical case, in words; setting: its track in words, settings: what that means."""
+    contest; share: the same in words; leads: is it named alone? speed, error: of the typical case, in words; setting: its track
+    in words, settings: what that means."""
 
     engine: str
     number: int

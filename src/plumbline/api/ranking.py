@@ -68,12 +68,12 @@ def select(
     Args:
         results: of `compare`, `open` or `published`, or the path of a run folder.
         need: families or patterns of cases that count, like "friction"; all if empty.
-        error: that is priced, a share of a case's scale; 0.01 if None. strict: leave out engines that do not reach it in each
+        error: asked for, a share of a case's scale; 0.01 if None. strict: leave out engines that do not reach it in each
             case.
         realtime: how many times faster than real time at that error.
         features: that an engine has to have. licences: SPDX identifiers, of which it has one. platform: like "linux-x86_64".
         weights: of criteria, 0 or more; 1 if not given. preset: weights and cases of a purpose: games, legged, manipulation,
-            rl-throughput, sensors, teaching, or the path of a file.
+            rl-throughput, sensors, teaching, vehicles, or the path of a file.
         with_reference: rank the reference engine too.
     Raises: PlumblineError, with what was given and what was expected.
     """

@@ -83,6 +83,7 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     """Raises: NotMeasurable, Unsupported, Unavailable, SettingsError."""
     seeded = {"seed": number} if "seed" in trial.parameters else {}
     plain = replace(trial, parameters={**trial.parameters, **seeded}, seed=number)
+    case = case.put(plain.parameters)
     scene = plain.scene(case)
     start = member(scene, number, trial.settings.dt, turn=not scene.sensors) if _varies(case) else Member(scene, None)
     answer = answer_of(plain, case, adapter, start.scene)

@@ -5,6 +5,7 @@ error bar (`harness.statistics.richardson`), up to where that bar leaves the tol
 (`harness.statistics.convergence`). Distances are shares of the size of what moves (`harness.trajectory.parting`).
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -22,6 +23,9 @@ TOLERANCE = 0.01
 """Of the size of what moves: a hundredth, which is a centimetre of a robot's metre, and what an eye sees in a picture."""
 FEWEST = 3
 """Runs at steps of their own: two have one difference, which says nothing of whether it shrinks."""
+ABOVE = 0.5
+"""How far an order may lie above what an integrator promises: more says that errors of another kind still shrink, and not that
+the answer comes near its limit."""
 HALF = 0.5
 """Of the samples up to which runs lie near each other: where they draw together at fewer, they only have not parted yet."""
 ANSWERED = ("passed", "failed")
@@ -32,7 +36,7 @@ Kind: TypeAlias = Literal["converges", "does not converge", "diverged", "cannot"
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rung:
     """One run of a ladder. Terms: dt [s] as it was asked for, substep [s] as it was taken; trial, status, reason: of its
-    record."""
+    record. integrator: as it is resolved, '' where that is not told."""
 
     dt: float
     substep: float
@@ -40,6 +44,7 @@ class Rung:
     status: str
     reason: str
     run: Trajectory | None = None
+    integrator: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +57,7 @@ class OwnLimit:
         runs. value: poses at a step of zero, bar (t,): how far off they may be up to each sample, as a share of the size;
         None where no time is known. horizons [s]: by the coarser step of each halving, up to when it moves the answer by no
         more than the tolerance. time (t,) s, moved (t,): what the last halving moves the answer by up to each sample; None
-        without three runs.
+        without three runs. promised: the order of the integrator, None where none is told.
     """
 
     kind: Kind
@@ -64,11 +69,23 @@ class OwnLimit:
     rungs: tuple[Rung, ...]
     time: Floats | None = None
     moved: Floats | None = None
+    promised: int | None = None
+
+    @property
+    def too_fast(self) -> bool:
+        """Do steps draw together faster than the integrator can, so that they say nothing of a limit yet?"""
+        order = None if self.said is None else self.said.order
+        return None not in (order, self.promised) and order > self.promised + ABOVE  # type: ignore[operator]
+
+    @property
+    def seen_until(self) -> float:
+        """Up to there [s] the runs draw together, whatever their order says; 0 where they never do."""
+        return self.said.until or 0.0 if self.said is not None and self.kind == "converges" else 0.0
 
     @property
     def until(self) -> float:
         """Up to there [s] the limit is known; 0 where it never is."""
-        return self.said.until or 0.0 if self.said is not None and self.kind == "converges" else 0.0
+        return 0.0 if self.too_fast else self.seen_until
 
     def bar_at(self, time: float) -> float:
         """The error bar up to a time [s]."""
@@ -102,14 +119,21 @@ def rungs_of(store: Store, runs: Sequence[Any]) -> list[Rung]:
             status=str(row.status),
             reason=str(row.reason),
             run=read_run(store, str(row.trajectory_hash), float(row.dt)) if answered else None,
+            integrator=_integrator(row.resolved),
         )
         # An engine that cuts coarse steps into more sub-steps takes one step on two rungs, and says nothing new on the second.
         by_substep.setdefault(round(rung.substep, 15), rung)
     return sorted(by_substep.values(), key=lambda rung: -rung.substep)
 
 
-def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
-    """The limit of one engine and track, of its runs from coarse to fine."""
+def _integrator(resolved: Mapping[str, Any] | str) -> str:
+    """The integrator of resolved settings, of a record or as JSON of a table."""
+    settings = json.loads(resolved) if isinstance(resolved, str) else resolved
+    return str(settings.get("integrator") or "")
+
+
+def own_limit(scale: Extent, rungs: Sequence[Rung], orders: Mapping[str, int] | None = None) -> OwnLimit:
+    """The limit of one engine and track, of its runs from coarse to fine. Args: orders: that its integrators promise, by name."""
     whole = tuple(rungs)
     answered = [rung for rung in whole if rung.run is not None]
     if len(answered) < FEWEST or whole[-1].status == "diverged":
@@ -127,8 +151,9 @@ def own_limit(scale: Extent, rungs: Sequence[Rung]) -> OwnLimit:
     }
     last = np.maximum.accumulate(parted[-1])
     plain = OwnLimit(
-        kind="converges", why=_silent(whole), said=converged, horizons=horizons, rungs=whole, time=time, moved=last
-    )
+        kind="converges", why=_silent(whole), said=converged, horizons=horizons, rungs=whole, time=time, moved=last,
+        promised=(orders or {}).get(answered[-1].integrator),
+    )  # fmt: skip
     lost = converged.until is None or (converged.ended != "end" and converged.until < _begins(finest, scale))
     if lost or (converged.ended == "no shrinking" and converged.regular < HALF):
         before, last_moved = float(parted[-2].max()), float(last[-1])

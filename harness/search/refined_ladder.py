@@ -79,7 +79,7 @@ def _of_scene(
             ladders.setdefault((trial.engine, trial.track), []).append(trial)
     scale, share = extent(case.scene(case.at(**scene[0].parameters))), asked.budget / len(ladders)
     number = max(trial.round for trial in scene) + 1
-    limits = {side: _limit(ladder, records, scale, store) for side, ladder in ladders.items()}
+    limits = {side: _limit(ladder, records, scale, store, adapters[side[0]]) for side, ladder in ladders.items()}
     more = [
         finer
         for side, ladder in ladders.items()
@@ -102,8 +102,11 @@ def _of_scene(
                 yield from _starts(ladder, asked, records, case, share, number)
 
 
-def _limit(ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store) -> OwnLimit:
-    return own_limit(scale, rungs_of(store, [records[trial.trial] for trial in ladder if trial.trial in records]))
+def _limit(
+    ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store, adapter: Adapter
+) -> OwnLimit:
+    answered = [records[trial.trial] for trial in ladder if trial.trial in records]
+    return own_limit(scale, rungs_of(store, answered), adapter.orders)
 
 
 def _answered(limit: OwnLimit) -> list[float]:

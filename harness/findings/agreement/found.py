@@ -55,8 +55,11 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     for row in rows:
         sides.setdefault((row.engine, row.track), []).append(row)
     scale = NOTHING if scene is None else extent(scene)
-    limits = {side: own_limit(scale, rungs_of(store, runs)) for side, runs in sides.items()}
-    ours = [name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")]
+    engines = store.catalogue.get("engines", {})
+    limits = {
+        side: own_limit(scale, rungs_of(store, runs), engines.get(side[0], {}).get("orders")) for side, runs in sides.items()
+    }
+    ours = [name for name, engine in engines.items() if engine.get("ours")]
     duration = float(store.described("cases", case)["duration"])
     touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)
     agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)

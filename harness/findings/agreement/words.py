@@ -64,6 +64,13 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
         in_metres = metres(bar, agreement)
         known = f"{share(bar)} of the size of what moves{f' ({in_metres})' if in_metres else ''}"
         return f"{listed(voters)} agree on one limit {until}, known to {known}."
+    fast = list(dict.fromkeys(titles.get(side.engine, side.engine) for side in agreement.sides if side.limit.too_fast))
+    settled = {side.engine for side in agreement.sides if side.camps and not side.ours}
+    if fast and len(settled) < 2:
+        return (
+            f"Whether there is one limit cannot be told yet: steps of {listed(fast)} draw together faster than the order of the "
+            "integrator, so that smaller ones are needed (--dt, --budget)."
+        )
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
     camps = "; ".join(f"{letter}: {_called(agreement, letter, titles)}" for letter in agreement.camps)
@@ -76,7 +83,7 @@ def side_words(side: Side, agreement: Agreement) -> str:
     order = "" if convergence is None else "no order" if convergence.order is None else f"order {convergence.order:.2f}"
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
-    compared = min(side.limit.until, agreement.until) if agreement.agreed else side.limit.until
+    compared = min(side.limit.seen_until, agreement.until) if agreement.agreed else side.limit.until
     until = "" if compared >= 0.999 * agreement.duration else f", {_up_to(agreement, compared)}"
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":

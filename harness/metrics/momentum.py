@@ -2,7 +2,8 @@
 
 Uniform gravity is allowed for: it adds M g t to the momentum, and no moment about the common centre of mass, about which the
 angular momentum is taken. A joint to the world, a drive on the world or damping exchanges momentum: then nothing is measured.
-Contact with a body that no force moves does so as well, and between two samples unseen: nothing is measured where there can be one.
+Contact with a body that no force moves does so as well, and between two samples unseen: where there can be one, nothing is
+measured.
 """
 
 import numpy as np

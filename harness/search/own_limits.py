@@ -23,6 +23,9 @@ TOLERANCE = 0.01
 """Of the size of what moves: a hundredth, which is a centimetre of a robot's metre, and what an eye sees in a picture."""
 FEWEST = 3
 """Runs at steps of their own: two have one difference, which says nothing of whether it shrinks."""
+ROUNDING = 1e-6
+"""Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
+for."""
 ABOVE = 0.5
 """How far an order may lie above what an integrator promises: more says that errors of another kind still shrink, and not that
 the answer comes near its limit."""
@@ -74,8 +77,9 @@ class OwnLimit:
     @property
     def too_fast(self) -> bool:
         """Do steps draw together faster than the integrator can, so that they say nothing of a limit yet?"""
-        order = None if self.said is None else self.said.order
-        return None not in (order, self.promised) and order > self.promised + ABOVE  # type: ignore[operator]
+        if self.said is None or self.said.order is None or self.promised is None or self.said.moved <= ROUNDING:
+            return False
+        return self.said.order > self.promised + ABOVE
 
     @property
     def seen_until(self) -> float:
@@ -86,6 +90,11 @@ class OwnLimit:
     def until(self) -> float:
         """Up to there [s] the limit is known; 0 where it never is."""
         return 0.0 if self.too_fast else self.seen_until
+
+    def farthest(self, scale: Extent) -> float:
+        """How far the finest run takes a body from its start, as a share of the size; 0 without a run."""
+        runs = [rung.run for rung in self.rungs if rung.run is not None]
+        return float(apart(runs[-1], _still(runs[-1]), scale).max(initial=0.0)) if runs else 0.0
 
     def bar_at(self, time: float) -> float:
         """The error bar up to a time [s]."""
@@ -133,7 +142,7 @@ def _integrator(resolved: Mapping[str, Any] | str) -> str:
 
 
 def own_limit(scale: Extent, rungs: Sequence[Rung], orders: Mapping[str, int] | None = None) -> OwnLimit:
-    """The limit of one engine and track, of its runs from coarse to fine. Args: orders: that its integrators promise, by name."""
+    """The limit of one engine and track, of its runs from coarse to fine. Args: orders: that integrators promise, by name."""
     whole = tuple(rungs)
     answered = [rung for rung in whole if rung.run is not None]
     if len(answered) < FEWEST or whole[-1].status == "diverged":
@@ -173,9 +182,14 @@ def _silent(rungs: Sequence[Rung]) -> str:
 
 def _begins(run: Trajectory, scale: Extent) -> float:
     """When [s] something has first moved by the tolerance: up to there all answers are alike, whatever engine gives them."""
+    return horizon(run.time, np.maximum.accumulate(apart(run, _still(run), scale)), TOLERANCE)
+
+
+def _still(run: Trajectory) -> Trajectory:
+    """A run that stays at the start of another."""
     still = Trajectory.of(run.time, run.p_WB.shape[1])
     still.p_WB[:], still.q_WB[:] = run.p_WB[0], run.q_WB[0]
-    return horizon(run.time, np.maximum.accumulate(apart(run, still, scale)), TOLERANCE)
+    return still
 
 
 def _round_off(run: Trajectory, step: float, scale: Extent) -> Floats:

@@ -102,9 +102,7 @@ def _of_scene(
                 yield from _starts(ladder, asked, records, case, share, number)
 
 
-def _limit(
-    ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store, adapter: Adapter
-) -> OwnLimit:
+def _limit(ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store, adapter: Adapter) -> OwnLimit:
     answered = [records[trial.trial] for trial in ladder if trial.trial in records]
     return own_limit(scale, rungs_of(store, answered), adapter.orders)
 

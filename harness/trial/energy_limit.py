@@ -63,8 +63,8 @@ class EnergyLimit:
         energy = float(np.sum(_kinetic(state, self.bodies, self.mass, self.inertia)))
         if energy > self.most:
             raise Diverged(
-                f"kinetic energy {energy:.3g} J, more than {self.most / self.payable:.0e} times the {self.payable:.3g} J that the "
-                "scene can give"
+                f"kinetic energy {energy:.3g} J, more than {self.most / self.payable:.0e} times the {self.payable:.3g} J that "
+                "the scene can give"
             )
 
 

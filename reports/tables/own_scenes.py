@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from plumbline.harness.findings.agreement import Agreement, agreements, omission_words, omissions
+from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.words import scene_words, side_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import engines
@@ -40,6 +41,7 @@ def summary(store: Store, case: str) -> list[str]:
         for agreement in by_case(store).get(case, ())
         for sentence in (
             *scene_words(agreement, titles(store)),
+            *happened_words(happenings(store, agreement), agreement, titles(store)),
             *omission_words(omissions(store, agreement), titles(store)),
         )
     ]

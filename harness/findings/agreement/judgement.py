@@ -6,10 +6,10 @@ which both are known. They agree where they lie no further apart than their bars
 A limit is **agreed** where a camp has two engines or more that people can deploy, and more of them than any other camp. Each
 engine has one vote, on its tuned track if that has a limit, else on its default one: two tracks of one engine are no two
 witnesses, and an engine that is undecided between camps has none. One whose steps draw together faster than its integrator
-promises is not near a limit yet: it stands in no camp, and is held against the agreed limit alone. Our own engine stands with a camp like any other and is
-shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit is that of the sharpest voter
-which is known as long as two of them are; its bar is the nearest confirmation by another voter, distance and that one's bar
-added.
+promises is not near a limit yet: it stands in no camp, and is held against the agreed limit alone. Our own engine stands with a
+camp like any other and is shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit is that
+of the sharpest voter which is known as long as two of them are; its bar is the nearest confirmation by another voter, distance
+and that one's bar added.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -22,14 +22,11 @@ from plumbline.harness.adapter import Feature
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 from plumbline.harness.scene import Scene
-from plumbline.harness.search.own_limits import OwnLimit
+from plumbline.harness.search.own_limits import ROUNDING, OwnLimit
 from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
-ROUNDING = 1e-6
-"""Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
-for."""
 SOFT = 1e-3
 """Metres that a contact, or a joint that closes a loop, may give under weight: granted to all engines whose contacts are
 springs."""
@@ -67,6 +64,7 @@ def judged(
         granted=0.0 if scene is None else _granted(scene, scale, touching=touching),
         sides=tuple(_stopped(sides)),
         differences=(),
+        scene=scene,
     )
     return plain if scene is None else _against_each_other(plain, scene)
 

@@ -16,12 +16,16 @@ def metres(value: float, agreement: Agreement) -> str:
     """A share of the size as a length: '5.63 µm', 'under 1 nm'; '' where wholes have sizes of their own."""
     if not value or not len(agreement.scale.size) or agreement.scale.size.min() < 0.999 * agreement.scale.largest:
         return ""
-    way = value * agreement.scale.largest
-    if way < 1e-9:
+    return distance_words(value * agreement.scale.largest)
+
+
+def distance_words(distance: float) -> str:
+    """A length [m] in the unit that suits it: '5.63 µm', 'under 1 nm'."""
+    if distance < 1e-9:
         return "under 1 nm"
     units = ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
-    by, unit = next(((by, unit) for by, unit in units if way * by >= 1), units[-1])
-    return f"{way * by:.3g} {unit}"
+    by, unit = next(((by, unit) for by, unit in units if distance * by >= 1), units[-1])
+    return f"{distance * by:.3g} {unit}"
 
 
 def length(value: float, agreement: Agreement) -> str:
@@ -68,8 +72,8 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
     settled = {side.engine for side in agreement.sides if side.camps and not side.ours}
     if fast and len(settled) < 2:
         return (
-            f"Whether there is one limit cannot be told yet: steps of {listed(fast)} draw together faster than the order of the "
-            "integrator, so that smaller ones are needed (--dt, --budget)."
+            f"Whether there is one limit cannot be told yet: steps of {listed(fast)} draw together faster than the order of "
+            "the integrator, so that smaller ones are needed (--dt, --budget)."
         )
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
@@ -101,14 +105,17 @@ STILL = "Nothing moves in it, so that engines have little to differ in: --scenar
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, whether nothing moves, and the differences between camps."""
     lines = [headline(agreement, titles)]
-    if agreement.still:
+    if agreement.still and not agreement.moving:
         lines.append(STILL)
+    elif agreement.still:
+        movers = list(dict.fromkeys(f"{titles.get(side.engine, side.engine)} ({side.track})" for side in agreement.moving))
+        lines.append(f"In that limit nothing moves; it does on {listed(movers)}.")
     for gap in agreement.differences:
         if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
             here, there = (_called(agreement, letter, titles) for letter in (gap.one, gap.other))
             lines.append(
-                f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; at {gap.time:.3g} s "
-                f"they are {length(gap.distance, agreement)} apart, most at '{gap.body}'."
+                f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; up to {gap.time:.3g} "
+                f"s they come to lie {length(gap.distance, agreement)} apart, most at '{gap.body}'."
             )
     return lines
 

@@ -21,6 +21,7 @@ from plumbline.harness.findings.agreement import (
     outlooks,
     scenes_to_judge,
 )
+from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.words import beyond_words, scene_words, side_sentence
 from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.store.store import Store
@@ -43,6 +44,7 @@ def _verdicts(store: Store) -> list[dict[str, Any]]:
         lost = omissions(store, agreement)
         summary = [
             *scene_words(agreement, titles),
+            *happened_words(happenings(store, agreement), agreement, titles),
             *beyond_words(balances(store, agreement), outlooks(store, agreement), titles),
             *omission_words(lost, titles),
         ]

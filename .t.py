@@ -1,14 +1,11 @@
 import sys,glob
 from pathlib import Path
 from plumbline.harness.store.store import Store
-from plumbline.harness.findings.agreement import agreements
-from plumbline.harness.findings.agreement.happened import *
-from plumbline.harness.findings.agreement.found import _scene
+from plumbline.harness.findings import tables
 def main():
-    for f in sorted(glob.glob("build/ten/*/trials.parquet"))+["build/quad/trials.parquet"]:
-        st=Store(Path(f).parent)
-        for a in agreements(st):
-            sc=parse(str(st.trajectory(st.trials["trajectory_hash"].dropna().iloc[0],("scene",))["scene"]),"s.json")
-            print("##",f)
-            for l in happened_words(happenings(st,a),a,{}): print("   ",l)
+    for f in sys.argv[1:]:
+        st=Store(Path(f))
+        T=tables.table("agreement")
+        print("##",f)
+        for l in T.sentences(T.rows(st)): print("   ",l)
 main()

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.findings.agreement import Agreement, balances, horizon_of, outlooks
+from plumbline.harness.findings.agreement import Agreement, balances, foreseeable_until, horizon_of, outlooks
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS
 from plumbline.harness.findings.agreement.words import metres
 from plumbline.harness.findings.tables import agreement as agreement_table
@@ -140,7 +140,8 @@ def judged(store: Store, agreement: Agreement) -> dict[str, Any]:
         },
         "bar": None if agreement.bar is None else (agreement.bar, metres(agreement.bar, agreement)),
         "laws": {law: by_side for law in LAWS.values() if (by_side := laws.get(law))},
-        "outlooks": outlooks(store, agreement),
+        "outlooks": (ensembles := outlooks(store, agreement)),
+        "foreseeable": foreseeable_until(agreement, ensembles),
         "horizon": horizon_of(agreement),
     }
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from plumbline.harness.findings.agreement import Agreement, agreements, omission_words, omissions
-from plumbline.harness.findings.agreement.happened import happened_words, happenings
+from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
 from plumbline.harness.findings.agreement.words import scene_words, side_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import engines
@@ -42,6 +42,7 @@ def summary(store: Store, case: str) -> list[str]:
         for sentence in (
             *scene_words(agreement, titles(store)),
             *happened_words(happenings(store, agreement), agreement, titles(store)),
+            *end_words(happenings(store, agreement), store, agreement, titles(store)),
             *omission_words(omissions(store, agreement), titles(store)),
         )
     ]

@@ -13,6 +13,8 @@ from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.events import MOVED, Event, Kind, Touched, happened, size_of
 
+_END = 0.01
+"""Of the run: a time so near its end is the end, and none is named."""
 ALIKE = 0.1
 """Of a distance or of the run: what two engines' events may differ by and be called alike, as wide as what words tell."""
 
@@ -133,6 +135,29 @@ def _differing(base: Sequence[Event], events: Sequence[Event]) -> str:
     said = [body_words(other)] if other else []
     said += [f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks]
     return "; ".join(said)
+
+
+def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """Whose steps no longer draw together before the end of the run, from when on, and what differs then."""
+    if not groups or agreement.scene is None:
+        return []
+    said: dict[tuple[float, str], list[tuple[str, str]]] = {}
+    for side in agreement.sides:
+        runs = [rung for rung in side.limit.rungs if rung.run is not None]
+        if side.limit.said is None or len(runs) < 2 or side.limit.seen_until >= (1 - _END) * agreement.duration:
+            continue
+        finest_events, coarser = (events_of(store, rung.trial) for rung in (runs[-1], runs[-2]))
+        what = ""
+        if not alike(finest_events, coarser, agreement.duration, agreement.scene):
+            what = f": at half the step {_differing(coarser, finest_events)}"
+        elif not alike(groups[0].events, finest_events, agreement.duration, agreement.scene):
+            what = f": {_differing(groups[0].events, finest_events)}"
+        said.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
+    parts = [
+        f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {time:.3g} s on{what}"
+        for (time, what), sides in sorted(said.items())
+    ]
+    return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []
 
 
 _LACKING: Mapping[Kind, str] = {

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook
+from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
 
 
@@ -126,22 +126,35 @@ def side_sentence(side: Side, agreement: Agreement, titles: Mapping[str, str]) -
     return f"{titles.get(side.engine, side.engine)}, {side.track}{ours}: {side_words(side, agreement)}."
 
 
-def beyond_words(broken: Sequence[Balance], outlooks: Sequence[Outlook], titles: Mapping[str, str]) -> list[str]:
-    """What is judged where poses cannot be: the laws that a run breaks, and means over perturbed starts."""
+def beyond_words(
+    broken: Sequence[Balance], outlooks: Sequence[Outlook], agreement: Agreement, titles: Mapping[str, str]
+) -> list[str]:
+    """What is judged where poses cannot be: the laws that a run breaks, whether starts part, and means over them if they do."""
     lines = []
     for law, word in LAWS.items():
         sides = [balance for balance in broken if balance.law == law and balance.holds is False]
         if sides:
             values = [f"{titles.get(b.engine, b.engine)} {b.track} {b.value:.2g}" for b in sides]
             lines.append(f"Beyond a hundredth, {word}: {listed(values)}.")
-    if outlooks:
-        since, starts = outlooks[0].since, max(each.starts for each in outlooks)
+    parted = [each for each in outlooks if each.parted is not None]
+    if outlooks and not parted:
+        lines.append(f"Of {max(each.starts for each in outlooks)} perturbed starts on each engine all stay together.")
+    if parted:
+        when = listed([f"{titles.get(each.engine, each.engine)} {each.track} ({each.parted:.3g} s)" for each in parted])
+        until = foreseeable_until(agreement, outlooks)
+        if until is None:
+            lines.append(
+                f"Perturbed starts part on {when} and stay together on most engines: the motion can be foreseen, those answers "
+                "cannot."
+            )
+            return lines
+        lines.append(f"Perturbed starts part on {when}: beyond {until:.3g} s poses cannot be foreseen.")
         lines.append(
-            f"Beyond {since:.3g} s poses cannot be foreseen; of {starts} perturbed starts each: "
+            f"Means over {max(each.starts for each in parted)} of them from {parted[0].since:.3g} s on: "
             + "; ".join(
                 f"{titles.get(each.engine, each.engine)} {each.track} rms speed {_mean(each.speed)}, "
                 f"height {_mean(each.height)}, spread {_mean(each.spread)}"
-                for each in outlooks
+                for each in parted
             )
             + " (in sizes of what moves, and seconds)."
         )

@@ -26,6 +26,9 @@ FEWEST = 3
 ROUNDING = 1e-6
 """Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
 for."""
+SOFT = 1e-3
+"""Metres that a contact, or a joint that closes a loop, may give under weight: granted to all engines whose contacts are
+springs."""
 ABOVE = 0.5
 """How far an order may lie above what an integrator promises: more says that errors of another kind still shrink, and not that
 the answer comes near its limit."""

@@ -10,6 +10,9 @@ Where fewer than two engines that people can deploy have a limit up to the end, 
 contacts, and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means
 can be compared.
 
+Where an engine's two tracks end apart, or it ends apart from others, its settings are turned one by one, to see which one does
+it (`harness.search.setting_turns`).
+
 Where a robot's user left out what not every engine has (`--drop`), each engine is also run once with it, at the finest step
 that it answered: what the omission does is a number then. Such a run counts for nothing else.
 """
@@ -18,9 +21,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
-from plumbline.harness.case.alteration import AS_IT_IS, UNDROPPED, Alteration
+from plumbline.harness.case.alteration import AS_IT_IS, TURNED, UNDROPPED, Alteration
 from plumbline.harness.case.undropped import kinds_left_out
 from plumbline.harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
+from plumbline.harness.search.setting_turns import turned_trials
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Refinement
@@ -90,6 +94,12 @@ def _of_scene(
         return
     if case.undropped is not None and not any(trial.alteration.undropped for trial in scene):
         yield from _undropped(ladders, records, case, number)
+    if not any(trial.alteration.name == TURNED for trial in scene):
+        left = {side: max(share - _spent(ladder, records, case), RESERVED * share) for side, ladder in ladders.items()}
+        near, most = asked.member_dt, asked.turns
+        yield from turned_trials(
+            ladders, limits, records, case, adapters, scale, near=near, most=most, affordable=left, number=number
+        )
     if any(trial.alteration.start for trial in scene) or not asked.members:
         return
     # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.

@@ -79,9 +79,9 @@ class Touched:
         return self.sample[alone], np.where(mine[0], self.second, self.first)[alone]
 
 
-def size_of(scene: Scene, place: int) -> float:
+def size_of(scene: Scene, index: int) -> float:
     """The diameter [m] of a ball about a body's centre that holds its shapes; twice its radius of gyration without any."""
-    body = scene.bodies[place]
+    body = scene.bodies[index]
     placed = [each for each in (*body.collision, *(body.visual or ())) if each.shape.type != "plane"]
     if placed:
         return 2 * max(float(np.linalg.norm(each.p_BS)) + outer_radius(each.shape) for each in placed)
@@ -96,14 +96,14 @@ def happened(scene: Scene, run: Trajectory, touched: Touched | None) -> tuple[Ev
     for joint in scene.joints:
         if isinstance(joint, Revolute | Prismatic) and joint.limits is not None:
             events += _stops(scene, run, joint)
-    places = {body.name: place for place, body in enumerate(scene.bodies)}
+    places = {body.name: index for index, body in enumerate(scene.bodies)}
     return tuple(sorted(events, key=lambda event: (places[event.body], event.kind == "at rest", event.time)))
 
 
 def _wholes(scene: Scene) -> Iterator[tuple[list[int], bool]]:
     """The places of the bodies that joints hold together, the heaviest first, and whether something fixed holds them."""
-    left = {place for place, body in enumerate(scene.bodies) if body.movable}
-    names = {body.name: place for place, body in enumerate(scene.bodies)}
+    left = {index for index, body in enumerate(scene.bodies) if body.movable}
+    names = {body.name: index for index, body in enumerate(scene.bodies)}
     ends = [(names.get(joint.parent, -1), names[joint.child]) for joint in scene.joints]
     while left:
         members, grown = {min(left)}, True
@@ -113,7 +113,7 @@ def _wholes(scene: Scene) -> Iterator[tuple[list[int], bool]]:
             members |= more & left
         left -= members
         held = any((a in members) != (b in members) and not {a, b} <= members for a, b in ends if {a, b} & members)
-        yield sorted(members, key=lambda place: (-scene.bodies[place].mass, place)), held
+        yield sorted(members, key=lambda index: (-scene.bodies[index].mass, index)), held
 
 
 def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: Sequence[int], held: bool) -> Iterator[Event]:
@@ -135,9 +135,9 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
             yield from _leaves(scene, name, size, time, height, samples, others)
         yield from _lies_otherwise(scene, run, base, up, size, len(members) == 1, touching)
     far = np.zeros(len(time))
-    for place in members:
-        moved = np.linalg.norm(run.p_WB[:, place] - run.p_WB[-1, place], axis=1) / (MOVED * size_of(scene, place))
-        turned = angle_between(run.q_WB[:, place], np.broadcast_to(run.q_WB[-1, place], run.q_WB[:, place].shape)) / TURNED
+    for index in members:
+        moved = np.linalg.norm(run.p_WB[:, index] - run.p_WB[-1, index], axis=1) / (MOVED * size_of(scene, index))
+        turned = angle_between(run.q_WB[:, index], np.broadcast_to(run.q_WB[-1, index], run.q_WB[:, index].shape)) / TURNED
         far = np.maximum(far, np.maximum(moved, turned))
     beyond = np.flatnonzero(far > 1)
     since = float(time[beyond[-1] + 1]) if len(beyond) else 0.0
@@ -148,14 +148,14 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
 def _through(scene: Scene, run: Trajectory, base: int) -> Iterator[Event]:
     """Fixed planes and boxes that the centre of a body has gone through: it lies a radius behind, or on the other side."""
     body = scene.bodies[base]
-    for place, fixed in enumerate(scene.bodies):
+    for index, fixed in enumerate(scene.bodies):
         if fixed.movable or not scene.collides(body, fixed):
             continue
         for placed in fixed.collision:
             if not isinstance(placed.shape, Plane | Box):
                 continue
-            at = rotate(run.q_WB[:, place], np.array(placed.p_BS)) + run.p_WB[:, place]
-            local = rotate_back(np.array(placed.q_BS), rotate_back(run.q_WB[:, place], run.p_WB[:, base] - at))
+            at = rotate(run.q_WB[:, index], np.array(placed.p_BS)) + run.p_WB[:, index]
+            local = rotate_back(np.array(placed.q_BS), rotate_back(run.q_WB[:, index], run.p_WB[:, base] - at))
             if isinstance(placed.shape, Plane):
                 behind = np.flatnonzero(local @ np.array(placed.shape.normal) < -size_of(scene, base) / 2)
             else:
@@ -191,19 +191,19 @@ def _leaves(
 ) -> Iterator[Event]:
     """It was on something at first: it rises from it, or it ends below it and away."""
     under = others[time[samples] <= AT_START]
-    ground = [place for place in np.unique(under).tolist() if not scene.bodies[place].movable]
+    ground = [index for index in np.unique(under).tolist() if not scene.bodies[index].movable]
     if ground:
         last = samples[np.isin(others, ground)]
         gone = np.flatnonzero(~np.isin(np.arange(len(time)), last) & (height > MOVED * size))
         if len(gone):
             yield Event(body=name, kind="left the ground", time=float(time[gone[0]]), value=float(height.max()))
-    planes = {place for place, body in enumerate(scene.bodies) for part in body.collision if part.shape.type == "plane"}
-    below = [place for place in np.unique(under).tolist() if place not in planes]
+    planes = {index for index, body in enumerate(scene.bodies) for each in body.collision if each.shape.type == "plane"}
+    below = [index for index in np.unique(under).tolist() if index not in planes]
     if below and height[-1] < -size / 2:
         last = samples[np.isin(others, below)]
-        place = below[0]
+        index = below[0]
         yield Event(
-            body=name, kind="fell off", time=float(time[last.max()]), value=float(-height[-1]), other=scene.bodies[place].name
+            body=name, kind="fell off", time=float(time[last.max()]), value=float(-height[-1]), other=scene.bodies[index].name
         )
 
 
@@ -216,8 +216,8 @@ def _lies_otherwise(
     round_ = bool(shapes) and all(isinstance(shape, Sphere | Capsule | Cylinder | Ellipsoid) for shape in shapes)
     was_up = rotate(run.q_WB[:, base], rotate_back(run.q_WB[0, base], up))
     lean = np.arccos(np.clip(was_up @ up, -1.0, 1.0))
-    way = run.p_WB[:, base] - run.p_WB[0, base]
-    away = float(np.linalg.norm(way[-1] - (way[-1] @ up) * up))
+    path = run.p_WB[:, base] - run.p_WB[0, base]
+    away = float(np.linalg.norm(path[-1] - (path[-1] @ up) * up))
     on = np.zeros(len(time), bool) if touching is None else touching
     w_across = run.w_WB[:, base] - (run.w_WB[:, base] @ up)[:, None] * up
     dt = np.diff(time, prepend=time[:1])
@@ -226,7 +226,7 @@ def _lies_otherwise(
     if not rolled and lean[-1] > TIPPED and (touching is None or touching.any()):
         yield Event(body=name, kind="tipped", time=float(time[np.flatnonzero(lean <= TIPPED)[-1]]), value=float(lean[-1]))
     elif away > MOVED * size and on.mean() > AT_END:
-        begun = np.flatnonzero(np.linalg.norm(way - (way @ up)[:, None] * up, axis=1) > MOVED * size)
+        begun = np.flatnonzero(np.linalg.norm(path - (path @ up)[:, None] * up, axis=1) > MOVED * size)
         kind: Kind = "rolled" if rolled else "slid" if alone else "moved"
         yield Event(body=name, kind=kind, time=float(time[begun[0]]), value=away)
 

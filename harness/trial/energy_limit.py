@@ -34,8 +34,8 @@ class EnergyLimit:
     def of(cls, scene: Scene, duration: float, *, pushed: bool = False) -> "EnergyLimit":
         """Of a scene that runs for `duration` [s]. Args: pushed: does a force from outside act on it?"""
         places = movable(scene)
-        mass = np.array([scene.bodies[place].mass for place in places])
-        inertia = np.array([scene.bodies[place].inertia for place in places]).reshape(-1, 3, 3)
+        mass = np.array([scene.bodies[index].mass for index in places])
+        inertia = np.array([scene.bodies[index].inertia for index in places]).reshape(-1, 3, 3)
         start = State.initial(scene)
         payable = float(np.sum(_kinetic(start, places, mass, inertia)))
         fall = np.linalg.norm(start.v_WB[places], axis=1) + np.linalg.norm(scene.gravity) * duration
@@ -86,8 +86,8 @@ def _of_drive(scene: Scene, joint: Revolute | Prismatic, duration: float) -> tup
     limit = abs(drive.feedforward or 0.0) if constant and drive.limit is None else drive.limit
     if limit is not None:
         return (limit * duration) ** 2 * yields / 2, True
-    asked = drive.stiffness * (drive.target - joint.position) ** 2 / 2
-    return asked + (drive.target_velocity**2 / (2 * yields) if yields else 0.0), False
+    pulled = drive.stiffness * (drive.target - joint.position) ** 2 / 2
+    return pulled + (drive.target_velocity**2 / (2 * yields) if yields else 0.0), False
 
 
 def _felt(body: Body, joint: Revolute | Prismatic) -> float:

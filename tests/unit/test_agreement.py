@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.findings.agreement import Agreement, Side, judged, ways
-from plumbline.harness.findings.agreement.words import STILL, scene_words, side_sentence
+from plumbline.harness.findings.agreement.words import STILL, present_words, scene_words, side_sentence
 from plumbline.harness.search.own_limits import Rung, own_limit
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.parting import apart, extent
@@ -112,9 +112,12 @@ def test_an_engine_with_a_wrong_inertia_is_singled_out() -> None:
     assert wrong.distance == pytest.approx(away * (1 + math.sqrt(0.064)) / found.scale.largest, rel=0.02)
     assert 0.0 < wrong.since < 0.5
     assert "converges elsewhere" in side_sentence(wrong, found, {})
-    assert "it adds" not in side_sentence(wrong, found, {})
     damped = replace(wrong, adds=("linear damping", "angular damping"))
-    assert "s; it adds linear damping and angular damping, which the scene does" in side_sentence(damped, found, {})
+    assert present_words(replace(found, sides=(damped, *found.sides[1:])), {}) == [
+        "Computed although the scene does not call for it: linear damping and angular damping on dart again tuned."
+    ]
+    # What is merely there is no cause.
+    assert "damping" not in side_sentence(damped, found, {})
 
 
 def test_two_that_agree_on_a_wrong_answer_against_two_others_are_two_camps_and_no_limit_is_agreed() -> None:

@@ -52,9 +52,9 @@ def happenings(store: Store, agreement: Agreement) -> list[Happened]:
         if (rung := finest(side)) is None:
             continue
         events = events_of(store, rung.trial)
-        for place, group in enumerate(groups):
+        for index, group in enumerate(groups):
             if alike(group.events, events, agreement.duration, agreement.scene):
-                groups[place] = Happened(sides=(*group.sides, (side.engine, side.track)), events=group.events)
+                groups[index] = Happened(sides=(*group.sides, (side.engine, side.track)), events=group.events)
                 break
         else:
             groups.append(Happened(sides=((side.engine, side.track),), events=events))
@@ -70,13 +70,13 @@ def alike(some: Sequence[Event], others: Sequence[Event], duration: float, scene
     )
 
 
-def _unlike(one: Event, other: Event, duration: float, scene: Scene) -> bool:
-    if abs(one.time - other.time) > ALIKE * duration or abs(one.count - other.count) > max(1, ALIKE * one.count):
+def _unlike(event: Event, other: Event, duration: float, scene: Scene) -> bool:
+    if abs(event.time - other.time) > ALIKE * duration or abs(event.count - other.count) > max(1, ALIKE * event.count):
         return True
-    if one.value is None or other.value is None:
+    if event.value is None or other.value is None:
         return False
-    least = ALIKE if one.kind == "tipped" else MOVED * size_of(scene, scene.index(one.body))
-    return abs(one.value - other.value) > max(least, ALIKE * max(one.value, other.value))
+    least = ALIKE if event.kind == "tipped" else MOVED * size_of(scene, scene.index(event.body))
+    return abs(event.value - other.value) > max(least, ALIKE * max(event.value, other.value))
 
 
 _WORDS: Mapping[Kind, str] = {
@@ -118,8 +118,8 @@ def happened_words(groups: Sequence[Happened], agreement: Agreement, titles: Map
     if not groups:
         return []
     first, *others = groups
-    told = body_words(first.events) or "no body rests, bounces, tips, slides or meets a stop"
-    lines = [f"What happens{'' if not others else ' on ' + _of(first, agreement, titles)}: {told}."]
+    sentence = body_words(first.events) or "no body rests, bounces, tips, slides or meets a stop"
+    lines = [f"What happens{'' if not others else ' on ' + _of(first, agreement, titles)}: {sentence}."]
     for other in others:
         lines.append(f"Otherwise on {_of(other, agreement, titles)}: {_differing(first.events, other.events)}.")
     return lines
@@ -129,19 +129,19 @@ def _differing(base: Sequence[Event], events: Sequence[Event]) -> str:
     """What of another's events are not those of the base, and what of the base it lacks."""
     keys = {(event.body, event.kind, event.other): event for event in base}
     own = {(event.body, event.kind, event.other) for event in events}
-    told = {(event.body, event_words(event)) for event in base}
-    other = [event for event in events if (event.body, event_words(event)) not in told]
+    shared = {(event.body, event_words(event)) for event in base}
+    other = [event for event in events if (event.body, event_words(event)) not in shared]
     lacks = [event for key, event in keys.items() if key not in own]
-    said = [body_words(other)] if other else []
-    said += [f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks]
-    return "; ".join(said)
+    words = [body_words(other)] if other else []
+    words += [f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks]
+    return "; ".join(words)
 
 
 def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """Whose steps no longer draw together before the end of the run, from when on, and what differs then."""
     if not groups or agreement.scene is None:
         return []
-    said: dict[tuple[float, str], list[tuple[str, str]]] = {}
+    ends: dict[tuple[float, str], list[tuple[str, str]]] = {}
     for side in agreement.sides:
         runs = [rung for rung in side.limit.rungs if rung.run is not None]
         if side.limit.said is None or len(runs) < 2 or side.limit.seen_until >= (1 - _END) * agreement.duration:
@@ -152,10 +152,10 @@ def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, ti
             what = f": at half the step {_differing(coarser, finest_events)}"
         elif not alike(groups[0].events, finest_events, agreement.duration, agreement.scene):
             what = f": {_differing(groups[0].events, finest_events)}"
-        said.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
+        ends.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
     parts = [
         f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {time:.3g} s on{what}"
-        for (time, what), sides in sorted(said.items())
+        for (time, what), sides in sorted(ends.items())
     ]
     return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []
 

@@ -22,14 +22,11 @@ from plumbline.harness.adapter import Feature
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 from plumbline.harness.scene import Scene
-from plumbline.harness.search.own_limits import ROUNDING, OwnLimit
+from plumbline.harness.search.own_limits import ROUNDING, SOFT, OwnLimit
 from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
-SOFT = 1e-3
-"""Metres that a contact, or a joint that closes a loop, may give under weight: granted to all engines whose contacts are
-springs."""
 LONGER = 2.0
 """Others converge so many times as long: beyond what a higher order or chance makes of a horizon."""
 

@@ -66,10 +66,10 @@ class Outlook:
 
     Terms:
         parted [s]: from then on they lie apart by more than the tolerance and what gravity's tilt does to a free fall; None
-        where they never do. since [s]: from then on the means are taken. starts: how many. dt [s], and the sub-steps that it was
-        taken in. speed: root mean square of the bodies' speed [sizes per second]. height: of the common centre of mass above its
-        start [sizes]. spread: root mean square distance of bodies from it [sizes]. last_speed: as speed, over the last tenth of
-        the run.
+        where they never do. since [s]: from then on the means are taken. starts: how many. dt [s], and the sub-steps that it
+        was taken in. speed: root mean square of the bodies' speed [sizes per second]. height: of the common centre of mass
+        above its start [sizes]. spread: root mean square distance of bodies from it [sizes]. last_speed: as speed, over the
+        last tenth of the run.
     """
 
     case: str

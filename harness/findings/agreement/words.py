@@ -92,8 +92,7 @@ def side_words(side: Side, agreement: Agreement) -> str:
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
-        adds = f"; it adds {listed(side.adds)}, which the scene does not call for" if side.adds else ""
-        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since}{adds})"
+        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since})"
     bar = side.limit.bar_at(compared) if side.limit.bar is not None else 0.0
     camp = f"; camp {' or '.join(side.camps)}" if side.word == "converges" and len(agreement.camps) > 1 else ""
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
@@ -118,6 +117,16 @@ def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
                 f"s they come to lie {length(gap.distance, agreement)} apart, most at '{gap.body}'."
             )
     return lines
+
+
+def present_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """The effects that engines compute although the scene does not call for them: a list, and no cause of anything."""
+    by_effects: dict[tuple[str, ...], list[str]] = {}
+    for side in agreement.sides:
+        if side.adds:
+            by_effects.setdefault(side.adds, []).append(f"{titles.get(side.engine, side.engine)} {side.track}")
+    parts = [f"{listed(effects)} on {listed(sides)}" for effects, sides in by_effects.items()]
+    return [f"Computed although the scene does not call for it: {'; '.join(parts)}."] if parts else []
 
 
 def side_sentence(side: Side, agreement: Agreement, titles: Mapping[str, str]) -> str:

@@ -103,7 +103,8 @@ def candidates(base: Trial, target: Trial, record: Record, case: Case, adapter: 
             first.setdefault((turn.knob, turn.value), turn)
     added = [notice.effect for notice in record.warnings if notice.kind == "surplus" and notice.effect]
 
-    def rank(turn: Turn) -> tuple[bool, bool]:
-        return not any(turn.name in effect or effect in turn.name for effect in added), turn.knob not in adapter.acts_on
+    def rank(turn: Turn) -> tuple[bool, bool, bool]:
+        named = any(turn.name in effect or effect in turn.name for effect in added)
+        return not named, turn.knob not in adapter.acts_on, turn.knob not in adapter.knobs
 
     return sorted(first.values(), key=rank)

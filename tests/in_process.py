@@ -1,6 +1,5 @@
 """Trials of a campaign carried out and clocked in this process: for what engines answer, not for how processes end."""
 
-import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -45,7 +44,7 @@ def clocked_by(patch: pytest.MonkeyPatch, blocks: Callable[[Trial], Sequence[flo
     Args: blocks: CPU seconds of a step of a trial, block by block.
     """
 
-    def clocks(trials: Sequence[Trial], _folder: Path, _shuffle: random.Random) -> Iterator[Timing]:
+    def clocks(trials: Sequence[Trial], _folder: Path, **_how: object) -> Iterator[Timing]:
         for trial in trials:
             run = steps_of_run(trial)
             samples = tuple(

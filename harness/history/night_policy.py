@@ -45,9 +45,11 @@ class Steering(Guide):
         nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. last: of a
         trial, whatever it rests on, the last answer. distrusted: by case and engine, the night before which nothing
         is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
-        know. hashes: of trajectories that stay. unanswered: what was waited for when time was up.
+        know. hashes: of trajectories that stay. unanswered: what was waited for when time was up. sitting: 0, as a night may
+        end after any question.
     """
 
+    sitting = 0.0
     pool: Pool
     folder: Path
     stamp: str

@@ -4,7 +4,7 @@ import hashlib
 import random
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -139,28 +139,47 @@ def _timing(run: _Run, trials: Sequence[Trial]) -> None:
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
-    by_name = {trial.trial: trial for trial in due}
     remaining.clocks_begin(due, records, time.monotonic())
     with Progress("timing", len(due), remaining.left) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=together)]
-        clocked = _one_by_one(groups, run.folder, shuffle, guide) if cluster is None else cluster.clocked(groups, run.folder)
+        if cluster is None:
+            groups = list(_sittings(groups, guide.sitting, remaining))
+            clocked = _one_by_one(groups, run.folder, partial(clock_group, shuffle=shuffle, say=progress.tell), guide)
+        else:
+            clocked = cluster.clocked(groups, run.folder)
+        sitting = {trial.trial: group for group in groups for trial in group}
         for timing in clocked:
             journal.append(replace(timing, clocked_on=here))
             troubles += [timing.note] if timing.note else []
-            remaining.clocked(by_name[timing.trial], time.monotonic())
+            remaining.clocked(sitting[timing.trial], time.monotonic())
             progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
 
 
-def _one_by_one(groups: Sequence[tuple[Trial, ...]], folder: Path, shuffle: random.Random, guide: Guide) -> Iterator[Timing]:
+def _sittings(groups: Sequence[tuple[Trial, ...]], seconds: float, remaining: RemainingTime) -> Iterator[tuple[Trial, ...]]:
+    """Questions of one experiment that are clocked in one sitting: as many as are foreseen to take so long, one at least."""
+    sitting, left = tuple[Trial, ...](), seconds
     for group in groups:
+        left -= (foreseen := sum(map(remaining.clock, group)))
+        if sitting and (left < 0 or group[0].experiment != sitting[0].experiment):
+            yield sitting
+            sitting, left = (), seconds - foreseen
+        sitting += group
+    if sitting:
+        yield sitting
+
+
+def _one_by_one(
+    sittings: Sequence[tuple[Trial, ...]], folder: Path, clock: Callable[..., Iterator[Timing]], guide: Guide
+) -> Iterator[Timing]:
+    for sitting in sittings:
         stop_if_asked()
-        timings = list(clock_group(group, folder, shuffle))
-        guide.clocked(group)
+        timings = list(clock(sitting, folder))
+        guide.clocked(sitting)
         if guide.doubts(timings):
-            again = list(clock_group(group, folder, shuffle))
-            guide.clocked(group)
+            again = list(clock(sitting, folder))
+            guide.clocked(sitting)
             timings = min(timings, again, key=lambda each: sum(bool(timing.unstable_timing) for timing in each))
         yield from timings
 

@@ -8,7 +8,12 @@ from plumbline.harness.study.trial import Trial
 
 
 class Guide:
-    """A run as it goes by itself; a history overrides what it steers."""
+    """A run as it goes by itself; a history overrides what it steers.
+
+    Terms: sitting: for how long [s] questions are clocked in one sitting; 0 for one at a time.
+    """
+
+    sitting = 60.0
 
     def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
         """The trials in parts, each of which is answered, searched on and clocked before the next one begins."""

@@ -50,6 +50,11 @@ class Progress:
             self._task = self._bar.add_task(self.title, total=self.total, last="", left="")
         return self
 
+    def tell(self, now: str) -> None:
+        """What is being done, while nothing ends: on a terminal alone."""
+        if self._bar is not None:
+            self._bar.update(self._task, last=one_line(now, LONGEST))
+
     def advance(self, last: str) -> None:
         """One more piece is done; `last` names it."""
         self.done += 1

@@ -16,8 +16,8 @@ from plumbline.harness.trial.bench import FEW, LONG
 
 ENOUGH = 4
 """Answers that were foreseen, before which nothing is said."""
-START = 0.3
-"""Seconds that a process takes to start."""
+START = 0.1
+"""Seconds that a trial takes of the start of a process, and to be ready in it."""
 STEPS = 0.5
 """Of what a run of a refined ladder takes, the share of its steps; the rest is judging them."""
 
@@ -97,16 +97,12 @@ class RemainingTime:
         self._to_clock = {trial.trial: trial for trial in due}
         self._runs |= {trial.trial: seconds_of_run(trial, records[trial.trial], self._cases[trial.case]) for trial in due}
 
-    def clocked(self, trial: Trial, now: float) -> None:
-        """A timing has come; those of all trials that were clocked side by side come with it."""
-        beside = []
-        if trial.trial in self._to_clock:
-            beside = [other for other in self._to_clock.values() if together(other) == together(trial)]
-        self._clock_foreseen += sum(self._clock(other) for other in beside)
+    def clocked(self, trials: Iterable[Trial], now: float) -> None:
+        """A timing of these has come, which were clocked in one sitting: the others come with it."""
+        beside = [self._to_clock.pop(trial.trial) for trial in trials if trial.trial in self._to_clock]
+        self._clock_foreseen += sum(map(self.clock, beside))
         self._clock_taken += now - self._last_clock
         self._last_clock = now
-        for other in beside:
-            del self._to_clock[other.trial]
 
     def left(self) -> tuple[float, float] | None:
         """From how long to how long [s] until all is done that is known of; None if too little is known."""
@@ -114,7 +110,7 @@ class RemainingTime:
             return None
         answers = sum(self._seconds(trial) for trial in (*self._waiting.values(), *self._next_round)) / self._workers
         pace = self._clock_taken / self._clock_foreseen if self._clock_foreseen else 1.0
-        seconds = answers + pace * sum(self._clock(trial) for trial in self._to_clock.values())
+        seconds = answers + pace * sum(self.clock(trial) for trial in self._to_clock.values())
         low, _, high = quantiles(self._ratios, method="inclusive")
         return low * seconds, high * seconds
 
@@ -128,8 +124,8 @@ class RemainingTime:
         count, steps, total = next(self._sums[kind] for kind in kinds if kind in self._sums)
         return self._shortest + (total - count * self._shortest) * self._steps(trial) / steps
 
-    def _clock(self, trial: Trial) -> float:
-        """Of a timing run: a start a process, and samples that take a run each if that is longer; few of long runs."""
+    def clock(self, trial: Trial) -> float:
+        """Seconds of a timing run: a start a process, and samples that take a run each if that is longer; few of long runs."""
         asked, run = trial.experiment, self._runs.get(trial.trial, 0.0)
         count = asked.processes * asked.samples
         if run > LONG * asked.sample_seconds:

@@ -1,24 +1,28 @@
 """The timing run: what a simulated second costs, in fresh processes and randomised interleaved blocks.
 
-Protocol: each engine of a group gets a process, with one thread, that serves all of its trials; it warms up, calibrates for
-each how many whole runs of the scene make one sample, and then waits, pinned to one core and without a garbage collector. Block
-by block, in a new random order each time, every trial takes one sample; then all begins anew in fresh processes, off another
-fork server and so laid out otherwise in memory. A trial whose runs are long takes three samples, or one where there is no time
-for more, spread over the processes; one that does not fit its deadline is not clocked. A trial of several workers has that many
-processes for itself, each pinned to a core of its own while there are enough: in its block all take the same number of steps,
-let go at once. What is clocked, and what is not, stands in `harness.trial.bench`; the processes in
-`harness.run.timed_processes`.
+Protocol: each engine of a sitting gets a process, with one thread, that serves all of its trials; it warms up, calibrates for
+each how many whole runs of the scene make one sample, and then waits, pinned to one core and without a garbage collector. The
+questions of the sitting follow each other in random order. Block by block, in a new random order each time, every trial of a
+question takes one sample; then all begins anew in fresh processes, off another fork server and so laid out otherwise in memory,
+and later: the samples of a trial are spread over the sitting, so that they feel how the machine's speed drifts. A trial whose
+runs are long takes three samples, or one where there is no time for more, spread over the processes; one that does not fit its
+deadline is not clocked. A trial of several workers has that many processes for itself, each pinned to a core of its own while
+there are enough: in its block all take the same number of steps, let go at once. What is clocked, and what is not, stands in
+`harness.trial.bench`; the processes in `harness.run.timed_processes`.
 """
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
 from plumbline.harness.case import Unit
+from plumbline.harness.case.own_titles import called
 from plumbline.harness.run.interrupt import stop_if_asked
+from plumbline.harness.run.remaining_time import together
 from plumbline.harness.run.timed_processes import Team, ready_teams
 from plumbline.harness.statistics.bootstrap import interval_of_median
 from plumbline.harness.store.record import Sample, Timing
@@ -68,9 +72,15 @@ def summarise(trial: Trial, samples: Sequence[Sample], note: str = "", unit: Uni
     )
 
 
-def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -> Iterator[Timing]:
-    """Time the trials of one group, interleaved; one `Timing` each, also for those that gave trouble."""
+def clock_group(
+    trials: Sequence[Trial], folder: Path, shuffle: random.Random, say: Callable[[str], None] = lambda _: None
+) -> Iterator[Timing]:
+    """Time the trials of one sitting; one `Timing` each, also for those that gave trouble.
+
+    Args: trials: of one experiment; those of one question stand one after the other. say: is told what is clocked now.
+    """
     experiment = trials[0].experiment
+    questions = [tuple(question) for _, question in groupby(trials, key=together)]
     samples: dict[str, list[Sample]] = {trial.trial: [] for trial in trials}
     notes: dict[str, str] = {}
     most = dict.fromkeys(samples, experiment.processes * experiment.samples)
@@ -84,22 +94,15 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
                     most[name] = min(most[name], team.sampling.most)
             processes = experiment.processes - number
             here = {name: -(-(most[name] - len(samples[name])) // processes) for name in teams}  # rounded up
-            for block in range(experiment.samples):
-                stop_if_asked()
-                asked = sorted(name for name in teams if block < here[name])
-                for name in shuffle.sample(asked, len(asked)):
-                    sample = None
-                    while sample is None and not teams[name].trouble:
-                        if teams[name].lost:
-                            lost = [team for team in teams.values() if team.lost]
-                            apart = any(team.forsaken for team in lost)
-                            teams |= ready_teams([team.trial for team in lost], folder, number, apart)
-                            for team in lost:
-                                team.stop()
-                        if not teams[name].trouble:
-                            sample = teams[name].sample(block, experiment.deadline)
-                    if sample is not None:
-                        samples[name].append(replace(sample, process=number))
+            for question in shuffle.sample(questions, len(questions)):
+                say(f"{called(question[0].case)}, processes {number + 1} of {experiment.processes}")
+                for block in range(experiment.samples):
+                    stop_if_asked()
+                    asked = sorted(trial.trial for trial in question if block < here.get(trial.trial, 0))
+                    for name in shuffle.sample(asked, len(asked)):
+                        sample = _sample(teams, name, block, folder, number)
+                        if sample is not None:
+                            samples[name].append(replace(sample, process=number))
         finally:
             for name, team in teams.items():
                 notes |= {name: team.trouble} if team.trouble else {}
@@ -109,3 +112,17 @@ def clock_group(trials: Sequence[Trial], folder: Path, shuffle: random.Random) -
     for trial in trials:
         unit = plugins.case(trial.case).unit(trial.parameters, trial.clocks)
         yield summarise(trial, samples[trial.trial], notes.get(trial.trial, ""), unit)
+
+
+def _sample(teams: dict[str, Team], name: str, block: int, folder: Path, server: int) -> Sample | None:
+    """A sample of one team, of a new one where its processes died of another trial; None where it is in trouble."""
+    sample = None
+    while sample is None and not teams[name].trouble:
+        if teams[name].lost:
+            lost = [team for team in teams.values() if team.lost]
+            teams |= ready_teams([team.trial for team in lost], folder, server, any(team.forsaken for team in lost))
+            for team in lost:
+                team.stop()
+        if not teams[name].trouble:
+            sample = teams[name].sample(block, teams[name].trial.experiment.deadline)
+    return sample

@@ -384,3 +384,35 @@ def test_what_the_samples_are_of_is_said() -> None:
     assert summarise(TRIAL, [SAMPLE]).clocked == "whole runs"
     assert summarise(TRIAL, [dataclasses.replace(SAMPLE, run=0)], unit="ray").clocked == "calls"
     assert summarise(TRIAL, [], "a whole run does not fit").clocked == "not clocked"
+
+
+def test_questions_of_one_sitting_take_turns_process_by_process_and_their_samples_are_spread_over_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    asked: list[str] = []
+
+    class Host(Mortal):
+        def ask(self, number: int, block: int, sampling: Sampling) -> None:
+            asked.append(trials[number].trial)
+            self.answers.append(dataclasses.replace(SAMPLE, block=block))
+
+    def start(trials: list[Trial], folder: Path, server: int, apart: bool) -> Iterator[Team]:
+        child = Host([FORTY] * len(trials))
+        yield from [Team(trial, [child], number) for number, trial in enumerate(trials)]
+
+    monkeypatch.setattr(clockwork, "_start", start)
+    monkeypatch.setattr(
+        "plumbline.harness.run.timing_protocol.plugins", SimpleNamespace(case=lambda _: SimpleNamespace(unit=lambda *_: "step"))
+    )
+    experiment = Experiment(name="e", samples=2, processes=3)
+    names = ("a0", "a1", "b0", "b1")
+    trials = [dataclasses.replace(TRIAL, trial=name, case=name[0], experiment=experiment) for name in names]
+    said: list[str] = []
+    timings = list(clock_group(trials, tmp_path, random.Random(1), said.append))
+    assert [[(s.process, s.block) for s in timing.samples] for timing in timings] == [
+        [(p, b) for p in range(3) for b in range(2)]
+    ] * 4
+    blocks = [asked[k : k + 2] for k in range(0, len(asked), 2)]
+    assert all({name[0] for name in block} == {block[0][0]} and len(set(block)) == 2 for block in blocks)  # side by side
+    assert [sorted(block[0][0] for block in blocks[k : k + 4]) for k in (0, 4, 8)] == [["a", "a", "b", "b"]] * 3
+    assert len(said) == 6

@@ -247,8 +247,8 @@ def test_what_an_engine_adds_and_what_acts_on_the_scene_come_first() -> None:
     )  # fmt: skip
     base, target = (
         Trial(
-            study="s", experiment=Experiment(name="e"), case=CASE.name, parameters={}, engine="a", engine_version="1", track=track,
-            settings=TRACKS[track], seed=0,
+            study="s", experiment=Experiment(name="e"), case=CASE.name, parameters={}, engine="a", engine_version="1",
+            track=track, settings=TRACKS[track], seed=0,
         )
         for track in ("default", "tuned")
     )  # fmt: skip
@@ -268,8 +268,7 @@ def turn(setting: str, closes: float | None, cause: bool = False) -> Turned:
 def test_a_cause_is_named_where_it_closes_the_distance_and_no_single_one_elsewhere() -> None:
     agreement = Agreement(case="c", where="", duration=1.0, scale=extent(SCENE), granted=0.0, sides=(), differences=())
     (named,) = cause_words([turn("cone", 0.97, True), turn("steps", 0.1)], agreement, {"a": "Engine A"})
-    assert named == (
-        f"Engine A, default, ends {length(0.5, agreement)} from its tuned track: 'cone' turned to round alone closes 97 % of that."
-    )
+    away = f"Engine A, default, ends {length(0.5, agreement)} from its tuned track"
+    assert named == f"{away}: 'cone' turned to round alone closes 97 % of that."
     (none,) = cause_words([turn("steps", 0.4), turn("cone", None)], agreement, {})
     assert "no single setting closes 80 % of that, of 2 tried (steps and cone); 'steps' closes most, 40 %." in none

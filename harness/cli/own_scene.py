@@ -29,6 +29,7 @@ def closing_count(store: "Store") -> str:
 def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
     from plumbline.harness.findings.agreement.costs import cost_words
+    from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
 
     verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
-    return [*verdicts, *cost_words(store), *effects]
+    return [*verdicts, *recorded_words(joint_errors(store)), *cost_words(store), *effects]

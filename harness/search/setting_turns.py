@@ -82,8 +82,8 @@ def _part(first: OwnLimit, second: OwnLimit, scene: Scene, scale: Extent) -> boo
         return False
     bars = sum(limit.bar_at(limit.seen_until) for limit in (first, second) if limit.bar is not None and limit.seen_until > 0)
     granted = ROUNDING + (SOFT / float(scale.size.min(initial=1.0)) if Effect.CONTACT in scene.effects else 0.0)
-    cut = common([runs[0], runs[1]])
-    return float(apart(*cut, scale).max(initial=0.0)) > bars + granted
+    first_cut, second_cut = common([runs[0], runs[1]])
+    return float(apart(first_cut, second_cut, scale).max(initial=0.0)) > bars + granted
 
 
 def _at(ladder: Sequence[Trial], records: Mapping[str, Record], near: float) -> Trial | None:
@@ -97,7 +97,7 @@ def candidates(base: Trial, target: Trial, record: Record, case: Case, adapter: 
     scene = base.scene(case)
     meant = adapter.knobs_in(scene)
     every = differing(base.settings, target.settings) or list(turns(base.settings, meant, adapter.knobs))
-    first = {}
+    first: dict[tuple[str, object], Turn] = {}
     for turn in every:
         if turn.knob not in adapter.knobs or turn.knob in meant:
             first.setdefault((turn.knob, turn.value), turn)

@@ -1,9 +1,9 @@
 """The kinetic energy beyond which a run has blown up: finite numbers that nothing in the scene can have paid for.
 
 What can: the kinetic energy and that of springs at the start, a fall for the whole of the run, and drives that push with their
-limit in one direction all the time. A drive without a limit, a body that is led and a force from outside can give anything;
-what they ask for at the start is counted, and they leave more room. Engines err by shares of what is in play, not by a million
-times it.
+limit in one direction all the time. A drive without a limit, an effort, a body that is led and a force from outside can give
+anything; what they ask for at the start is counted, and they leave more room. Engines err by shares of what is in play, not by
+a million times it.
 """
 
 from dataclasses import dataclass
@@ -48,6 +48,8 @@ class EnergyLimit:
             elif spring is not None:
                 length = float(np.linalg.norm(np.subtract(joint.anchor_W, joint.child_anchor_W)))  # type: ignore[union-attr]
                 payable += spring.stiffness * (length - spring.rest) ** 2 / 2
+            if isinstance(joint, Revolute | Prismatic) and joint.effort is not None:
+                unlimited = True
             if isinstance(joint, Revolute | Prismatic) and joint.drive is not None:
                 energy, limited = _of_drive(scene, joint, duration)
                 payable, unlimited = payable + energy, unlimited or not limited

@@ -93,8 +93,8 @@ def _at(side: Side, dt: float) -> Trajectory | None:
 
 
 def _distance(run: Trajectory, target: Trajectory, agreement: Agreement) -> float:
-    cut = common([run, target])
-    return float(apart(*cut, agreement.scale).max(initial=0.0))
+    first, second = common([run, target])
+    return float(apart(first, second, agreement.scale).max(initial=0.0))
 
 
 def cause_words(turned: Sequence[Turned], agreement: Agreement, titles: Mapping[str, str]) -> list[str]:

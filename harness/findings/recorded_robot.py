@@ -68,10 +68,10 @@ def _of(store: Store, agreement: Agreement) -> Iterator[JointError]:
         return
     joints = {joint.name: joint for joint in scene.joints if isinstance(joint, Revolute | Prismatic)}
     for side in agreement.sides:
-        answered = [rung for rung in side.limit.rungs if rung.run is not None]
-        if not answered or answered[-1].run is None:
+        rung = side.limit.finest
+        if rung is None or rung.run is None:
             continue
-        run = answered[-1].run
+        run = rung.run
         within = run.time <= measured["time"][-1] + 1e-9
         time = run.time[within]
         for name, values in measured["positions"].items():
@@ -85,7 +85,7 @@ def _of(store: Store, agreement: Agreement) -> Iterator[JointError]:
                 unit="rad" if isinstance(joint, Revolute) else "m", until=float(time[-1]),
                 rms=float(np.sqrt(np.mean(error**2))), largest=float(np.abs(error).max()), friction=friction[0],
                 friction_explains=friction[1], damping=damping[0], damping_explains=damping[1], delay=delay[0],
-                delay_explains=delay[1], trial=answered[-1].trial,
+                delay_explains=delay[1], trial=rung.trial,
             )  # fmt: skip
 
 

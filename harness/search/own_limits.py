@@ -94,10 +94,15 @@ class OwnLimit:
         """Up to there [s] the limit is known; 0 where it never is."""
         return 0.0 if self.too_fast else self.seen_until
 
+    @property
+    def finest(self) -> Rung | None:
+        """The run of the smallest step that has an answer; None without any."""
+        return next((rung for rung in reversed(self.rungs) if rung.run is not None), None)
+
     def farthest(self, scale: Extent) -> float:
         """How far the finest run takes a body from its start, as a share of the size; 0 without a run."""
-        runs = [rung.run for rung in self.rungs if rung.run is not None]
-        return float(apart(runs[-1], _still(runs[-1]), scale).max(initial=0.0)) if runs else 0.0
+        run = None if self.finest is None else self.finest.run
+        return 0.0 if run is None else float(apart(run, _still(run), scale).max(initial=0.0))
 
     def bar_at(self, time: float) -> float:
         """The error bar up to a time [s]."""

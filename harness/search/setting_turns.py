@@ -14,7 +14,7 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import TURNED, Alteration
 from plumbline.harness.scene import Effect, Scene
-from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, SOFT, OwnLimit
+from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, SOFT, TOLERANCE, OwnLimit
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.one_knob import Turn, differing, label_of, turned, turns
 from plumbline.harness.study.trial import Trial
@@ -65,25 +65,26 @@ def _questioned(engine: str, limits: Mapping[Side, OwnLimit], scene: Scene, scal
     default, tuned = limits.get((engine, "default")), limits.get((engine, "tuned"))
     if default is not None and tuned is not None and _part(default, tuned, scene, scale):
         return "default"
-    others = [limit for (name, track), limit in limits.items() if name != engine and track == "tuned" and _runs(limit)]
+    others = [limit for (name, track), limit in limits.items() if name != engine and track == "tuned" and limit.finest]
     if tuned is None or len(others) < 2 or not all(_part(tuned, other, scene, scale) for other in others):
         return None
     return "tuned" if any(not _part(a, b, scene, scale) for k, a in enumerate(others) for b in others[:k]) else None
 
 
-def _runs(limit: OwnLimit) -> bool:
-    return any(rung.run is not None for rung in limit.rungs)
-
-
 def _part(first: OwnLimit, second: OwnLimit, scene: Scene, scale: Extent) -> bool:
-    """Do the finest answers of two end apart, beyond what either limit and the scene leave open?"""
-    runs = [next((rung.run for rung in reversed(limit.rungs) if rung.run is not None), None) for limit in (first, second)]
-    if runs[0] is None or runs[1] is None:
-        return False
-    bars = sum(limit.bar_at(limit.seen_until) for limit in (first, second) if limit.bar is not None and limit.seen_until > 0)
-    granted = ROUNDING + (SOFT / float(scale.size.min(initial=1.0)) if Effect.CONTACT in scene.effects else 0.0)
-    first_cut, second_cut = common([runs[0], runs[1]])
-    return float(apart(first_cut, second_cut, scale).max(initial=0.0)) > bars + granted
+    """Do two end apart: their limits by more than both bars and what is granted, else their finest runs by the tolerance?"""
+    if first.value is not None and second.value is not None and min(first.seen_until, second.seen_until) > 0:
+        until = min(first.seen_until, second.seen_until)
+        first_cut, second_cut = common([first.value.between(0.0, until), second.value.between(0.0, until)])
+        granted = ROUNDING + (SOFT / float(scale.size.min(initial=1.0)) if Effect.CONTACT in scene.effects else 0.0)
+        allowed = first.bar_at(until) + second.bar_at(until) + granted
+    else:
+        runs = [rung.run for limit in (first, second) if (rung := limit.finest) is not None and rung.run is not None]
+        if len(runs) < 2:
+            return False
+        first_cut, second_cut = common(runs)
+        allowed = TOLERANCE
+    return float(apart(first_cut, second_cut, scale).max(initial=0.0)) > allowed
 
 
 def _at(ladder: Sequence[Trial], records: Mapping[str, Record], near: float) -> Trial | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from plumbline.harness.case.own_titles import title_of
@@ -19,8 +20,9 @@ from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES
 from plumbline.harness.findings.selection.words import headline
+from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
@@ -34,7 +36,7 @@ from plumbline.reports.pages.scene import PAGE
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
-from tests.own_limits import pile
+from tests.own_limits import pendulum, pile
 
 ENGINES = ("spinner", "laggard")
 """A third party's, which err by a law that is known: `tests.known_prices`."""
@@ -232,3 +234,35 @@ def test_perturbed_starts_are_kept_apart_from_the_scene_itself(fallen: Done) -> 
     assert "<td>start 2</td>" in text
     assert "<td>as it is</td>" in text
     assert "Perturbed starts" in text
+
+
+@pytest.fixture(scope="module")
+def sensed(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """A pendulum with an inertial sensor on its bob, on two engines that people can deploy."""
+    scene = replace(pendulum(), sensors=(Imu(name="imu", body="bob", rate=60.0),))
+    asked = {"refine": Refinement(finest=1 / 960, further=0, members=0, turns=0), "timing": False, "tracks": ("tuned",)}
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        return carried_out(tmp_path_factory.mktemp("sensed"), scene, ("mujoco", "dart"), "sensed.toml", **asked)
+
+
+def test_sensors_of_a_scene_of_ones_own_are_held_against_converged_readings(sensed: Done) -> None:
+    """A gyroscope errs as the motion does: DART at its first step by the first order, MuJoCo by far less."""
+    rows = {(row["engine"], row["channel"]): row for row in tables.table("sensors").rows(sensed.store)}
+    assert rows.keys() == {(engine, channel) for engine in ("mujoco", "dart") for channel in ("accelerometer", "gyroscope")}
+    for row in rows.values():
+        assert row["reason"] == ""
+        assert row["error_max"] is not None
+    # Of a swing from 1 rad with 3 rad/s: a step of 1/240 s of the first order errs by some per cent of that at most.
+    assert 0.0 < rows["mujoco", "gyroscope"]["error_max"] < rows["dart", "gyroscope"]["error_max"] < 0.1
+    finer = converged_readings(sensed.store, sensed.case)
+    time = finer["truth_stream:imu/time"]
+    rate = np.linalg.norm(finer["truth_stream:imu/gyroscope_ideal"], axis=1)
+    # Energy: w^2 moment / 2 is what its height gave, m g l (cos x - cos 1); at the end of a quarter swing that is all of it.
+    moment = 1.0 + 0.4 * 0.4**2
+    assert rate.max() == pytest.approx(math.sqrt(2 * 9.81 * (1 - math.cos(1.0)) / moment), rel=5e-3)  # samples miss the lowest
+    assert time[-1] == pytest.approx(DURATION)
+
+
+def test_readings_are_held_against_nothing_where_no_limit_is_agreed(fallen: Done) -> None:
+    assert converged_readings(fallen.store, fallen.case) == {}

@@ -68,8 +68,7 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
 
 def _added(store: Store, side: Side) -> tuple[str, ...]:
     """The effects that the finest answer of a side computes although its scene does not call for them, by its own word."""
-    answered = [rung.trial for rung in side.limit.rungs if rung.run is not None]
-    notices = store.notices.get(answered[-1], ()) if answered else ()
+    notices = () if side.limit.finest is None else store.notices.get(side.limit.finest.trial, ())
     return tuple(dict.fromkeys(each.effect.replace("_", " ") for each in notices if each.kind == "surplus" and each.effect))
 
 

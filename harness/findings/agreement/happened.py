@@ -4,11 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import distance_words, listed
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
-from plumbline.harness.search.own_limits import Rung
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.events import MOVED, Event, Kind, Touched, happened, size_of
@@ -37,19 +36,13 @@ def events_of(store: Store, trial: str) -> tuple[Event, ...]:
     return happened(parse(str(arrays["scene"]), "scene.json"), run, Touched.of(arrays))
 
 
-def finest(side: Side) -> Rung | None:
-    """The run of the smallest step that has an answer; None without any."""
-    answered = [rung for rung in side.limit.rungs if rung.run is not None]
-    return answered[-1] if answered else None
-
-
 def happenings(store: Store, agreement: Agreement) -> list[Happened]:
     """In the finest run of each side, those alike together: the largest group of engines that people can deploy first."""
     groups: list[Happened] = []
     if agreement.scene is None:
         return groups
     for side in sorted(agreement.sides, key=lambda side: (side.ours, not side.votes, side.camps != (agreement.agreed,))):
-        if (rung := finest(side)) is None:
+        if (rung := side.limit.finest) is None:
             continue
         events = events_of(store, rung.trial)
         for index, group in enumerate(groups):

@@ -97,8 +97,7 @@ def balances(store: Store, agreement: Agreement) -> list[Balance]:
     largest = float(agreement.scale.size.min(initial=np.inf))
     measured = []
     for side in agreement.sides:
-        answered = [rung for rung in side.limit.rungs if rung.run is not None]
-        mine = table[table["trial"] == answered[-1].trial] if answered else table[:0]
+        mine = table[:0] if side.limit.finest is None else table[table["trial"] == side.limit.finest.trial]
         for row in mine.to_dict("records"):
             value = float(row["value"])
             if row["metric"] in LAWS and np.isfinite(value):

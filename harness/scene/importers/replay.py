@@ -100,7 +100,7 @@ def _with_gains(joint: Driven, quantity: Quantity, gains: Gains | None, source: 
 def near_miss(name: str, names: Sequence[str]) -> str:
     """What may have been meant by a name that is none of these, as the end of a sentence."""
     near = get_close_matches(name, names, 1, 0.5)
-    return f"; did you mean {quoted(near[0], 80)}?" if near else f", expected one of {listed(names, 12) or 'none'}"
+    return f"; did you mean {quoted(near[0], 80)}?" if near else f", expected one of {listed(list(names), 12) or 'none'}"
 
 
 def recorded(scene: Scene, log: Log) -> Mapping[str, Sequence[float]]:

@@ -10,11 +10,13 @@ TESTS ?= tests
 MARKED ?= not slow
 OUT ?= build/compare
 BEFORE ?= $(OUT)
+USUAL := bullet dart mujoco reference
+EXTRAS := $(patsubst adapters/%/requirements.lock,%,$(wildcard adapters/*/requirements.lock))
 
 # Python keeps what it compiled of each source, whatever the caller's shell says: tests start a thousand processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: compare report screenshots test test-all test-nojit mutants lint audit lock clean help
+.PHONY: compare report screenshots test test-engines test-all test-nojit mutants lint audit lock clean help
 
 help:            ## this list
 	@sed -n 's/^\([a-z-]*\): .*## /\1\t/p' $(MAKEFILE_LIST)
@@ -32,9 +34,9 @@ $(STAMP): requirements.lock pyproject.toml
 	$(or $(WARM),:) & $(PIP) --require-hashes -r $< && $(PIP) --no-deps --no-build-isolation -e .; status=$$?; wait; exit $$status
 	touch $@
 
-compare: $(STAMP)  ## the quick study on all engines, ending with the path of the report
+compare: $(STAMP)  ## the quick study on all engines, ending with the path of the report; ENGINES="rapier sapien" adds some
 	rm -rf $(OUT)
-	$(BIN)/plumbline run quick --out $(OUT) --workers $(WORKERS)
+	$(BIN)/plumbline run quick --out $(OUT) --workers $(WORKERS) $(if $(ENGINES),--yes $(patsubst %,--engine %,$(USUAL) $(ENGINES)))
 
 report: $(STAMP)   ## the report of the last compare, rebuilt from its store
 	$(BIN)/plumbline report $(OUT)
@@ -47,6 +49,9 @@ screenshots: $(STAMP)  ## pictures of pages for the README: of the report in OUT
 test: $(STAMP)     ## all tests but the long ones, or those under TESTS=folder
 	$(if $(filter tests,$(TESTS)),$(BIN)/python -m tests.warm_up --workers $(WORKERS))
 	$(BIN)/python -m pytest -n $(TEST_WORKERS) --dist loadfile -m "$(MARKED)" $(TESTS)
+
+test-engines: $(STAMP) ## the whole conformance kit on each engine that is installed only when asked for
+	$(foreach engine,$(EXTRAS),$(BIN)/plumbline check $(engine) --yes &&) true
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m tests.warm_up --workers $(WORKERS)
@@ -71,6 +76,7 @@ audit:             ## known vulnerabilities of what requirements.lock installs (
 
 lock:              ## the lock files anew (needs uv)
 	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --extra decomposition --extra dask --no-header --no-emit-index-url pyproject.toml -o requirements.lock
+	$(foreach engine,$(EXTRAS),$(BIN)/python -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['$(engine)'], sep='\n')" | uv pip compile --quiet --generate-hashes --python-version 3.11 --constraint requirements.lock --no-header --no-emit-index-url - -o adapters/$(engine)/requirements.lock &&) true
 	echo "pip-audit>=2.10" | uv pip compile --quiet --generate-hashes --python-version 3.11 --no-header --no-emit-index-url - -o .ci/audit.lock
 
 clean:             ## everything that can be made again

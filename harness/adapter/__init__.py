@@ -9,6 +9,7 @@ from plumbline.harness.adapter.contract import (
     Unavailable,
     Unsupported,
 )
+from plumbline.harness.adapter.extra import Extra
 from plumbline.harness.adapter.notice import Notice
 from plumbline.harness.adapter.settings import Settings, SettingsError
 from plumbline.harness.adapter.simulation import Simulation
@@ -19,6 +20,7 @@ __all__ = [
     "Advantage",
     "Diverged",
     "Emulation",
+    "Extra",
     "Feature",
     "Notice",
     "Settings",

@@ -50,6 +50,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from plumbline.harness.adapter.advantage import Advantage
+from plumbline.harness.adapter.extra import Extra
 from plumbline.harness.adapter.kernels import Kernels
 from plumbline.harness.adapter.many_worlds import Batch, Turns
 from plumbline.harness.adapter.settings import Settings
@@ -190,7 +191,8 @@ class Adapter(ABC):
         digits. licence: of the package, an SPDX identifier; '' where it is not known. platforms: for which its package index
         has wheels, as '<system>-<machine>': linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64. loaders: the ways in
         which its own package reads a robot file, '' for its defaults; none where it reads none. loader_defaults: by loader and
-        ending of a file, the quantities that its documentation says it changes, each with the place that says so.
+        ending of a file, the quantities that its documentation says it changes, each with the place that says so. extra: what
+        installing it takes, of an engine that plumbline does not depend on.
     """
 
     name: str
@@ -217,6 +219,7 @@ class Adapter(ABC):
     platforms: tuple[str, ...] = ()
     loaders: tuple[str, ...] = ()
     loader_defaults: Mapping[tuple[str, str], Mapping[str, str]] = field(default_factory=dict)
+    extra: Extra | None = None
 
     def __post_init__(self) -> None:
         for emulation in self.emulated:

@@ -6,7 +6,7 @@ import click
 
 from plumbline.harness.cli.guard import GATE, say, stop
 from plumbline.harness.cli.listing import print_json, print_table
-from plumbline.harness.cli.options import json_rows
+from plumbline.harness.cli.options import agreed, json_rows
 from plumbline.harness.cli.seconds import DAY, Age
 
 _ORDER = {"failed": 0, "improved": 1, "known": 2, "not_applicable": 3, "passed": 4}
@@ -81,7 +81,8 @@ def cases(as_json: bool) -> None:
 @click.option("--track", "tracks", multiple=True, type=click.Choice(["default", "tuned"]), help="Only this track.")
 @click.option("--verbose", is_flag=True, help="Each check on each track, with what passed and what is not claimed.")
 @json_rows
-def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) -> None:
+@agreed
+def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, agreed: bool) -> None:
     """Put one adapter, built in or third-party, through the conformance kit; also ENGINE==VERSION or ENGINE=FILE.whl."""
     from dataclasses import asdict
 
@@ -89,15 +90,16 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool) ->
     from plumbline.harness.conformance import gate, run_conformance
     from plumbline.harness.conformance.apart import outcomes_in
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.environments import environment_of
+    from plumbline.harness.study.engine_versions import version_asked
+    from plumbline.harness.study.environments import home_of
 
-    ((name, adapter),) = chosen_engines((engine,)).items()
-    environment = environment_of(name) if name != engine else None
+    ((name, adapter),) = chosen_engines((engine,), agreed).items()
+    environment = home_of(name)
     chosen = tracks or ("default", "tuned")
     if environment is not None and environment.executable:
         # Also where the smoke checks say no: the kit names all that does.
-        version = environment.version
-        title, outcomes = adapter.title, outcomes_in(environment, name, chosen)
+        title = adapter.title if version_asked(name) else f"{adapter.title} {environment.version}"
+        outcomes = outcomes_in(environment, name, chosen)
     else:
         version, reason = plugins.version_of(adapter)
         if reason is not None:

@@ -16,6 +16,7 @@ import click
 
 from plumbline.harness.cli.chosen_engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
+from plumbline.harness.cli.options import agreed
 from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.safe_text import quoted
 
@@ -48,6 +49,7 @@ _LEAST = 10.0
 @click.option("--notify", metavar="CMD", help="A shell command that is given summary.md on its standard input.")
 @click.option("--seed", default="", metavar="TEXT", help="Of what is drawn at random [the night's name].")
 @click.option("--report/--no-report", "reported", default=True, show_default=True, help="Write the pages too.")
+@agreed
 @click.option("--drill", "drilled", is_flag=True, help="Plant two faults in nights of their own: exit 0 where both are named.")
 def nightly(address: str | None, budget: float | None, notify: str | None, reported: bool, drilled: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
@@ -102,7 +104,7 @@ def _drill(engines: Sequence[str]) -> None:
 
 
 def _asked(
-    *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, **rest: Any
+    *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, agreed: bool, **rest: Any
 ) -> "Asked":
     from plumbline.harness.cli.run_study import study_and_cases
     from plumbline.harness.history.night import Asked
@@ -116,7 +118,7 @@ def _asked(
         stop(USAGE, str(error))
     if double := twice(engines):
         raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint="--engine")
-    adapters = chosen_engines(engines)
+    adapters = chosen_engines(engines, agreed)
     for engine in gated:
         if engine not in adapters:
             raise click.BadParameter(

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
 
 json_rows = click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
+agreed = click.option("--yes", "agreed", is_flag=True, help="Install engines that are asked for and are not here.")
 run_folder = click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 
 

@@ -13,7 +13,7 @@ from plumbline.harness.cli.cluster_commands import at_work
 from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, fail_for, say, stop
 from plumbline.harness.cli.installed import left_out
-from plumbline.harness.cli.options import limited
+from plumbline.harness.cli.options import agreed, limited
 from plumbline.harness.cli.own_import import refuse_two_frictions, scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words
 from plumbline.harness.cli.publish import publish
@@ -134,6 +134,7 @@ class _Resumable(click.Command):
 @robot_options
 @run_options
 @limited
+@agreed
 def run(
     study: str,
     engine_names: tuple[str, ...],
@@ -144,6 +145,7 @@ def run(
     shard: tuple[int, int],
     resume: Literal["same", "merge"] | None,
     budget: float | None,
+    agreed: bool,
     **robot: Any,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
@@ -161,7 +163,7 @@ def run(
         plan, chosen = _study_and_cases(study, own, globs, budget)
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
-    adapters = chosen_engines(engine_names)
+    adapters = chosen_engines(engine_names, agreed)
     if own:
         case = next(iter(chosen.values()))
         refuse_two_frictions(study, case.scene(case.parameters), adapters)

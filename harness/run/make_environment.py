@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -25,6 +26,7 @@ from plumbline.harness.study.environments import (
     folder_of,
     installed_folders,
     keep,
+    lock_of,
     project_folders,
 )
 
@@ -57,10 +59,14 @@ def ensure(version: EngineVersion, distribution: str) -> Environment:
             return known
         try:
             if known is None or not Path(known.executable).is_file():
-                _make(folder, str(version.wheel or f"{distribution}=={version.version}"))
-            tried = _tried(version, digest)
+                pins = lock_of(version.name)
+                if pins is None:
+                    _make(folder, str(version.wheel or f"{distribution}=={version.version}"))
+                else:
+                    _make_locked(folder, pins)
+            tried = replace(_tried(version, digest), distribution=distribution)
         except NotMade as error:
-            tried = Environment(reason=str(error), sources=digest)
+            tried = Environment(reason=str(error), sources=digest, distribution=distribution)
         keep(version.name, tried)
         return tried
 
@@ -69,12 +75,24 @@ def _interpreter(folder: Path) -> Path:
     return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
-def _make(folder: Path, what: str) -> None:
-    """Make a folder with an interpreter that has this package; what was there is gone. Raises: NotMade, OSError."""
+def _bare(folder: Path) -> str | None:
+    """Make a folder with an interpreter that has nothing; what was there is gone. Returns: uv, if there is. Raises: NotMade."""
     shutil.rmtree(folder, ignore_errors=True)
     uv = shutil.which("uv")
     bare = [uv, "venv", "--quiet", "--python", sys.executable] if uv else [sys.executable, "-m", "venv", "--without-pip"]
     _run([*bare, str(folder)])
+    return uv
+
+
+def _make_locked(folder: Path, lock: Path) -> None:
+    """Make a folder with an interpreter that has what a lock file pins, by its hashes. Raises: NotMade, OSError."""
+    _install(_bare(folder), folder, ["--require-hashes", "-r", str(lock)])
+    _lay_over(folder)
+
+
+def _make(folder: Path, what: str) -> None:
+    """Make a folder with an interpreter that has this package. Raises: NotMade, OSError."""
+    uv = _bare(folder)
     # First the engine alone, so that none of what it is laid over can stand for it; then what it needs beyond that.
     _install(uv, folder, [what, "--no-deps"])
     _lay_over(folder)

@@ -54,6 +54,7 @@ def _asked(folder: Path) -> float:
 
 
 def _names(folder: Path) -> Iterator[str]:
-    """What the engine in a folder may be called: one of the hyphens stands for the blank."""
+    """What the engine in a folder may be called: one of the hyphens stands for the blank, if it has a version."""
     words = folder.name.rpartition("-")[0].split("-")
+    yield "-".join(words)
     yield from ("-".join(words[:k]) + " " + "-".join(words[k:]) for k in range(1, len(words)))

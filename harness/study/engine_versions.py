@@ -22,16 +22,20 @@ class VersionError(Mendable):
 
 @dataclass(frozen=True, slots=True)
 class EngineVersion:
-    """One version of an engine. Terms: engine: the adapter's name. wheel: the file that holds it; None where an index does."""
+    """One version of an engine.
+
+    Terms: engine: the adapter's name. version: '' for the one that the adapter's lock file pins. wheel: the file that holds it;
+    None where an index does.
+    """
 
     engine: str
-    version: str
+    version: str = ""
     wheel: Path | None = None
 
     @property
     def name(self) -> str:
         """What it is called in records, tables and pages."""
-        return f"{self.engine} {self.version}"
+        return f"{self.engine} {self.version}".rstrip()
 
 
 def version_wanted(text: str) -> EngineVersion | None:

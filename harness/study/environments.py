@@ -12,13 +12,13 @@ import sys
 import sysconfig
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
 import platformdirs
 
 from plumbline.harness.store import disk
-from plumbline.harness.study.engine_versions import version_asked
+from plumbline.harness.study.engine_versions import engine_of, version_asked
 from plumbline.harness.study.sources import libraries
 
 _FILE = "environment.json"
@@ -30,7 +30,7 @@ class Environment:
 
     Terms: executable: its interpreter; '' where none could be made. path: where that looks for modules, but for plumbline's.
     version: that the engine's adapter reads there. reason: why the engine is unavailable; '' where it is not.
-    sources: the digest of the adapter's texts that this was found with.
+    sources: the digest of the adapter's texts that this was found with. distribution: the package that was asked for.
     """
 
     executable: str = ""
@@ -38,6 +38,7 @@ class Environment:
     version: str = ""
     reason: str = ""
     sources: str = ""
+    distribution: str = ""
 
 
 def root() -> Path:
@@ -65,9 +66,26 @@ def _beneath() -> str:
     return hashlib.sha256("\n".join(said).encode()).hexdigest()
 
 
+def installed(distribution_name: str) -> bool:
+    """Is this package installed beside plumbline?"""
+    try:
+        distribution(distribution_name)
+    except (PackageNotFoundError, ValueError):
+        return False
+    return True
+
+
+def lock_of(name: str) -> Path | None:
+    """The lock file of an engine that plumbline does not bring along; None of others, and of a version by number."""
+    lock = Path(__file__).resolve().parents[2] / "adapters" / engine_of(name) / "requirements.lock"
+    return lock if not version_asked(name) and lock.is_file() else None
+
+
 def folder_of(name: str) -> Path:
     """The folder of an engine of this name, whether it is there or not."""
-    digest = hashlib.sha256(f"{name}\n{_beneath()}".encode()).hexdigest()[:16]
+    lock = lock_of(name)
+    pinned = "" if lock is None else hashlib.sha256(lock.read_bytes()).hexdigest()
+    digest = hashlib.sha256(f"{name}\n{_beneath()}{pinned}".encode()).hexdigest()[:16]
     return root() / f"{name.replace(' ', '-')}-{digest}"
 
 
@@ -98,11 +116,17 @@ def _read(path: Path, changed: int) -> Environment:  # noqa: ARG001  # another t
     return Environment(**{**fields, "path": tuple(fields["path"])})
 
 
+def home_of(engine: str) -> Environment | None:
+    """What was found in the environment that an engine lives in; None where it lives beside plumbline, or nowhere."""
+    environment = None if inside() else environment_of(engine)
+    beside = environment is not None and not version_asked(engine) and installed(environment.distribution)
+    return None if beside else environment
+
+
 def elsewhere(engine: str) -> Environment | None:
     """The environment that an engine's processes run in; None for this one's. Raises: LookupError, where it is not there."""
-    if not version_asked(engine) or inside():
-        return None
-    environment = environment_of(engine)
-    if environment is None or not environment.executable:
+    environment = home_of(engine)
+    there = environment is not None and bool(environment.executable)
+    if not there and version_asked(engine) and not inside():
         raise LookupError(f"{engine} has no environment here")
-    return environment
+    return environment if there else None

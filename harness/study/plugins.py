@@ -169,10 +169,14 @@ def version_of(engine: Adapter) -> tuple[str, str | None]:
 
     Of an engine in an environment of its own, what was found there when that was made.
     """
+    environment = environments.home_of(engine.name)
+    if environment is not None:
+        return ("none", environment.reason) if environment.reason else (environment.version, None)
     if version_asked(engine.name) and not environments.inside():
-        environment = environments.environment_of(engine.name)
-        reason = environment.reason if environment else f"has no environment here; plumbline run --engine {asked(engine.name)}"
-        return ("none", reason) if environment is None or reason else (environment.version, None)
+        return "none", f"has no environment here; plumbline run --engine {asked(engine.name)}"
+    if engine.extra is not None and not environments.installed(engine.distribution):
+        why = engine.extra.hindrance or f"not installed: --engine {engine.name} --yes does so ({engine.extra.price})"
+        return "none", why
     try:
         version = engine.version()
         if type(version) is not str or not version.isprintable() or not 0 < len(version) <= _LONGEST_VERSION:

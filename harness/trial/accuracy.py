@@ -245,7 +245,8 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
         if control is not None:
             simulation = cast(Simulation, Controlled(simulation, control, pace, len(scene.bodies)))
     try:
-        with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features and batch is None
+        readable = Feature.CONTACTS | Feature.CONTACT_FORCES in adapter.features
+        with_contacts = case.with_contacts and readable and batch is None
         seen = {} if case.rays is None else cast_once(simulation, case.rays(case.at(**trial.parameters)))
         actual, broke = simulate(
             simulation,

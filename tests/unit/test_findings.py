@@ -1,6 +1,7 @@
 """Findings: their heads are whole, their scripts are the vendor's alone, and they tell what is there from what is gone."""
 
 import ast
+import re
 import site
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import pytest
 from plumbline.harness.findings.vendor.finding import Finding, FindingError, read_finding
 from plumbline.harness.findings.vendor.issue_text import issue_text
 from plumbline.harness.findings.vendor.shelf import FOLDER, chosen, shelf
-from plumbline.harness.findings.vendor.still_there import Standing, ask
+from plumbline.harness.findings.vendor.still_there import Standing, ask, ask_all, ask_mended
 from plumbline.harness.study.plugins import names
 from tests.conftest import Command
 
@@ -26,8 +27,8 @@ DAMPED = next(finding for finding in EVERY if finding.name == "bullet/damping_by
 
 @cache
 def damped() -> Standing:
-    """What is said of one that is still there."""
-    return ask(DAMPED)
+    """What is said of one that is still there, and of its mend."""
+    return next(ask_all([DAMPED]))
 
 
 def test_each_of_three_engines_has_five_findings_and_more() -> None:
@@ -111,10 +112,68 @@ def test_a_head_that_is_wrong_is_refused_by_file_and_field(tmp_path: Path, old: 
     assert str(path) in str(caught.value)
 
 
-def test_the_text_for_the_vendor_has_the_figure_the_documentation_and_the_script_whole() -> None:
+def test_the_text_for_the_vendor_has_the_figure_the_law_the_documentation_and_the_mend_with_its_price() -> None:
     text = issue_text(damped())
-    for words in (DAMPED.title, "1.449 m from the parabola", DAMPED.documented, DAMPED.mend, DAMPED.text.strip(), "3.2.7"):
+    law = "A ball thrown at 8.6 m/s lands elsewhere than its parabola says"
+    for words in (
+        DAMPED.title,
+        "1.449 m from the parabola",
+        law,
+        DAMPED.documented,
+        DAMPED.mend,
+        "With it: gone: 0.041 m",
+        "3.2.7",
+    ):
         assert words in text
+    assert re.search(r"Time of a step with it, over that without: \d+\.\d\d\.", text)
+
+
+@pytest.mark.parametrize("finding", EVERY, ids=lambda finding: finding.name)
+def test_the_script_in_the_text_is_whole_and_names_nothing_of_ours(finding: Finding) -> None:
+    text = issue_text(Standing(finding, "still there", "1 m", "1", 0.1))
+    script = text.partition("```python\n")[2].partition("\n```")[0]
+    assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(finding.text))
+    assert script.startswith("# /// script\n# requires-python")
+    assert "tool.finding" not in text
+    assert "plumbline" not in text.lower()
+
+
+def test_the_command_writes_a_text_a_finding_whose_script_runs_alone(printed: Command, tmp_path: Path) -> None:
+    assert printed("findings", "--report", "drat", "--out", str(tmp_path)).returncode == 2
+    assert printed("findings", "dart", "--report", "dart", "--out", str(tmp_path)).returncode == 2
+    written = printed("findings", "--report", OTHER, "--out", str(tmp_path / "r"))
+    assert written.returncode == 0, written.stderr
+    path = tmp_path / "r" / f"{OTHER}.md"
+    assert written.stdout.split() == [str(path)]
+    script = tmp_path / "pasted.py"
+    script.write_text(path.read_text().partition("```python\n")[2].partition("\n```")[0])
+    done = subprocess.run([sys.executable, "-I", str(script)], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.rstrip().rpartition("\n")[2].startswith("still there: ")
+
+
+UNIVERSAL = re.compile(r"\b(every|never|always|silent(ly)?|in silence|no body|any)\b", re.IGNORECASE)
+
+
+@pytest.mark.parametrize("finding", EVERY, ids=lambda finding: finding.name)
+def test_a_title_says_no_universal_word_and_a_source_is_no_moving_branch(finding: Finding) -> None:
+    """One counter-example makes such a title false: damping was said of every body, and maximal ones have none."""
+    assert not UNIVERSAL.search(finding.title)
+    assert [source for source in finding.sources if "/master/" in source or "/main/" in source] == []
+
+
+def test_a_mend_that_leaves_a_finding_standing_is_red(tmp_path: Path) -> None:
+    """The planted mend is that of the published finding with another value: a hundredth more of damping than the default."""
+    path = tmp_path / "bullet" / "f.py"
+    path.parent.mkdir()
+    path.write_text(DAMPED.text.replace("linearDamping=0.0, angularDamping=0.0)", "linearDamping=0.05)"))
+    standing = next(ask_all([read_finding(path)]))
+    assert standing.mended is not None
+    assert (standing.verdict, standing.mended.verdict) == ("still there", "stands")
+    assert standing.broken
+    path.write_text(DAMPED.text.replace("price:", "prize:"))
+    dear = ask_mended(read_finding(path))
+    assert (dear.verdict, dear.figure.partition(",")[0]) == ("failed", "no price of the mend")
+    assert not damped().broken
 
 
 def test_findings_are_chosen_by_engine_or_by_name() -> None:
@@ -130,16 +189,19 @@ def test_the_command_lists_them_and_prints_the_text_of_one(printed: Command) -> 
     assert "mujoco/no_restitution" in listed.stdout
     assert "bullet/" not in listed.stdout
     assert printed("findings", "mujoco", "--issue").returncode == 2
+    assert f"{len(chosen(EVERY, 'mujoco'))} findings" in listed.stdout
     assert printed("findings", "drat").returncode == 2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("finding", EVERY, ids=lambda finding: finding.name)
-def test_it_is_still_there_in_the_version_that_it_was_seen_in(finding: Finding) -> None:
-    standing = ask(finding)
+def test_it_is_still_there_in_the_version_that_it_was_seen_in_and_its_mend_cures_it(finding: Finding) -> None:
+    standing = next(ask_all([finding]))
     if standing.version not in finding.seen:
         pytest.skip(f"seen in {', '.join(finding.seen)}, installed is {standing.version or 'nothing'}")
     assert standing.verdict == "still there", standing.figure
+    assert standing.mended is not None
+    assert standing.mended.cures, standing.mended.figure
 
 
 def test_readme_names_every_field_of_a_head() -> None:

@@ -243,7 +243,7 @@ def test_a_night_takes_versions_of_an_engine_as_a_run_does(
     assert "reference has no versions of its own" in printed(*words, "--engine", "reference==1.0").stderr
     seen: list[tuple[str, ...]] = []
 
-    def chosen(texts: Sequence[str]) -> Mapping[str, Any]:
+    def chosen(texts: Sequence[str], _agreed: bool) -> Mapping[str, Any]:
         seen.append(tuple(texts))
         return {name: plugins.adapter("mujoco") for name in texts}
 

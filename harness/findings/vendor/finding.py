@@ -72,6 +72,11 @@ class Finding:
         """What a reader of the script alone sees."""
         return _HEAD.sub("", self.text).strip()
 
+    @property
+    def standalone(self) -> str:
+        """The script without this project's table: its head says what it needs, and no more."""
+        return re.sub(r"(?m)^#\n# \[tool\.finding\]\n(?:#(?! ///$).*\n)*", "", self.text).strip()
+
 
 def _head(path: Path, text: str) -> dict[str, Any]:
     match = _HEAD.search(text)

@@ -1,5 +1,6 @@
-"""A finding as a text that can be reported upstream, in Markdown."""
+"""A finding as a text that can be reported upstream, in Markdown: nothing in it needs this project."""
 
+import ast
 import platform
 
 from plumbline.harness.findings.vendor.still_there import Standing
@@ -12,7 +13,7 @@ _ASKED = {
 
 
 def issue_text(standing: Standing) -> str:
-    """Title, versions, figure, what is documented, the script whole, and what a user does about it today."""
+    """Title, versions, figure, the law that is expected, what is documented, the whole script, and what helps today."""
     finding = standing.finding
     sources = "\n".join(f"- {source}" for source in finding.sources)
     seen = ", ".join(finding.seen)
@@ -20,21 +21,28 @@ def issue_text(standing: Standing) -> str:
     version = standing.version or "not installed here"
     machine = f"Python {platform.python_version()}, {platform.system()} {platform.machine()}"
     needs = ", ".join(finding.requires) or finding.engine
+    mended = standing.mended
+    cured = f"\n\nWith it: {mended.verdict}: {mended.figure}." if mended else ""
+    if mended and mended.price is not None:
+        cured += f" Time of a {mended.unit} with it, over that without: {mended.price:.2f}."
     return f"""# {finding.title}
 
 **Version**: {version} (first seen in {seen}); {machine}
 
 **What happens**: {today}
 
+**Expected**: {ast.get_docstring(ast.parse(finding.text))}
+
 {_ASKED[finding.kind]} {finding.documented}
 
 {sources}
 
-**To reproduce**: needs {needs} and nothing else; the last line that it prints says whether it is still there.
+**To reproduce**: needs {needs} and nothing else; the last line that it prints says whether it is still there. With \
+`--mended` it does what helps, and says what that costs.
 
 ```python
-{finding.text.strip()}
+{finding.standalone}
 ```
 
-**What helps meanwhile**: {finding.mend}
+**What helps meanwhile**: {finding.mend}{cured}
 """

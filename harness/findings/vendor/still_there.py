@@ -1,22 +1,42 @@
-"""Whether a finding is still there: its script, run alone in a fresh process."""
+"""Whether a finding is still there, and whether its mend cures it: its script, run alone in a fresh process."""
 
+import re
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 from plumbline.harness.findings.vendor.finding import Finding
 
 SECONDS = 60.0
 """After which a script counts as hung: six times what one may take on a machine that does nothing else."""
 
-Verdict = Literal["still there", "gone", "unavailable", "failed"]
-"""unavailable: what the script needs is not installed; failed: it ended without an answer."""
+Verdict = Literal["still there", "gone", "stands", "unavailable", "failed"]
+"""stands: it is there with its mend; unavailable: what the script needs is not installed; failed: no answer."""
 
 _UNAVAILABLE = "ModuleNotFoundError"
+_PRICE = re.compile(r"price: (\S+) of an? (\w+)$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Mended:
+    """What a script said of its mend.
+
+    verdict: 'gone' if the mend cures it. figure: in the script's own words. price: time of a `unit` (step, ray, loading, ...)
+    with the mend over that without, clocked in turns in one process; None without an answer."""
+
+    verdict: Verdict
+    figure: str
+    price: float | None = None
+    unit: str = ""
+
+    @property
+    def cures(self) -> bool:
+        """Is the finding gone with its mend?"""
+        return self.verdict == "gone"
 
 
 @dataclass(frozen=True)
@@ -24,13 +44,20 @@ class Standing:
     """What a script said.
 
     finding: which. verdict: of it. figure: in the script's own words, or why there is none. version: of the engine that is
-    installed, '' where none is. seconds: how long it took, by the wall."""
+    installed, '' where none is. seconds: how long it took, by the wall. mended: the same with its mend, None if not asked."""
 
     finding: Finding
     verdict: Verdict
     figure: str
     version: str
     seconds: float
+    mended: Mended | None = None
+
+    @property
+    def broken(self) -> bool:
+        """Did the script end without an answer, or does its mend not cure it?"""
+        mended = self.mended
+        return self.verdict == "failed" or (mended is not None and not mended.cures and mended.verdict != "unavailable")
 
 
 def _version(finding: Finding, python: str) -> str:
@@ -41,33 +68,46 @@ def _version(finding: Finding, python: str) -> str:
     return done.stdout.strip()
 
 
+def _answer(finding: Finding, python: str, *arguments: str) -> tuple[Verdict, str, str]:
+    """Verdict, figure or reason, and all that was printed."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            command = [python, "-I", str(finding.script), *arguments]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False)
+    except subprocess.TimeoutExpired:
+        return "failed", f"no answer within {SECONDS:g} s", ""
+    # A vendor's library may end its own lines on the console without a line break.
+    last = done.stdout.rstrip().rpartition("\n")[2]
+    for verdict in get_args(Verdict)[:3]:
+        _, said, figure = last.partition(f"{verdict}: ")
+        if done.returncode == 0 and said:
+            return verdict, figure, done.stdout
+    why = (done.stderr.strip() or done.stdout.strip() or "no output").rpartition("\n")[2]
+    reason = why if done.returncode >= 0 else f"ended by signal {-done.returncode}"
+    return "unavailable" if why.startswith(_UNAVAILABLE) else "failed", reason, done.stdout
+
+
 def ask(finding: Finding, python: str = sys.executable) -> Standing:
     """Run a script, isolated from this project and from the user's paths.
 
     Args: python: the interpreter, in whose environment the engine is installed.
     """
     begun = time.monotonic()
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run(
-                [python, "-I", str(finding.script)], cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
-            )
-    except subprocess.TimeoutExpired:
-        return Standing(finding, "failed", f"no answer within {SECONDS:g} s", _version(finding, python), SECONDS)
+    verdict, figure, _ = _answer(finding, python)
     took = time.monotonic() - begun
-    # A vendor's library may end its own lines on the console without a line break.
-    last = done.stdout.rstrip().rpartition("\n")[2]
-    for verdict in ("still there", "gone"):
-        _, said, figure = last.partition(f"{verdict}: ")
-        if done.returncode == 0 and said:
-            return Standing(finding, verdict, figure, _version(finding, python), took)
-    why = (done.stderr.strip() or done.stdout.strip() or "no output").rpartition("\n")[2]
-    missing = why.startswith(_UNAVAILABLE)
-    reason = why if done.returncode >= 0 else f"ended by signal {-done.returncode}"
-    return Standing(finding, "unavailable" if missing else "failed", reason, _version(finding, python), took)
+    return Standing(finding, verdict, figure, _version(finding, python), took)
+
+
+def ask_mended(finding: Finding, python: str = sys.executable) -> Mended:
+    """Run a script with its mend; one that tells no price of it has failed. Args: see `ask`."""
+    verdict, figure, printed = _answer(finding, python, "--mended")
+    price = _PRICE.search(printed)
+    if verdict in ("gone", "stands") and price is None:
+        return Mended("failed", f"no price of the mend, only '{verdict}: {figure}'")
+    return Mended(verdict, figure, float(price[1]) if price else None, price[2] if price else "")
 
 
 def ask_all(findings: Sequence[Finding], python: str = sys.executable) -> Iterator[Standing]:
-    """Each in its turn, as it is known."""
+    """Each in its turn, with its mend, as it is known."""
     for finding in findings:
-        yield ask(finding, python)
+        yield replace(ask(finding, python), mended=ask_mended(finding, python))

@@ -1,0 +1,78 @@
+"""The options: which values they may have, and what they tell a world."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from plumbline.harness.adapter import Settings
+from plumbline.harness.adapter.checked_options import Between, checked_options
+from plumbline.harness.scene import Effect
+
+INTEGRATOR = "semi_implicit_euler"
+SOLVER = "tgs_soft"
+FRICTION = ("simplified", "coulomb")
+JOINTS = ("impulse", "multibody")
+KNOWN: Mapping[str, Sequence[Any] | Between] = {
+    "sleeping": (True, False),
+    "friction_model": FRICTION,
+    "contact_rate": Between(1e-3, 1.0),
+    "recycling": (True, False),
+    "clustering": (True, False),
+    "capped": (True, False),
+    "soft_ccd": (True, False),
+    "inner_edges": (True, False),
+    "joints": JOINTS,
+    "by_scene": (True, False),
+}
+"""sleeping: do bodies sleep. contact_rate: natural frequency of contacts over the rate of sub-steps. recycling, clustering: of
+contact points. capped: speeds at 400 m/s, turns at 45 degrees a step, as the vendor has them. soft_ccd: predict contacts as
+far as a body moves in a step, where the scene calls for continuous collision. inner_edges: do the inner edges of meshes push
+bodies that slide over them. joints: as constraints between free bodies, or trees of them in reduced coordinates.
+by_scene: BUSY sub-steps, where the settings leave them open, in scenes with contacts or joints."""
+_VENDOR: Mapping[str, Any] = {
+    "sleeping": True,
+    "friction_model": "simplified",
+    "recycling": True,
+    "clustering": True,
+    "capped": True,
+    "soft_ccd": False,
+    "inner_edges": True,
+    "joints": "impulse",
+    "by_scene": False,
+}
+SUBSTEPS, ITERATIONS = 4, 1
+"""The vendor's num_solver_iterations, each of which is a sub-step, and num_internal_pgs_iterations of each."""
+BUSY = 12
+"""Sub-steps where something has to be solved. A free body has its rounding from each: 7 times the error of 4 at 1/480 s."""
+_UNCAPPED = 1e20
+"""A speed [m/s] that nothing reaches."""
+
+
+def resolved_settings(settings: Settings, effects: Effect) -> Settings:
+    """The settings with the vendor's values where they leave something open. Raises: SettingsError."""
+    parameters = checked_options("Rapier", settings, KNOWN, INTEGRATOR, (SOLVER,))
+    options = {name: _VENDOR.get(name) if value is None else value for name, value in parameters.items()}
+    busy = options["by_scene"] and (Effect.CONTACT | Effect.JOINTS) & effects
+    return replace(
+        settings,
+        substeps=settings.substeps or (BUSY if busy else SUBSTEPS),
+        iterations=settings.iterations or ITERATIONS,
+        integrator=INTEGRATOR,
+        solver=SOLVER,
+        options={name: value for name, value in options.items() if value is not None},
+    )
+
+
+def set_parameters(rapier: Any, world: Any, used: Settings) -> None:
+    """Tell a world what it is to use."""
+    parameters, options = world.integration_parameters, used.options
+    assert used.substeps is not None
+    parameters.dt = used.dt
+    parameters.num_solver_iterations, parameters.num_internal_pgs_iterations = used.substeps, used.iterations
+    parameters.friction_model = getattr(rapier.FrictionModel, options["friction_model"].upper())
+    parameters.contact_recycling, parameters.contact_clustering = options["recycling"], options["clustering"]
+    if "contact_rate" in options:
+        spring = rapier.SpringCoefficients(options["contact_rate"] / used.substep, 10.0)
+        parameters.contact_softness = parameters.static_contact_softness = spring
+    if not options["capped"]:
+        parameters.normalized_max_linear_velocity = _UNCAPPED

@@ -71,7 +71,7 @@ _RUN = (
     click.option("--states", type=_LOG, metavar="LOG", help="A recorded robot to compare with: time and positions of joints."),
     click.option("--interpolate", is_flag=True, help="Join the values of --commands by straight lines; else they are held."),
     click.option("--gains", type=PairOfGains(), metavar="K,D", help="Stiffness and damping of drives that --commands needs."),
-    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="CPU time of the ladder, like 60, 5m, 2h [90 s]."),
+    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="How long you wait for it, like 60, 5m, 2h [2m]."),
 )
 
 

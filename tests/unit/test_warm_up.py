@@ -195,8 +195,7 @@ def test_on_a_terminal_there_is_a_bar(tmp_path: Path, monkeypatch: pytest.Monkey
     assert warm_up("disk: compiling", partial(kernels_in, tmp_path), range(3), (), 1) == []
     shown = sys.stderr.getvalue()  # type: ignore[attr-defined]
     assert "disk: compiling" in shown
-    assert "3/3" in shown
-    assert "estimating" not in shown
+    assert "3 of 3" in shown
 
 
 def test_a_cache_that_cannot_be_is_named(printed: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -68,9 +68,10 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
         in_metres = metres(bar, agreement)
         known = f"{share(bar)} of the size of what moves{f' ({in_metres})' if in_metres else ''}"
         return f"{listed(voters)} agree on one limit {until}, known to {known}."
-    fast = list(dict.fromkeys(titles.get(side.engine, side.engine) for side in agreement.sides if side.limit.too_fast))
-    settled = {side.engine for side in agreement.sides if side.camps and not side.ours}
-    if fast and len(settled) < 2:
+    fast = list(
+        dict.fromkeys(titles.get(side.engine, side.engine) for side in agreement.sides if side.limit.too_fast and not side.ours)
+    )
+    if fast:
         return (
             f"Whether there is one limit cannot be told yet: steps of {listed(fast)} draw together faster than the order of "
             "the integrator, so that smaller ones are needed (--dt, --budget)."

@@ -16,6 +16,7 @@ from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.cli.own_scene import closing_count, closing_words
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
+from plumbline.harness.findings.agreement.costs import best_setting
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES
@@ -148,7 +149,7 @@ def test_the_run_ends_with_verdicts_and_never_with_a_bare_passed(thrown: Done) -
     said = closing_words(thrown.store)
     assert "agree on one limit to the end" in said[0]
     assert sum(": agrees (order " in sentence for sentence in said) == 4
-    (costs,) = [sentence for sentence in said if "times real time" in sentence.lower()]
+    (costs,) = [sentence for sentence in said if sentence.startswith("Times real time")]
     listed = {price.engine: price for price in Prices(thrown.store).prices if price.target == 1e-2}
     paced = sorted(listed.values(), key=lambda price: price.cost or 0.0)
     told = re.findall(r"([\d.e+]+) \((\w+), dt 1/(\d+) s\)", costs)
@@ -181,6 +182,26 @@ def test_the_page_is_as_good_as_the_others(thrown: Done, monkeypatch: pytest.Mon
         shown = re.sub(r"<script.*?</script>", "", told, flags=re.DOTALL)
         assert "agrees" in shown
         assert not re.search(r"[✓0-9] passed", shown)
+
+
+QUESTIONS = ("Does it run?", "Do they agree?", "Who is off, and why?", "What does accuracy cost?", "What to set?")
+
+
+def test_the_first_screen_answers_five_questions_in_order_before_anything_else(thrown: Done) -> None:
+    (text,) = (str(text) for name, text in PAGE.render(thrown.store).items() if name.endswith(".html"))
+    hero = text[text.index('<section class="hero') : text.index("</section>")]
+    places = [hero.index(question) for question in QUESTIONS]
+    assert places == sorted(places)
+    for sentence in ("agree on one limit to the end", "Nobody."):
+        assert sentence in hero
+    for target in re.findall(r'<dt><a href="#([^"]+)"', hero):
+        assert f'id="{target}"' in text
+    # The cheapest at 1 %, with its track and step, is what to set.
+    cheapest = min((price for price in Prices(thrown.store).prices if price.target == 1e-2), key=lambda price: price.cost)
+    (agreement,) = agreements(thrown.store)
+    best = best_setting(thrown.store, agreement)
+    assert f", {cheapest.track} at dt 1/{1 / cheapest.dt:.4g} s: {1 / cheapest.cost:.3g} times real time" in best
+    assert best in [sentence.removeprefix("Set: ") for sentence in closing_words(thrown.store)]
 
 
 def test_every_link_of_a_report_of_ones_own_scene_leads_somewhere(thrown: Done, fallen: Done) -> None:

@@ -44,8 +44,8 @@ def _first_look(folder: Path, records: "Sequence[Record]", budget: float) -> Non
 
     with TemporaryDirectory() as name:
         look = Path(name)
-        for part in ("trajectories", "catalogue.json", "study.toml", "machine.json"):
-            (look / part).symlink_to((folder / part).resolve())
+        for stored in ("trajectories", "catalogue.json", "study.toml", "machine.json"):
+            (look / stored).symlink_to((folder / stored).resolve())
         write_tables(look, in_order(records))
         table = tables.table("agreement")
         rows = table.rows(Store(look))
@@ -75,4 +75,4 @@ def closing_words(store: "Store") -> list[str]:
 
     verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
     best = [f"Set: {words}" for agreement in agreements(store) if (words := best_setting(store, agreement))]
-    return [*verdicts, *recorded_words(joint_errors(store)), *cost_words(store), *best, *effects]
+    return [*verdicts, *recorded_words(joint_errors(store), store.titles), *cost_words(store), *best, *effects]

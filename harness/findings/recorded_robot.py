@@ -11,7 +11,7 @@ The error of a joint is what was measured less the finest run of an engine's tra
 The share explained is 1 less the sum of squares that is left over that before.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -140,7 +140,7 @@ def carried(scene: Scene, joint: Revolute | Prismatic) -> float:
     return total
 
 
-def recorded_words(errors: Sequence[JointError]) -> list[str]:
+def recorded_words(errors: Sequence[JointError], titles: Mapping[str, str]) -> list[str]:
     """For each engine and track the joint that is farthest off, and the fit that explains most of its error."""
     lines = []
     for engine, track in dict.fromkeys((error.engine, error.track) for error in errors):
@@ -153,8 +153,6 @@ def recorded_words(errors: Sequence[JointError]) -> list[str]:
         ]
         share, words = max(fits)
         fit = f"; {words} alone would explain {100 * share:.0f} % of it (a fit)" if share >= 0.01 else "; no fit explains it"
-        lines.append(
-            f"{engine}, {track}: '{worst.joint}' is {worst.rms:.3g} {worst.unit} rms off the recorded robot, "
-            f"{worst.largest:.3g} at most{fit}."
-        )
+        who = f"{titles.get(engine, engine)}, {track}: '{worst.joint}'"
+        lines.append(f"{who} is {worst.rms:.3g} {worst.unit} rms off the recorded robot, {worst.largest:.3g} at most{fit}.")
     return lines

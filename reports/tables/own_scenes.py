@@ -7,6 +7,7 @@ from plumbline.harness.findings.agreement import Agreement, agreements, omission
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.words import present_words, scene_words, side_words
+from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import engines
 from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome
@@ -47,6 +48,7 @@ def summary(store: Store, case: str) -> list[str]:
             *present_words(agreement, titles(store)),
             *end_words(happenings(store, agreement), store, agreement, titles(store)),
             *omission_words(omissions(store, agreement), titles(store)),
+            *recorded_words([each for each in joint_errors(store) if each.case == case], titles(store)),
         )
     ]
 

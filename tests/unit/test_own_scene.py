@@ -17,6 +17,8 @@ from plumbline.harness.cli.own_scene import closing_count, closing_words
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_setting
+from plumbline.harness.findings.agreement.happened import happenings
+from plumbline.harness.findings.agreement.setting_causes import settings_turned
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES
@@ -24,7 +26,7 @@ from plumbline.harness.findings.selection.words import headline
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
-from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.file import dump_toml, load
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
@@ -287,3 +289,47 @@ def test_sensors_of_a_scene_of_ones_own_are_held_against_converged_readings(sens
 
 def test_readings_are_held_against_nothing_where_no_limit_is_agreed(fallen: Done) -> None:
     assert converged_readings(fallen.store, fallen.case) == {}
+
+
+@pytest.fixture(scope="module")
+def gripping(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """The cube of friction 5 among the examples, on MuJoCo alone: its default cone is a pyramid."""
+    asked = {"refine": Refinement(finest=1 / 960, further=0, members=0, turns=3), "timing": False}
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        scene = load(Path(__file__).parents[2] / "examples" / "scenes" / "gripping_cube.toml")
+        return carried_out(tmp_path_factory.mktemp("gripping"), scene, ("mujoco",), "gripping.toml", **asked)
+
+
+def test_the_cause_of_a_cube_that_creeps_on_a_floor_it_grips_is_the_pyramid(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    turned = settings_turned(gripping.store, agreement)
+    assert len(turned) == 3
+    assert {(each.engine, each.track, each.towards) for each in turned} == {("mujoco", "default", "tuned")}
+    (cause,) = [each for each in turned if each.cause]
+    assert (cause.setting, cause.value) == ("cone", "elliptic")
+    assert cause.closes > 0.9
+    assert cause.before > 0.05
+    for row in tables.table("causes").rows(gripping.store):
+        assert row["closes"] == pytest.approx(1 - row["after"] / row["before"])
+    said = " ".join(closing_words(gripping.store))
+    assert "'cone' turned to elliptic alone closes" in said
+    # What it adds beside is a list, and no cause.
+    assert "Computed although the scene does not call for it: gyroscopic on MuJoCo default and MuJoCo tuned." in said
+
+
+def test_settings_that_were_turned_are_no_sides_of_their_own(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    assert {side.track for side in agreement.sides} == {"default", "tuned"}
+    assert len(gripping.store.asked) == 6
+    assert len(gripping.store.trials) == 9
+
+
+def test_what_happens_is_told_with_who_differs_in_it(fallen: Done) -> None:
+    (agreement,) = agreements(fallen.store)
+    groups = happenings(fallen.store, agreement)
+    assert {side for group in groups for side in group.sides} == {("mujoco", "tuned"), ("dart", "tuned")}
+    for group in groups:
+        assert {event.body for event in group.events} <= {"box_0"}
+        assert "passed through" not in {event.kind for event in group.events}
+    assert closing_words(fallen.store)[1].startswith("What happens")

@@ -12,17 +12,27 @@ from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.cli.main import main
+from plumbline.harness.findings import tables
 from plumbline.harness.findings.recorded_robot import _answer, _answering, _delayed, carried
 from plumbline.harness.intake.refusal import RobotError
-from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid
 from plumbline.harness.scene.file import dump_toml, parse
 from plumbline.harness.scene.importers.commands import load_commands, read_log
+from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.replay import Gains, recorded, replayed
+from plumbline.harness.store.imported_scenes import keep
 from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import Refinement
+from plumbline.harness.study.own_scene import study_of
+from plumbline.harness.study.study import Study
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.pace import Pace
+from tests.in_process import in_this_process
 
 MOMENT, DT = 0.5, 1 / 480
+DAMPED = 0.1
+"""Seconds that a drive of 400 N m/rad and 40 N m s/rad lags behind a slow target: d / k."""
 
 
 def wheel(drive: Drive | None = None) -> Scene:
@@ -200,3 +210,31 @@ def test_the_command_refuses_an_unknown_joint_before_anything_runs(tmp_path: Pat
     done = CliRunner().invoke(main, ["run", str(tmp_path / "w.toml"), "--out", str(tmp_path / "o"), "--gains", "1,2"])
     assert done.exit_code == 2
     assert "--interpolate and --gains are about --commands" in done.output
+
+
+def test_a_recorded_robot_stands_beside_every_engine_with_fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wheel that follows a sinusoid; the recorded one is the same, 50 ms late: that alone explains what is off."""
+    in_this_process(monkeypatch)
+    wave = Sinusoid(amplitude=0.4, frequency=0.7)
+    scene = wheel(Drive(stiffness=400.0, damping=40.0, motion=wave))
+    time = np.linspace(0.0, 2.0, 401)
+    late = 0.4 * np.sin(2 * math.pi * 0.7 * np.clip(time - 0.05 - DAMPED, 0.0, None))
+    measured = log(tmp_path, "time,axle\n" + "".join(f"{t},{x}\n" for t, x in zip(time, late, strict=True)))
+    path = keep(tmp_path / "run", Imported(name="w", scene=scene, source="w.toml", duration=2.0), read_log(measured))
+    case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
+    ladder = replace(
+        study_of(case).experiments[0], timing=False, tracks=("tuned",), refine=Refinement(finest=1 / 960, members=0)
+    )
+    study = Study(name="scene", title="w", purpose="", experiments=(ladder,))
+    store = carry_out(
+        study, tmp_path / "run", {case.name: case}, {"mujoco": plugins.adapter("mujoco")}, workers=1, resume=False
+    )
+    (row,) = tables.table("recorded").rows(store)
+    assert (row["engine"], row["joint"], row["unit"]) == ("mujoco", "axle", "rad")
+    # The drive follows at d / k = .1 s behind; what is left is the delay that was planted, to a few of its milliseconds.
+    assert row["delay"] == pytest.approx(0.05, abs=0.01)
+    assert row["delay_explains"] > 0.9
+    assert row["rms"] == pytest.approx(0.05 * 0.4 * 2 * math.pi * 0.7 / math.sqrt(2), rel=0.2)
+    (words,) = tables.table("recorded").sentences([row])
+    assert "a delay of" in words
+    assert words.endswith("(a fit).")

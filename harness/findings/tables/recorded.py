@@ -24,6 +24,6 @@ TABLE = Table(
         Column("delay (fit)", "delay", ".3g", " s"),
         _explains("delay"),
     ),
-    sentences=lambda rows: recorded_words([JointError(**row) for row in rows]),
+    sentences=lambda rows: recorded_words([JointError(**row) for row in rows], {}),
 )
 """The rows."""

@@ -221,7 +221,14 @@ def _searched(run: _Run, trials: list[Trial]) -> list[Trial]:
             (first_break.next_trials, any(trial.experiment.limit for trial in trials)),
             (dominance.next_trials, any(trial.experiment.dominance for trial in trials)),
             (partial(needless_effects.next_trials, store=Store(run.folder)), any(trial.experiment.effects for trial in trials)),
-            (partial(refined_ladder.next_trials, store=Store(run.folder)), any(trial.experiment.refine for trial in trials)),
+            (
+                partial(
+                    refined_ladder.next_trials,
+                    store=Store(run.folder),
+                    wanted=lambda finer: guide.searches(finer, journal.records),
+                ),
+                any(trial.experiment.refine for trial in trials),
+            ),
         )
         if wanted
     ]

@@ -1,22 +1,23 @@
 """A run that ends when a person has waited long enough: its ladder first, with a first look, then what refines it.
 
-`budget` is time on the clock on the wall, all of the run. Until half of it is gone the ladder of time steps goes on; then it is
-clocked, coarse steps first, until four fifths are; the audit of effects has the rest. Whether a process hangs is still told by
-its own CPU time.
+`budget` is time on the clock on the wall, all of the run. Until two fifths of it are gone the ladder of time steps goes on,
+then what tells causes and what can be foreseen begins, if half is left. Then the ladder is clocked, coarse steps first, until
+four fifths are; the audit of effects has the rest. Whether a process hangs is still told by its own CPU time.
 """
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from plumbline.harness.case import Case
+from plumbline.harness.case.alteration import AS_IT_IS
 from plumbline.harness.run.clock_time import clock_time
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.trial import Trial
 
-SEARCHING, CLOCKING = 0.5, 0.8
-"""Shares of the budget until which ladders are refined, and clocked."""
+REFINING, SEARCHING, CLOCKING = 0.4, 0.5, 0.8
+"""Shares of the budget until which ladders are refined, what follows them begins, and they are clocked."""
 
 
 class Waiting(Guide):
@@ -49,9 +50,10 @@ class Waiting(Guide):
         return record
 
     def searches(self, trial: Trial, records: Mapping[str, Record]) -> bool:
-        """Ladders are refined until half of the time is gone."""
-        del trial, records
-        return time.monotonic() < self.begun + SEARCHING * self.budget
+        """Ladders are refined for a part of the time; what follows them may begin a little later."""
+        del records
+        share = REFINING if trial.alteration == AS_IT_IS else SEARCHING
+        return time.monotonic() < self.begun + share * self.budget
 
     def clocks(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> Collection[str]:
         """Those that fit into their share of the time, coarse steps first."""

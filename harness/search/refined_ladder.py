@@ -17,7 +17,7 @@ Where a robot's user left out what not every engine has (`--drop`), each engine 
 that it answered: what the omission does is a number then. Such a run counts for nothing else.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
@@ -54,8 +54,10 @@ def next_trials(
     adapters: Mapping[str, Adapter],
     *,
     store: Store,
+    wanted: Callable[[Trial], bool] = lambda _: True,
 ) -> list[Trial]:
-    """The next round of all ladders; empty where each has ended."""
+    """The next round of all ladders; empty where each has ended. Args: wanted: is there time for a finer step? Where there is
+    none its ladder has ended."""
     scenes: dict[str, list[Trial]] = {}
     for trial in trials:
         if trial.experiment.refine is not None:
@@ -65,7 +67,7 @@ def next_trials(
     for scene in scenes.values():
         asked = scene[0].experiment.refine
         assert asked is not None
-        probes += list(_of_scene(scene, asked, records, cases[scene[0].case], adapters, store))
+        probes += list(_of_scene(scene, asked, records, cases[scene[0].case], adapters, store, wanted))
     return probes
 
 
@@ -76,6 +78,7 @@ def _of_scene(
     case: Case,
     adapters: Mapping[str, Adapter],
     store: Store,
+    wanted: Callable[[Trial], bool],
 ) -> Iterator[Trial]:
     ladders: dict[tuple[str, str], list[Trial]] = {}
     for trial in scene:
@@ -87,7 +90,7 @@ def _of_scene(
     more = [
         finer
         for side, ladder in ladders.items()
-        if (finer := _halved(ladder, limits[side], asked, records, case, share, number)) is not None
+        if (finer := _halved(ladder, limits[side], asked, records, case, share, number)) is not None and wanted(finer)
     ]
     if more:
         yield from more

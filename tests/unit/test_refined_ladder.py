@@ -95,6 +95,7 @@ def carried_out(
     ours: str = "",
     tracks: Mapping[str, Settings] | None = None,
     off: Callable[[Settings], float] = lambda _: 0.0,
+    wanted: Callable[[Trial], bool] = lambda _: True,
 ) -> tuple[list[Trial], Mapping[str, Record]]:
     """All trials of the search, with their records; a run costs `cost` CPU seconds at 1/240 s, twice that at half the step.
 
@@ -126,7 +127,8 @@ def carried_out(
                     substep=trial.settings.dt,
                     rough_cost=cost * (1 / 240) / trial.settings.dt,
                 )
-        more = next_trials(trials, records, {CASE.name: CASE}, adapters, store=kept)  # type: ignore[arg-type]
+        cases: Any = {CASE.name: CASE}
+        more = next_trials(trials, records, cases, adapters, store=kept, wanted=wanted)  # type: ignore[arg-type]
         if not more:
             return trials, records
         trials += more
@@ -222,6 +224,14 @@ def test_settings_are_turned_one_by_one_where_the_tracks_of_an_engine_end_apart(
         assert len(differing(TRACKS["default"], trial.settings)) == 1
     few, _ = carried_out({"a": first_order, "b": first_order}, Refinement(turns=2), tracks=TRACKS, off=off)
     assert len(turned(few)) == 2
+
+
+def test_settings_are_turned_too_where_there_is_no_time_for_finer_steps() -> None:
+    laws: Mapping[str, Law] = {"a": first_order, "b": first_order}
+    off: Callable[[Settings], float] = lambda settings: 0.5 * (settings.options["cone"] == "pyramid")  # noqa: E731
+    trials, _ = carried_out(laws, Refinement(), tracks=TRACKS, off=off, wanted=lambda _: False)
+    assert steps(trials, "a") == [240, 480, 960]
+    assert len(turned(trials)) == 5
 
 
 def test_nothing_is_turned_where_the_tracks_end_alike() -> None:

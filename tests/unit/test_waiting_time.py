@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from plumbline.harness.case.alteration import AS_IT_IS, TURNED, Alteration
 from plumbline.harness.run import progress, waiting_time
 from plumbline.harness.run.clock_time import START, clock_time
 from plumbline.harness.run.waiting_time import Waiting
@@ -22,6 +23,7 @@ class Trial:
     experiment: Experiment = LADDER
     dt: float = 0.01
     case: str = "x"
+    alteration: Alteration = AS_IT_IS
 
     @property
     def settings(self) -> Any:
@@ -54,12 +56,13 @@ def test_ladders_are_answered_first_and_looked_at_once_all_first_steps_are(clock
     assert looks == [["a", "b"]]
 
 
-def test_ladders_are_refined_until_half_of_the_time_is_gone(clock: list[float]) -> None:
+def test_ladders_are_refined_for_two_fifths_of_the_time_and_causes_begin_until_half_is_gone(clock: list[float]) -> None:
     guide = Waiting(100.0, CASES, print)
-    clock[0] = 49.0
-    assert guide.searches(Trial("a"), {})  # type: ignore[arg-type]
-    clock[0] = 51.0
-    assert not guide.searches(Trial("a"), {})  # type: ignore[arg-type]
+    finer: Any = Trial("a")
+    turned: Any = Trial("b", alteration=Alteration(name=TURNED))
+    for now, allowed in ((39.0, (True, True)), (41.0, (False, True)), (51.0, (False, False))):
+        clock[0] = now
+        assert (guide.searches(finer, {}), guide.searches(turned, {})) == allowed
     assert guide.end() == 100.0
 
 

@@ -5,11 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.agreement.happened import alike, body_words
+from plumbline.harness.findings.agreement import Agreement, Side
+from plumbline.harness.findings.agreement.happened import Happened, alike, body_words, happened_words
 from plumbline.harness.scene import Body, Box, Drive, Plane, Revolute, Scene, Surface
 from plumbline.harness.scene.joint import Limits
+from plumbline.harness.search.own_limits import OwnLimit
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.events import Event, Touched, happened
+from plumbline.harness.trajectory.parting import NOTHING
 
 TIME = np.arange(181) / 60
 R, G = 0.05, 9.81
@@ -166,6 +169,27 @@ def test_events_are_alike_within_a_tenth() -> None:
     assert not alike([bounce], [Event(body="ball", kind="bounced", time=0.3, value=0.24, count=7)], 3.0, BALL)
     assert not alike([bounce], [Event(body="ball", kind="bounced", time=0.7, value=0.24, count=9)], 3.0, BALL)
     assert not alike([bounce], [], 3.0, BALL)
+
+
+def test_what_happens_on_most_engines_is_told_first_and_then_what_others_do_or_do_not() -> None:
+    nothing = OwnLimit(kind="converges", horizons={}, rungs=())
+    sides = [
+        Side(engine=engine, track=track, ours=False, word="converges", why="", limit=nothing)
+        for engine in ("a", "b")
+        for track in ("default", "tuned")
+    ]
+    agreement = Agreement(case="c", where="", duration=3.0, scale=NOTHING, granted=0.0, sides=tuple(sides), differences=())
+    bounce = Event(body="ball", kind="bounced", time=0.32, value=0.24, count=7)
+    rest, sooner = (Event(body="ball", kind="at rest", time=time) for time in (1.7, 0.3))
+    most = Happened(sides=(("a", "default"), ("a", "tuned"), ("b", "tuned")), events=(bounce, rest))
+    few = Happened(sides=(("b", "default"),), events=(sooner,))
+    first, second = happened_words([most, few], agreement, {"a": "Engine A", "b": "Engine B"})
+    who, what = first.split(": ", 1)
+    assert who == "What happens on Engine A and Engine B (tuned)"
+    assert what == "'ball' bounces 7 times, first by 240 mm at 0.32 s, is at rest from 1.7 s on."
+    assert second == "Otherwise on Engine B (default): 'ball' is at rest from 0.3 s on; 'ball' does not bounce."
+    (alone,) = happened_words([most], agreement, {})
+    assert alone.startswith("What happens: 'ball' bounces")
 
 
 def test_contacts_that_do_not_press_do_not_touch() -> None:

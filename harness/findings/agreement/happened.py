@@ -147,7 +147,8 @@ def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, ti
             what = f": {_differing(groups[0].events, finest_events)}"
         ends.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
     parts = [
-        f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {time:.3g} s on{what}"
+        f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {f'{time:.3g} s' if time else 'the start'} "
+        f"on{what}"
         for (time, what), sides in sorted(ends.items())
     ]
     return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []

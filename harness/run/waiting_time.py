@@ -5,6 +5,7 @@ then what tells causes and what can be foreseen begins, if half is left. Then th
 four fifths are; the audit of effects has the rest. Whether a process hangs is still told by its own CPU time.
 """
 
+import math
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
@@ -28,17 +29,24 @@ class Waiting(Guide):
     def __init__(self, budget: float, cases: Mapping[str, Case], look: Callable[[Sequence[Record]], object]) -> None:
         self.begun, self.budget, self.over = time.monotonic(), budget, False
         self._cases, self._look = cases, look
+        self._ladder: set[str] = set()
         self._first: dict[str, Record | None] = {}
 
     def end(self) -> float:
-        """When the budget is over."""
-        return self.begun + self.budget
+        """When the budget is over; never before the first look, without which there is no answer at all."""
+        return math.inf if self._first else self.begun + self.budget
 
     def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
         """The ladders, which are looked at first, and then the rest, where there is time."""
         ladder = [trial for trial in trials if trial.experiment.refine is not None]
-        self._first = {trial.trial: None for trial in ladder}
-        yield from (batch for batch in (ladder, [trial for trial in trials if trial.trial not in self._first]) if batch)
+        self._ladder = {trial.trial for trial in ladder}
+        yield from (batch for batch in (ladder, [trial for trial in trials if trial.trial not in self._ladder]) if batch)
+
+    def known(self, trial: Trial) -> Record | None:
+        """Nothing is; but this one is going to be answered now."""
+        if trial.trial in self._ladder:
+            self._first[trial.trial] = None
+        return None
 
     def answered(self, trial: Trial, record: Record) -> Record:
         """Note an answer, and look once all first steps have one."""
@@ -59,7 +67,7 @@ class Waiting(Guide):
         """Those that fit into their share of the time, coarse steps first."""
         left = self.begun + CLOCKING * self.budget - time.monotonic()
         if trials and trials[0].experiment.refine is None:
-            left = self.end() - time.monotonic()
+            left = self.begun + self.budget - time.monotonic()
         chosen = []
         for trial in sorted(trials, key=lambda trial: -trial.settings.dt):
             left -= clock_time(trial, records[trial.trial], self._cases[trial.case])

@@ -13,6 +13,9 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from plumbline.harness.adapter import Feature
+from plumbline.harness.adapter.features import features_of
+from plumbline.harness.scene import Scene
 from plumbline.harness.statistics.convergence import Convergence, convergence, horizon
 from plumbline.harness.statistics.richardson import limit
 from plumbline.harness.store.store import Store
@@ -63,7 +66,8 @@ class OwnLimit:
         runs. value: poses at a step of zero, bar (t,): how far off they may be up to each sample, as a share of the size;
         None where no time is known. horizons [s]: by the coarser step of each halving, up to when it moves the answer by no
         more than the tolerance. time (t,) s, moved (t,): what the last halving moves the answer by up to each sample; None
-        without three runs. promised: the order of the integrator, None where none is told.
+        without three runs. promised: the order of the integrator, None where none is told. granted: share of the size that two
+        limits may lie apart; what moves less with the step has no order that matters.
     """
 
     kind: Kind
@@ -76,11 +80,12 @@ class OwnLimit:
     time: Floats | None = None
     moved: Floats | None = None
     promised: int | None = None
+    granted: float = ROUNDING
 
     @property
     def too_fast(self) -> bool:
         """Do steps draw together faster than the integrator can, so that they say nothing of a limit yet?"""
-        if self.said is None or self.said.order is None or self.promised is None or self.said.moved <= ROUNDING:
+        if self.said is None or self.said.order is None or self.promised is None or self.said.moved <= self.granted:
             return False
         return self.said.order > self.promised + ABOVE
 
@@ -149,8 +154,19 @@ def _integrator(resolved: Mapping[str, Any] | str) -> str:
     return str(settings.get("integrator") or "")
 
 
-def own_limit(scale: Extent, rungs: Sequence[Rung], orders: Mapping[str, int] | None = None) -> OwnLimit:
-    """The limit of one engine and track, of its runs from coarse to fine. Args: orders: that integrators promise, by name."""
+def granted_of(scene: Scene, scale: Extent, *, touching: bool) -> float:
+    """What limits may lie apart beyond their bars, as a share of the smallest size. Args: touching: does anything touch?"""
+    soft = touching or Feature.CLOSED_LOOP in features_of(scene)
+    return ROUNDING + (SOFT / float(scale.size.min(initial=np.inf)) if soft else 0.0)
+
+
+def own_limit(
+    scale: Extent, rungs: Sequence[Rung], orders: Mapping[str, int] | None = None, granted: float = ROUNDING
+) -> OwnLimit:
+    """The limit of one engine and track, of its runs from coarse to fine.
+
+    Args: orders: that integrators promise, by name. granted: share of the size that two limits may lie apart.
+    """
     whole = tuple(rungs)
     answered = [rung for rung in whole if rung.run is not None]
     if len(answered) < FEWEST or whole[-1].status == "diverged":
@@ -169,7 +185,7 @@ def own_limit(scale: Extent, rungs: Sequence[Rung], orders: Mapping[str, int] | 
     last = np.maximum.accumulate(parted[-1])
     plain = OwnLimit(
         kind="converges", why=_silent(whole), said=converged, horizons=horizons, rungs=whole, time=time, moved=last,
-        promised=(orders or {}).get(answered[-1].integrator),
+        promised=(orders or {}).get(answered[-1].integrator), granted=granted,
     )  # fmt: skip
     lost = converged.until is None or (converged.ended != "end" and converged.until < _begins(finest, scale))
     if lost or (converged.ended == "no shrinking" and converged.regular < HALF):

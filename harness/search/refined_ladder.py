@@ -23,7 +23,8 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import AS_IT_IS, TURNED, UNDROPPED, Alteration
 from plumbline.harness.case.undropped import kinds_left_out
-from plumbline.harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
+from plumbline.harness.scene import Effect
+from plumbline.harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, granted_of, own_limit, rungs_of
 from plumbline.harness.search.setting_turns import turned_trials
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
@@ -84,9 +85,20 @@ def _of_scene(
     for trial in scene:
         if trial.alteration == AS_IT_IS:
             ladders.setdefault((trial.engine, trial.track), []).append(trial)
-    scale, share = extent(case.scene(case.at(**scene[0].parameters))), asked.budget / len(ladders)
+    whole, share = case.scene(case.at(**scene[0].parameters)), asked.budget / len(ladders)
+    scale = extent(whole)
+    granted = granted_of(whole, scale, touching=Effect.CONTACT in whole.effects)
     number = max(trial.round for trial in scene) + 1
-    limits = {side: _limit(ladder, records, scale, store, adapters[side[0]]) for side, ladder in ladders.items()}
+    limits = {side: _limit(ladder, records, scale, store, adapters[side[0]], granted) for side, ladder in ladders.items()}
+    turned = {trial.engine for trial in scene if trial.alteration.name == TURNED}
+    yield from turned_trials(
+        {side: ladder for side, ladder in ladders.items() if side[0] not in turned},
+        limits, records, case, adapters, scale,
+        near=asked.member_dt,
+        most=asked.turns,
+        affordable={side: max(share - _spent(ladder, records, case), RESERVED * share) for side, ladder in ladders.items()},
+        number=number,
+    )  # fmt: skip
     more = [
         finer
         for side, ladder in ladders.items()
@@ -97,12 +109,6 @@ def _of_scene(
         return
     if case.undropped is not None and not any(trial.alteration.undropped for trial in scene):
         yield from _undropped(ladders, records, case, number)
-    if not any(trial.alteration.name == TURNED for trial in scene):
-        left = {side: max(share - _spent(ladder, records, case), RESERVED * share) for side, ladder in ladders.items()}
-        near, most = asked.member_dt, asked.turns
-        yield from turned_trials(
-            ladders, limits, records, case, adapters, scale, near=near, most=most, affordable=left, number=number
-        )
     if any(trial.alteration.start for trial in scene) or not asked.members:
         return
     # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.
@@ -115,9 +121,16 @@ def _of_scene(
                 yield from _starts(ladder, asked, records, case, share, number)
 
 
-def _limit(ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store, adapter: Adapter) -> OwnLimit:
+def _limit(
+    ladder: Sequence[Trial],
+    records: Mapping[str, Record],
+    scale: Extent,
+    store: Store,
+    adapter: Adapter,
+    granted: float,
+) -> OwnLimit:
     answered = [records[trial.trial] for trial in ladder if trial.trial in records]
-    return own_limit(scale, rungs_of(store, answered), adapter.orders)
+    return own_limit(scale, rungs_of(store, answered), adapter.orders, granted)
 
 
 def _answered(limit: OwnLimit) -> list[float]:

@@ -14,7 +14,7 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import TURNED, Alteration
 from plumbline.harness.scene import Effect, Scene
-from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, SOFT, TOLERANCE, OwnLimit
+from plumbline.harness.search.own_limits import ANSWERED, TOLERANCE, OwnLimit, granted_of
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.one_knob import Turn, differing, label_of, turned, turns
 from plumbline.harness.study.trial import Trial
@@ -76,7 +76,7 @@ def _part(first: OwnLimit, second: OwnLimit, scene: Scene, scale: Extent) -> boo
     if first.value is not None and second.value is not None and min(first.seen_until, second.seen_until) > 0:
         until = min(first.seen_until, second.seen_until)
         first_cut, second_cut = common([first.value.between(0.0, until), second.value.between(0.0, until)])
-        granted = ROUNDING + (SOFT / float(scale.size.min(initial=1.0)) if Effect.CONTACT in scene.effects else 0.0)
+        granted = granted_of(scene, scale, touching=Effect.CONTACT in scene.effects)
         allowed = first.bar_at(until) + second.bar_at(until) + granted
     else:
         runs = [rung.run for limit in (first, second) if (rung := limit.finest) is not None and rung.run is not None]

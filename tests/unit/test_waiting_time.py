@@ -1,5 +1,6 @@
 """A run with a budget of waiting time: what comes first, when it is looked at, and what is left out when the time is gone."""
 
+import math
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -48,12 +49,17 @@ def test_ladders_are_answered_first_and_looked_at_once_all_first_steps_are(clock
     first, rest = guide.batches(trials)
     assert [trial.trial for trial in first] == ["a", "b"]
     assert [trial.trial for trial in rest] == ["e"]
+    assert guide.end() == 100.0
+    for trial in trials:  # of an engine that is not there nobody asks
+        assert guide.known(trial) is None
     assert guide.answered(trials[0], record("e")).trial == "e"
+    assert guide.end() == math.inf
     guide.answered(trials[1], record("a"))
     assert looks == []
     guide.answered(trials[2], record("b"))
     guide.answered(trials[2], record("b"))
     assert looks == [["a", "b"]]
+    assert guide.end() == 100.0
 
 
 def test_ladders_are_refined_for_two_fifths_of_the_time_and_causes_begin_until_half_is_gone(clock: list[float]) -> None:
@@ -63,7 +69,6 @@ def test_ladders_are_refined_for_two_fifths_of_the_time_and_causes_begin_until_h
     for now, allowed in ((39.0, (True, True)), (41.0, (False, True)), (51.0, (False, False))):
         clock[0] = now
         assert (guide.searches(finer, {}), guide.searches(turned, {})) == allowed
-    assert guide.end() == 100.0
 
 
 def test_what_fits_is_clocked_coarse_steps_first(clock: list[float]) -> None:

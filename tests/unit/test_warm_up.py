@@ -146,7 +146,7 @@ def test_what_is_lacking_is_compiled_and_then_stored(printed: Command, installed
     assert note == "disk: slow today"
     assert stored == f"disk: 1 of 3 groups of functions are stored in {tmp_path}"
     assert compiled.startswith("disk: 2 compiled in ")
-    assert "disk: compiling: 2/2 (" in done.stderr
+    assert "disk: compiling: 2 of 2, " in done.stderr
     written = {name: (tmp_path / name).read_text() for name in NAMES}
     assert written["search"] == "before"
     again = printed("warm")

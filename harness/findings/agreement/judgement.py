@@ -18,11 +18,9 @@ from itertools import combinations
 
 import numpy as np
 
-from plumbline.harness.adapter import Feature
-from plumbline.harness.adapter.features import features_of
 from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 from plumbline.harness.scene import Scene
-from plumbline.harness.search.own_limits import ROUNDING, SOFT, OwnLimit
+from plumbline.harness.search.own_limits import OwnLimit, granted_of
 from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
@@ -58,18 +56,12 @@ def judged(
         where=where,
         duration=duration,
         scale=scale,
-        granted=0.0 if scene is None else _granted(scene, scale, touching=touching),
+        granted=0.0 if scene is None else granted_of(scene, scale, touching=touching),
         sides=tuple(_stopped(sides)),
         differences=(),
         scene=scene,
     )
     return plain if scene is None else _against_each_other(plain, scene)
-
-
-def _granted(scene: Scene, scale: Extent, *, touching: bool) -> float:
-    """What limits may lie apart beyond their bars, as a share of the smallest size."""
-    soft = touching or Feature.CLOSED_LOOP in features_of(scene)
-    return ROUNDING + (SOFT / float(scale.size.min(initial=np.inf)) if soft else 0.0)
 
 
 def _stopped(sides: Sequence[Side]) -> list[Side]:

@@ -19,11 +19,11 @@ def seconds_of_run(trial: Trial, record: Record, case: Case) -> float:
 
 def clock_time(trial: Trial, record: Record, case: Case) -> float:
     """Of a timing run [s]: a start a process, and samples that take a run each if that is longer; few of long runs."""
-    asked, run = trial.experiment, seconds_of_run(trial, record, case)
-    count = asked.processes * asked.samples
-    if run > LONG * asked.sample_seconds:
+    experiment, run = trial.experiment, seconds_of_run(trial, record, case)
+    count = experiment.processes * experiment.samples
+    if run > LONG * experiment.sample_seconds:
         count = min(count, FEW)
-    return asked.processes * START + count * max(asked.sample_seconds, run)
+    return experiment.processes * START + count * max(experiment.sample_seconds, run)
 
 
 def together(trial: Trial) -> tuple[object, ...]:

@@ -133,10 +133,10 @@ def rungs_of(store: Store, runs: Sequence[Any]) -> list[Rung]:
     by_substep: dict[float, Rung] = {}
     for row in sorted(runs, key=lambda row: -float(row.dt)):
         answered = row.status in ANSWERED and isinstance(row.trajectory_hash, str)
-        known = row.substep is not None and row.substep == row.substep
+        told_substep = row.substep is not None and row.substep == row.substep
         rung = Rung(
             dt=float(row.dt),
-            substep=float(row.substep) if known else float(row.dt),
+            substep=float(row.substep) if told_substep else float(row.dt),
             trial=str(row.trial),
             status=str(row.status),
             reason=str(row.reason),

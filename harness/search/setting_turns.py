@@ -3,11 +3,11 @@
 An engine is asked where its two tracks end apart by more than their bars and what is granted: the settings of `default` are
 turned to those of `tuned` one by one, at one step that both have answered. Where the tracks end alike and apart from two others
 that end alike, the knobs of `tuned` are turned. The likeliest come first: those called like an effect that the engine adds,
-then those that act on what the scene has, then the others; as many as the experiment allows and the engine's share of the
-budget pays for.
+then like a law of the scene, then those that act on what it has, then the others; as many as the experiment allows and the
+engine's share of the budget pays for.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from plumbline.harness.adapter import Adapter
@@ -20,6 +20,8 @@ from plumbline.harness.study.one_knob import Turn, differing, label_of, turned, 
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory.parting import Extent, apart, common
 
+_GENERAL = Effect.GRAVITY | Effect.CONTACT | Effect.JOINTS | Effect.DRIVES | Effect.SENSING
+"""What nearly every setting is about."""
 Side = tuple[str, str]
 """Engine and track."""
 
@@ -104,8 +106,11 @@ def candidates(base: Trial, target: Trial, record: Record, case: Case, adapter: 
             first.setdefault((turn.knob, turn.value), turn)
     added = [notice.effect for notice in record.warnings if notice.kind == "surplus" and notice.effect]
 
-    def rank(turn: Turn) -> tuple[bool, bool, bool]:
-        named = any(turn.name in effect or effect in turn.name for effect in added)
-        return not named, turn.knob not in adapter.acts_on, turn.knob not in adapter.knobs
+    def like(turn: Turn, effects: Iterable[str]) -> bool:
+        return any(turn.name in effect or effect in turn.name for effect in effects)
+
+    def rank(turn: Turn) -> tuple[bool, bool, bool, bool]:
+        unlike = not like(turn, added), not like(turn, (scene.effects & ~_GENERAL).names)
+        return *unlike, turn.knob not in adapter.acts_on, turn.knob not in adapter.knobs
 
     return sorted(first.values(), key=rank)

@@ -14,7 +14,7 @@ STEPS = 0.5
 def seconds_of_run(trial: Trial, record: Record, case: Case) -> float:
     """What the steps of a run take, of CPU time and roughly; 0 if that is not known or what is clocked is no step."""
     share = 1.0 if trial.experiment.refine is None else STEPS
-    return share * (record.rough_cost or 0.0) * case.duration if case.rays is None else 0.0
+    return share * (record.rough_cost or 0.0) * case.put(trial.parameters).duration if case.rays is None else 0.0
 
 
 def clock_time(trial: Trial, record: Record, case: Case) -> float:

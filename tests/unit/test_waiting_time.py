@@ -15,7 +15,7 @@ from plumbline.harness.study.experiment import Experiment, Refinement
 
 LADDER = Experiment(name="ladder", refine=Refinement(), samples=3, sample_seconds=1.0)
 EFFECTS = Experiment(name="effects", effects=True, samples=3, sample_seconds=1.0)
-CASES: Any = {"x": SimpleNamespace(duration=1.0, rays=None)}
+CASES: Any = {"x": SimpleNamespace(put=lambda _: SimpleNamespace(duration=1.0), rays=None)}
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Trial:
     experiment: Experiment = LADDER
     dt: float = 0.01
     case: str = "x"
+    parameters: str = ""
     alteration: Alteration = AS_IT_IS
 
     @property

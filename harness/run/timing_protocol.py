@@ -21,8 +21,8 @@ import numpy as np
 
 from plumbline.harness.case import Unit
 from plumbline.harness.case.own_titles import called
+from plumbline.harness.run.clock_time import together
 from plumbline.harness.run.interrupt import stop_if_asked
-from plumbline.harness.run.remaining_time import together
 from plumbline.harness.run.timed_processes import Team, ready_teams
 from plumbline.harness.statistics.bootstrap import interval_of_median, with_drift
 from plumbline.harness.store.record import Sample, Timing

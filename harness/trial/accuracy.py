@@ -271,6 +271,7 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             with_contacts=with_contacts,
             seed=trial.seed,
             with_impulses=with_contacts and any(metric.impulses for metric in case.metrics),
+            pushed=case.control is not None,
         )
         if scene.sensors and case.truth == "agreed limit":
             seen |= readings_due(scene, actual)

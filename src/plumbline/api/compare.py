@@ -42,7 +42,7 @@ def compare(
         cases: of a study, patterns of the cases to run; all if empty.
         out: the run folder.
         duration, dt [s]: of a scene or robot; the coarsest step of its ladder of time steps.
-        budget [s]: CPU time of that ladder, 90 s if None.
+        budget [s]: CPU time of that ladder, 120 s if None.
         workers: accuracy runs side by side; timing runs take turns.
         resume: keep what the folder holds of the same study and still stands; False refuses a folder that holds a run.
         report: write the HTML report and, if the study has them, the recordings, beside the summary.

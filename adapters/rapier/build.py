@@ -8,8 +8,9 @@ from plumbline.adapters.rapier.joints import Joiner
 from plumbline.adapters.rapier.options import resolved_settings, set_parameters
 from plumbline.adapters.rapier.simulation import Made, RapierSimulation
 from plumbline.adapters.rapier.surfaces import Law, PairLaws, groups_of, laws_of
-from plumbline.adapters.rapier.trees import put_trees, trees_of
+from plumbline.adapters.rapier.trees import put_trees
 from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter.reduced_trees import trees_of
 from plumbline.harness.scene import WORLD, Effect, Scene
 
 

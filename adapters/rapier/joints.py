@@ -7,45 +7,23 @@ from typing import Any
 from plumbline.adapters.rapier.vendor import pose
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
-from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.adapter.joint_frames import joint_frames, within
+from plumbline.harness.adapter.motors import Motor, motors_of
 from plumbline.harness.scene import (
-    WORLD,
     Ball,
-    Body,
     Distance,
     Drive,
-    Effect,
     Fixed,
     Joint,
     Prismatic,
-    Quaternion,
     Revolute,
     Scene,
-    Spring,
-    Vector3,
-    multiply,
-    rotate,
 )
 
-NEVER_REACHED = 1e6
-"""A rate [rad/s or m/s] beyond all of a scene: a motor towards it gives all its force."""
 OPEN = 3e38
 """A way [m] that single precision just holds."""
 ROD = 1e9
 """Stiffness [N/m] of a rod: Rapier's joint between two points is a spring."""
-RIGID = 1e9
-"""Damping [N s/m or N m s/rad] over what a dry friction takes: it holds until the solver cuts it off."""
-
-
-@dataclass(frozen=True, slots=True)
-class Motor:
-    """A law k (target - x) + c (rate - x'), cut off: what one motor of Rapier does. Terms: x counts from the start."""
-
-    stiffness: float
-    damping: float
-    target: float
-    rate: float
-    limit: float | None = None
 
 
 @dataclass(slots=True)
@@ -62,30 +40,6 @@ class DriveTold:
     position: float
     wraps: bool
     reduced: bool
-
-
-def motors_of(joint: Revolute | Prismatic, effects: Effect) -> list[tuple[str, Motor]]:
-    """The motors that a joint's laws take, each with its name."""
-    builder = []
-    if joint.spring is not None:
-        spring: Spring = joint.spring
-        builder.append(("spring", Motor(spring.stiffness, spring.damping, spring.rest - joint.position, 0.0)))
-    if joint.drive is not None and Effect.DRIVES in effects:
-        builder.append(("drive", drive_motor(joint.drive, joint.drive.target, joint.position)))
-    if joint.friction_loss:
-        builder.append(("friction", Motor(0.0, RIGID * joint.friction_loss, 0.0, 0.0, joint.friction_loss)))
-    return builder
-
-
-def drive_motor(drive: Drive, target: float, position: float) -> Motor:
-    """A drive as a motor; a feedforward b shifts its target by b/k, or its rate by b/c, or is all that it has."""
-    k, c, push = drive.stiffness, drive.damping, drive.feedforward or 0.0
-    if k > 0:
-        return Motor(k, c, target - position + push / k, drive.target_velocity, drive.limit)
-    if c > 0:
-        return Motor(0.0, c, 0.0, drive.target_velocity + push / c, drive.limit)
-    size = min(abs(push), math.inf if drive.limit is None else drive.limit)
-    return Motor(0.0, abs(push), 0.0, math.copysign(NEVER_REACHED, push), size)
 
 
 @dataclass(slots=True)
@@ -131,12 +85,12 @@ class Joiner:
             first = number == 0
             builder = held if first else framed(rapier.JointAxesMask.empty())
             if motors:
-                _, motor = motors[number]
+                motor = motors[number]
                 check_target(joint.name, turns and motor.stiffness > 0 and (wraps or not first), motor.target)
                 builder = _with_motor(rapier, builder, axis, motor)
             placed = (insert if first else self.world.impulse_joints.insert)(parent, child, builder.build())
             inserted = inserted if inserted is not None else placed
-            if motors and motors[number][0] == "drive" and joint.drive is not None:
+            if motors and motors[number].law == "drive" and joint.drive is not None:
                 reduced = first and not wraps
                 self.drives[joint.name] = DriveTold(placed, axis, joint.drive, joint.position, turns and not reduced, reduced)
         return inserted
@@ -176,27 +130,10 @@ def _locked(rapier: Any, joint: Joint) -> Any:
 
 
 def _generic(rapier: Any, scene: Scene, joint: Any, node: str) -> Any:
-    """A function of the axes that are locked: a joint towards `node` whose frames lie at the anchor, x along the axis.
-
-    Towards the scene's parent the axis is turned about, which leaves the coordinate as it is.
-
-    Where the anchor means nothing it is a centre of mass: with a lever of 5 m a slide's motor lacks 12 % of its force.
-    """
-    moved = joint.child if joint.child != WORLD and scene.body(joint.child).movable else joint.parent
-    central = isinstance(joint, Fixed | Prismatic) and moved != WORLD
-    anchor = scene.body(moved).p_WB if central else getattr(joint, "anchor_W", (0.0, 0.0, 0.0))
-    x, y, z = getattr(joint, "axis_W", (1.0, 0.0, 0.0))
-    away = node == joint.child
-    q_WJ = _along_x((x, y, z) if away else (-x, -y, -z))
-    ends = [_within(scene, name, anchor) for name in ((joint.parent, joint.child) if away else (joint.child, joint.parent))]
-    frames = [pose(rapier, p, multiply(conjugate(q), q_WJ)) for p, q in ends]
+    """A function of the axes that are locked: a joint towards `node`, x along its axis."""
+    first, second = (pose(rapier, p, q) for p, q in joint_frames(scene, joint, node))
     joined = frozenset((joint.parent, joint.child)) not in scene.joined()
-
-    def builder(locked: Any) -> Any:
-        build = rapier.GenericJoint.builder(locked).local_frame1(frames[0]).local_frame2(frames[1])
-        return build.contacts_enabled(joined)
-
-    return builder
+    return lambda locked: rapier.GenericJoint.builder(locked).local_frame1(first).local_frame2(second).contacts_enabled(joined)
 
 
 def _line(rapier: Any, scene: Scene, joint: Distance) -> Any:
@@ -213,24 +150,6 @@ def _line(rapier: Any, scene: Scene, joint: Distance) -> Any:
     else:
         builder = rapier.SpringJoint.builder(length, ROD, 0.0)
     ends = ((joint.parent, joint.anchor_W), (joint.child, joint.child_anchor_W))
-    (first, _), (second, _) = (_within(scene, name, point) for name, point in ends)
+    first, second = (within(scene, name, point) for name, point in ends)
     builder = builder.local_anchor1(first).local_anchor2(second)
     return builder.contacts_enabled(frozenset((joint.parent, joint.child)) not in scene.joined()).build()
-
-
-def _within(scene: Scene, name: str, point_W: Vector3) -> tuple[Vector3, Quaternion]:
-    """A point of W in the frame of a body, or of the world, and q_WB."""
-    if name == WORLD:
-        return point_W, (1.0, 0.0, 0.0, 0.0)
-    body: Body = scene.body(name)
-    x, y, z = (a - b for a, b in zip(point_W, body.p_WB, strict=True))
-    return rotate(conjugate(body.q_WB), (x, y, z)), body.q_WB
-
-
-def _along_x(axis: Vector3) -> Quaternion:
-    """A rotation that turns x to the axis: by half a turn about the line midway between x and that end which looks ahead."""
-    sign = 1.0 if axis[0] >= 0 else -1.0
-    x, y, z = (sign * c for c in axis)
-    long = math.hypot(1.0 + x, y, z)
-    turn = (0.0, (1.0 + x) / long, y / long, z / long)
-    return turn if sign > 0 else multiply(turn, (0.0, 0.0, 1.0, 0.0))

@@ -8,8 +8,9 @@ from typing import Any, cast
 import numpy as np
 
 from plumbline.adapters.rapier import rays
-from plumbline.adapters.rapier.joints import DriveTold, check_target, drive_motor
+from plumbline.adapters.rapier.joints import DriveTold, check_target
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
+from plumbline.harness.adapter.motors import drive_motor
 from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
 from plumbline.harness.scene import Camera, Scene, Vector3
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State

@@ -30,7 +30,7 @@ from plumbline.harness.case.own_truth import breaks
 from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.notices import StoredNotice, short_of
 from plumbline.harness.store.record import Measurement, Record, Status
 from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.study.trial import Trial
@@ -359,6 +359,7 @@ def run_trial(
         except TruthBroken as error:
             return unjudged(plain, case, str(error))
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
+    reason += "" if status == "passed" else short_of(warnings)
     return replace(
         plain,
         status=status,

@@ -1,0 +1,130 @@
+"""A scene becomes a world of SAPIEN: everything in its order."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from plumbline.adapters.sapien.bodies import Bodies, check_body
+from plumbline.adapters.sapien.joints import Articulated, constrain, holder
+from plumbline.adapters.sapien.options import resolved_settings
+from plumbline.adapters.sapien.simulation import SapienSimulation, World
+from plumbline.adapters.sapien.surfaces import groups_of, materials_of
+from plumbline.adapters.sapien.vendor import new_world
+from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
+from plumbline.harness.adapter.reduced_trees import Tree, trees_of
+from plumbline.harness.scene import WORLD, Effect, Joint, Scene
+
+IGNORED = 32
+"""Bits by which shapes of one group ignore each other."""
+
+
+def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
+    """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
+    effects = scene.effects
+    used = resolved_settings(settings, effects)
+    for body in scene.bodies:
+        check_body(body)
+    gravity = scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0)
+    world = World(sapien, *new_world(sapien, gravity, used))
+    joints = tuple(j for j in scene.joints if not is_distance_spring(j)) if Effect.JOINTS in effects else ()
+    if Effect.JOINTS in effects:
+        world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
+    bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene))
+    _Builder(world, scene, bodies, trees_of(scene, joints)).build(joints, used.options["capped"])
+    if Effect.CONTACT not in effects:
+        world.shape = lambda: bodies.shape_for_rays(scene, world.components)
+    _notice(world, scene, effects, used)
+    return SapienSimulation(scene, used, world)
+
+
+@dataclass(slots=True)
+class _Builder:
+    """Puts bodies and joints into a world."""
+
+    world: World
+    scene: Scene
+    bodies: Bodies
+    trees: list[Tree]
+    names: dict[str, Any] = field(default_factory=dict)
+    ignored: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+    def build(self, joints: tuple[Joint, ...], capped: bool) -> None:
+        """Trees, then bodies outside of them, then the joints outside of them. Raises: Unsupported."""
+        world, scene = self.world, self.scene
+        self.ignored = self._ignored()
+        articulated = Articulated(world.sapien, scene, capped, self._link)
+        for tree in self.trees:
+            self.names |= articulated.put(world.scene, tree)
+        world.driven = articulated.driven
+        held = {branch.edge.name for tree in self.trees for branch in tree.branches}
+        loose: dict[str, list[Joint]] = {}
+        movable = [body.name for body in scene.bodies if body.movable]
+        for joint in joints:
+            if joint.name not in held:
+                loose.setdefault(holder(joint, movable), []).append(joint)
+        entities = {}
+        for number, body in enumerate(scene.bodies):
+            if body.name in self.names:
+                continue
+            physx = world.sapien.physx
+            component = physx.PhysxRigidStaticComponent() if body.motion == "static" else physx.PhysxRigidDynamicComponent()
+            entities[body.name] = self.bodies.entity(body, component, number, self.ignored.get(body.name, (0, 0)))
+            if body.motion != "static":
+                self.bodies.tell_mass(body, component)
+                component.kinematic = body.motion == "kinematic"
+            self.names[body.name] = component
+        for name, joined in loose.items():
+            for joint in joined:
+                entity = entities.get(name) or self.names[name].entity
+                entity.add_component(constrain(world.sapien, scene, joint, self.names, self.names[name]))
+        for name, entity in entities.items():
+            world.scene.add_entity(entity)
+            body = scene.body(name)
+            if body.movable:
+                with np.errstate(
+                    over="ignore"
+                ):  # what single precision has not becomes infinite, and is told in the first step
+                    self.names[name].set_linear_velocity(list(body.v_WB))
+                    self.names[name].set_angular_velocity(list(body.w_WB))
+        world.components = {scene.index(name): component for name, component in self.names.items()}
+
+    def _ignored(self) -> dict[str, tuple[int, int]]:
+        """What of a body that stands still and those that hang on it keeps them from touching: bits, and their group.
+
+        Raises: Unsupported.
+        """
+        ignored: dict[str, tuple[int, int]] = {}
+        for group, tree in enumerate((tree for tree in self.trees if tree.root != WORLD), 1):
+            if self.scene.body(tree.root).motion != "static":
+                continue
+            hanging = [branch.node for branch in tree.branches if branch.above == tree.root]
+            if len(hanging) > IGNORED:
+                raise Unsupported(
+                    f"{len(hanging)} bodies joined to '{tree.root}'", f"SAPIEN has {IGNORED} bits of ignored contact"
+                )
+            ignored[tree.root] = (1 << len(hanging)) - 1, group
+            ignored |= {name: (1 << k, group) for k, name in enumerate(hanging)}
+        return ignored
+
+    def _link(self, name: str, component: Any) -> Any:
+        body = self.scene.body(name)
+        entity = self.bodies.entity(body, component, self.scene.index(name), self.ignored.get(name, (0, 0)))
+        self.bodies.tell_mass(body, component)
+        return entity
+
+
+def _notice(world: World, scene: Scene, effects: Effect, used: Settings) -> None:
+    """Name what is computed although the scene does not call for it, and what is not although it does."""
+    movable = [body for body in scene.bodies if body.movable]
+    if Effect.CONTINUOUS_COLLISION in effects:
+        text = "continuous collision: SAPIEN 3.0.3 switches it on for the scene and for no body of it"
+        world.notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
+    uneven = any(body.inertia[0][0] != body.inertia[1][1] or body.inertia[1][1] != body.inertia[2][2] for body in movable)
+    if Effect.GYROSCOPIC not in effects and uneven:
+        world.notices.append(Notice("gyroscopic terms, for which SAPIEN offers no switch", "surplus", Effect.GYROSCOPIC))
+    if used.options["damping"] == "vendor" and Effect.ANGULAR_DAMPING not in effects and movable:
+        text = "angular damping, by the vendor's default on bodies of which the scene says 0"
+        world.notices.append(Notice(text, "surplus", Effect.ANGULAR_DAMPING))

@@ -1,0 +1,172 @@
+"""What Rapier's adapter says of the engine, in rapier3d's own words."""
+
+import math
+
+import numpy as np
+import pytest
+
+rapier = pytest.importorskip("rapier3d", reason="installed when it is asked for")
+pytestmark = pytest.mark.rapier
+
+G = 9.81
+STILL = rapier.Rotation3(1.0, 0.0, 0.0, 0.0)
+
+
+def world(gravity: float = G, dt: float = 1 / 240, substeps: int = 4) -> rapier.PhysicsWorld:
+    made = rapier.PhysicsWorld(gravity=(0.0, 0.0, -gravity))
+    made.integration_parameters.dt = dt
+    made.integration_parameters.num_solver_iterations = substeps
+    return made
+
+
+def solid(mass: float, moments: tuple[float, float, float], p: tuple[float, float, float]) -> rapier.RigidBodyBuilder:
+    inertia = rapier.MassProperties((0.0, 0.0, 0.0), mass, moments, STILL)
+    return rapier.RigidBody.dynamic().can_sleep(False).additional_mass_properties(inertia).position(rapier.Isometry3(p, STILL))
+
+
+def stack(boxes: int, stiff: bool, substeps: int) -> float:
+    """Height [m] that a stack of boxes of 0.2 m and 1 kg loses in 4 s."""
+    here = world(substeps=substeps)
+    if stiff:
+        spring = rapier.SpringCoefficients(substeps / 4 * 240, 10.0)
+        here.integration_parameters.contact_softness = here.integration_parameters.static_contact_softness = spring
+    here.add_body(rapier.RigidBody.fixed(), [rapier.Collider.halfspace((0.0, 0.0, 1.0))])
+    for k in range(boxes):
+        box = solid(1.0, (1 / 150,) * 3, (0.0, 0.0, 0.1 + 0.2 * k))
+        top = here.add_body(box, [rapier.Collider.cuboid(0.1, 0.1, 0.1).density(0.0)])
+    for _ in range(960):
+        here.step()
+    return 0.2 * boxes - 0.1 - here.rigid_bodies[top].translation.z
+
+
+def test_ten_boxes_sag_by_2_cm_on_springs_that_no_step_stiffens_and_hardly_where_they_are_told_to() -> None:
+    assert 0.020 < stack(10, False, 4) < 0.030
+    assert 0.020 < stack(10, False, 16) < 0.030
+    assert stack(10, True, 12) < 1e-3
+
+
+def pendulum(reduced: bool) -> float:
+    """What a pendulum of 1 m that is let go at 60 degrees loses of m g l in 10 s, in 4 sub-steps of 1/240 s."""
+    here = world()
+    start = (math.sin(math.pi / 3), 0.0, -0.5)
+    anchor = here.add_body(rapier.RigidBody.fixed(), [])
+    bob = here.add_body(solid(1.0, (1e-2,) * 3, start), [])
+    turned = rapier.Rotation3(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
+    build = rapier.GenericJoint.builder(rapier.JointAxesMask.LOCKED_REVOLUTE_AXES)
+    joint = build.local_frame1(rapier.Isometry3((0.0, 0.0, 0.0), turned))
+    joint = joint.local_frame2(rapier.Isometry3(tuple(-x for x in start), turned)).build()
+    joints = here.multibody_joints if reduced else here.impulse_joints
+    handle = joints.insert(anchor, bob, joint)
+    if reduced:
+        tree = joints.multibody(handle)
+        tree.set_damping([0.0] * tree.ndofs)
+    body = here.rigid_bodies[bob]
+
+    def energy() -> float:
+        v, w = np.array(body.linvel.to_tuple()), np.array(body.angvel.to_tuple())
+        return 0.5 * float(v @ v) + 0.5e-2 * float(w @ w) + G * body.translation.z
+
+    before = energy()
+    for _ in range(2400):
+        here.step()
+    return (before - energy()) / G
+
+
+def test_a_pendulum_on_an_impulse_joint_loses_energy_where_one_in_coordinates_keeps_it() -> None:
+    assert 0.008 < pendulum(False) < 0.03
+    assert abs(pendulum(True)) < 0.004
+
+
+def test_speeds_are_cut_at_400_m_s_and_turns_at_45_degrees_a_step() -> None:
+    here = world(0.0)
+    fast = here.add_body(solid(1.0, (0.1,) * 3, (0.0, 0.0, 0.0)).linvel((1000.0, 0.0, 0.0)).angvel((0.0, 0.0, 300.0)), [])
+    for _ in range(24):
+        here.step()
+    body = here.rigid_bodies[fast]
+    assert body.linvel.x == pytest.approx(400.0)
+    assert body.angvel.z == pytest.approx(math.pi / 4 * 240, rel=1e-3)
+
+
+def passing(recycled: bool) -> float:
+    """The speed [m/s] that a ball at rest is given by one that passes at 4 mm and 2 m/s."""
+    here = world(0.0)
+    here.integration_parameters.contact_recycling = recycled
+    rest, moving = (
+        here.add_body(solid(1.0, (4e-3,) * 3, p).linvel(v), [rapier.Collider.ball(0.1).density(0.0)])
+        for p, v in (((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), ((-0.5, 0.204, 0.0), (2.0, 0.0, 0.0)))
+    )
+    for _ in range(120):
+        here.step()
+    assert here.rigid_bodies[moving].translation.x > 0.3
+    return float(np.linalg.norm(here.rigid_bodies[rest].linvel.to_tuple()))
+
+
+def test_recycled_contacts_kick_a_ball_that_is_passed_at_4_mm() -> None:
+    assert passing(True) > 0.1
+    assert passing(False) < 1e-6
+
+
+def test_rays_meet_a_cylinder_by_an_iteration_that_stops_short() -> None:
+    """Rays from all around 3 m off into a cylinder of 0.4 m by 1.2 m, against its closed form."""
+    here = world()
+    here.add_body(rapier.RigidBody.fixed(), [rapier.Collider.cylinder(0.6, 0.4)])
+    here.update_query_pipeline()
+    draw = np.random.default_rng(3)
+    starts = draw.normal(size=(400, 3))
+    starts *= 3.0 / np.linalg.norm(starts, axis=1)[:, None]
+    ways = draw.uniform(-0.3, 0.3, (400, 3)) - starts
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    worst = 0.0
+    for start, way in zip(starts, ways, strict=True):
+        hit = here.query_pipeline.cast_ray(rapier.Ray(tuple(start), tuple(way)), 9.0, True)
+        across, flat = way[[0, 2]], start[[0, 2]]
+        a, b, c = across @ across, flat @ across, flat @ flat - 0.16
+        mantle = (-b - math.sqrt(b * b - a * c)) / a if b * b > a * c else math.inf
+        cap = (math.copysign(0.6, start[1]) - start[1]) / way[1]
+        ends = ((mantle, abs(start[1] + mantle * way[1]) <= 0.6), (cap, np.linalg.norm(flat + cap * across) <= 0.4))
+        meets = [distance for distance, on in ends if on]
+        if meets and hit is not None:
+            worst = max(worst, abs(hit[1] - min(meets)))
+    assert 1e-5 < worst < 5e-3
+
+
+ACROSS = rapier.Rotation3(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
+BARS = {"left": (0.0, 0.0, 0.5), "top": (0.5, 0.0, 1.0), "right": (1.0, 0.0, 0.5)}
+
+
+def hinge(pin: tuple[float, float, float], first: str, second: str) -> rapier.GenericJoint:
+    """A hinge about y at a pin; '' is the world."""
+    frames = [
+        rapier.Isometry3(tuple(a - b for a, b in zip(pin, BARS.get(name, (0.0, 0.0, 0.0)), strict=True)), ACROSS)
+        for name in (first, second)
+    ]
+    build = rapier.GenericJoint.builder(rapier.JointAxesMask.LOCKED_REVOLUTE_AXES)
+    return build.local_frame1(frames[0]).local_frame2(frames[1]).build()
+
+
+def crank_speed(closed: bool) -> float:
+    """The rate [rad/s] of a crank of a parallelogram after ten steps, told 1 rad/s at both cranks."""
+    here = world(0.0, dt=1e-3)
+    ground = [here.add_body(rapier.RigidBody.fixed(), []) for _ in range(2)]
+    bars = {name: here.add_body(solid(1.0, (0.1,) * 3, p), []) for name, p in BARS.items()}
+    trees = here.multibody_joints
+    trees.insert(ground[0], bars["left"], hinge((0.0, 0.0, 0.0), "", "left"))
+    left = trees.insert(bars["left"], bars["top"], hinge((0.0, 0.0, 1.0), "left", "top"))
+    right = trees.insert(ground[1], bars["right"], hinge((1.0, 0.0, 0.0), "", "right"))
+    if closed:
+        here.impulse_joints.insert(bars["top"], bars["right"], hinge((1.0, 0.0, 1.0), "top", "right"))
+    here.integration_parameters.dt = 1e-9
+    here.step()
+    here.integration_parameters.dt = 1e-3
+    for handle, rates in ((left, [1.0, -1.0]), (right, [1.0])):
+        tree = trees.multibody(handle)
+        tree.set_damping([0.0] * tree.ndofs)
+        tree.set_generalized_velocity(rates)
+    for _ in range(10):
+        here.step()
+    return float(here.rigid_bodies[bars["left"]].angvel.y)
+
+
+def test_an_impulse_joint_that_closes_a_loop_of_hinges_stops_multibodies_dead() -> None:
+    assert crank_speed(False) == pytest.approx(1.0, abs=0.01)
+    assert abs(crank_speed(True)) < 0.1

@@ -1,0 +1,190 @@
+"""What SAPIEN's adapter says of PhysX, in sapien's own words."""
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    sapien = pytest.importorskip("sapien", reason="installed when it is asked for")
+    physx = pytest.importorskip("sapien.physx")
+pytestmark = pytest.mark.sapien
+
+G = 9.81
+
+
+def world(gravity: tuple[float, float, float] = (0.0, 0.0, -G), dt: float = 1 / 240, **scene: Any) -> tuple[Any, Any]:
+    physx.set_scene_config(gravity=list(gravity), **scene)
+    physx.set_body_config(solver_position_iterations=10, solver_velocity_iterations=1, sleep_threshold=0.0)
+    physx.set_shape_config(contact_offset=0.01)
+    system = physx.PhysxCpuSystem()
+    system.timestep = dt
+    return sapien.Scene([system]), system
+
+
+def put(scene: Any, component: Any, p: tuple[float, float, float], mass: float = 1.0, moments: float = 0.01) -> Any:
+    entity = sapien.Entity()
+    entity.add_component(component)
+    if hasattr(component, "mass"):
+        component.mass, component.inertia = mass, [moments] * 3
+        component.linear_damping = component.angular_damping = 0.0
+    entity.pose = sapien.Pose(list(p))
+    scene.add_entity(entity)
+    return entity
+
+
+def weightless(shape: Any) -> Any:
+    shape.density = 0.0
+    return shape
+
+
+def test_under_tgs_each_step_gives_a_spin_5e_7_of_itself_even_that_of_a_ball() -> None:
+    for dt, tgs in ((1 / 240, True), (1e-3, True), (1 / 240, False)):
+        scene, system = world((0.0, 0.0, 0.0), dt, enable_tgs=tgs)
+        ball = physx.PhysxRigidDynamicComponent()
+        put(scene, ball, (0.0, 0.0, 0.0), 2.0, 0.3)
+        ball.set_angular_velocity([1.0, 2.0, -3.0])
+        steps = round(4 / dt)
+        for _ in range(steps):
+            system.step()
+        gain = np.linalg.norm(ball.angular_velocity) / math.sqrt(14.0) - 1.0
+        assert 2e-7 < gain / steps < 8e-7 if tgs else abs(gain / steps) < 1e-7
+
+
+def test_a_cylinder_is_a_prism_of_32_sides() -> None:
+    scene, system = world()
+    solid = physx.PhysxRigidStaticComponent()
+    solid.attach(physx.PhysxCollisionShapeCylinder(1.0, 1.0, physx.PhysxMaterial(0.5, 0.5, 0.0)))
+    put(scene, solid, (0.0, 0.0, 0.0))
+    system.step()
+    within = []
+    for a in np.linspace(0.0, 2 * math.pi, 6401):
+        start = np.array([0.0, 3 * math.cos(a), 3 * math.sin(a)])
+        within.append(system.raycast(start, -start / 3, 9.0).distance - 2.0)
+    # A face of a prism of n sides whose edges lie on the circle is 1 - cos(pi/n) within.
+    assert max(within) == pytest.approx(1 - math.cos(math.pi / 32), rel=0.01)
+
+
+def slid(static: float, kinetic: float, slope: float) -> float:
+    """Way [m] in a second from rest on a slope."""
+    angle = math.atan(slope)
+    scene, system = world((G * math.sin(angle), 0.0, -G * math.cos(angle)), 1e-3)
+    material = physx.PhysxMaterial(static, kinetic, 0.0)
+    ground = physx.PhysxRigidStaticComponent()
+    ground.attach(physx.PhysxCollisionShapeBox([5.0, 5.0, 0.5], material))
+    put(scene, ground, (0.0, 0.0, -0.5))
+    box = physx.PhysxRigidDynamicComponent()
+    box.attach(weightless(physx.PhysxCollisionShapeBox([0.2, 0.2, 0.05], material)))
+    entity = put(scene, box, (0.0, 0.0, 0.05), 1.0, 0.02)
+    for _ in range(1000):
+        system.step()
+    return float(entity.pose.p[0])
+
+
+def test_static_friction_above_kinetic_lets_go_between_both() -> None:
+    assert abs(slid(0.6, 0.4, 0.45)) < 1e-3
+    assert slid(0.6, 0.4, 0.5) > 0.4
+    assert abs(slid(0.6, 0.6, 0.5)) < 1e-3
+
+
+def test_continuous_collision_of_a_scene_sweeps_none_of_its_bodies() -> None:
+    for swept in (False, True):
+        scene, system = world((0.0, 0.0, 0.0), 0.01, enable_ccd=swept)
+        material = physx.PhysxMaterial(0.0, 0.0, 0.0)
+        wall = physx.PhysxRigidStaticComponent()
+        wall.attach(physx.PhysxCollisionShapeBox([0.01, 1.0, 1.0], material))
+        put(scene, wall, (0.0, 0.0, 0.0))
+        ball = physx.PhysxRigidDynamicComponent()
+        ball.attach(weightless(physx.PhysxCollisionShapeSphere(0.05, material)))
+        entity = put(scene, ball, (-2.3, 0.0, 0.0))
+        ball.set_linear_velocity([97.0, 0.0, 0.0])
+        for _ in range(10):
+            system.step()
+        assert entity.pose.p[0] > 1.0
+    physx.set_scene_config(enable_ccd=False)
+
+
+def test_contacts_tell_the_normal_part_of_a_force_alone() -> None:
+    scene, system = world()
+    material = physx.PhysxMaterial(0.5, 0.5, 0.0)
+    ground = physx.PhysxRigidStaticComponent()
+    ground.attach(physx.PhysxCollisionShapeBox([5.0, 5.0, 0.5], material))
+    put(scene, ground, (0.0, 0.0, -0.5))
+    box = physx.PhysxRigidDynamicComponent()
+    box.attach(weightless(physx.PhysxCollisionShapeBox([0.1, 0.1, 0.1], material)))
+    put(scene, box, (0.0, 0.0, 0.1))
+    box.set_linear_velocity([2.0, 0.0, 0.0])
+    for _ in range(30):
+        system.step()
+    assert box.linear_velocity[0] == pytest.approx(2.0 - 0.5 * G * 30 / 240, rel=0.02)
+    (contact,) = system.get_contacts()
+    force = 240 * np.sum([point.impulse for point in contact.points], axis=0)
+    assert force[2] == pytest.approx(G, rel=0.01)
+    assert np.abs(force[:2]).max() < 1e-3
+
+
+def driven(articulated: bool) -> float:
+    """Speed [m/s] of 2 kg after 0.3 s on a slide whose drive is 8 (0.5 - v) N."""
+    scene, system = world((0.0, 0.0, 0.0), 1e-3)
+    if articulated:
+        root = physx.PhysxArticulationLinkComponent(None)
+        body = physx.PhysxArticulationLinkComponent(root)
+        base, entity = sapien.Entity(), sapien.Entity()
+        base.add_component(root)
+        entity.add_component(body)
+        root.joint.type, body.joint.type = "fixed", "prismatic"
+        body.joint.limit = [[-np.inf, np.inf]]
+        body.joint.set_friction(0.0)
+        body.joint.set_drive_property(0.0, 8.0, 3e38, "force")
+        body.joint.set_drive_velocity_target(0.5)
+        scene.add_entity(base)
+    else:
+        body, entity = physx.PhysxRigidDynamicComponent(), sapien.Entity()
+        entity.add_component(body)
+        joint = physx.PhysxDriveComponent(body)
+        joint.set_limit_y(0.0, 0.0)
+        joint.set_limit_z(0.0, 0.0)
+        joint.set_limit_cone(0.0, 0.0)
+        joint.set_limit_twist(0.0, 0.0)
+        joint.set_drive_property_x(0.0, 8.0, 3e38, "force")
+        joint.set_drive_velocity_target([0.5, 0.0, 0.0], [0.0, 0.0, 0.0])
+        entity.add_component(joint)
+    body.mass, body.inertia = 2.0, [0.01] * 3
+    body.linear_damping = body.angular_damping = 0.0
+    scene.add_entity(entity)
+    for _ in range(300):
+        system.step()
+    return float(body.linear_velocity[0])
+
+
+def test_drives_of_constraints_miss_their_law_where_those_of_articulations_keep_it() -> None:
+    law = 0.5 * (1.0 - math.exp(-8.0 * 0.3 / 2.0))
+    assert driven(True) == pytest.approx(law, rel=0.005)
+    assert 1.03 < driven(False) / law < 1.08
+
+
+def test_boxes_stacked_at_10_iterations_tremble_under_tgs_where_nothing_sleeps() -> None:
+    speeds = {}
+    for tgs in (True, False):
+        scene, system = world(enable_tgs=tgs)
+        material = physx.PhysxMaterial(0.5, 0.5, 0.0)
+        ground = physx.PhysxRigidStaticComponent()
+        ground.attach(physx.PhysxCollisionShapeBox([5.0, 5.0, 0.5], material))
+        put(scene, ground, (0.0, 0.0, -0.5))
+        boxes = []
+        for k in range(6):
+            box = physx.PhysxRigidDynamicComponent()
+            box.attach(weightless(physx.PhysxCollisionShapeBox([0.1, 0.1, 0.1], material)))
+            put(scene, box, (0.0, 0.0, 0.1 + 0.2 * k), 1.0, 1 / 150)
+            boxes.append(box)
+        squares = []
+        for step in range(960):
+            system.step()
+            if step >= 480:
+                squares.append(np.mean([float(box.linear_velocity @ box.linear_velocity) for box in boxes]))
+        speeds[tgs] = math.sqrt(np.mean(squares))
+    physx.set_scene_config(enable_tgs=True)
+    assert speeds[True] > 10 * speeds[False]

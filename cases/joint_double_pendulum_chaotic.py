@@ -95,11 +95,6 @@ def expected(time: Floats, p: P) -> Converged:
     return _reference(tuple(float(t) for t in time), p.upper, p.lower, p.members)
 
 
-def _alike(value: float) -> float:
-    """A number that chaos has worked on, to the three digits in which machines of other vector units agree."""
-    return float(f"{value:.3g}")
-
-
 @lru_cache(maxsize=8)
 def _position_per_step(p: P) -> float:
     """Largest error of position per dt [m/s] of the textbook's first-order methods up to the horizon."""
@@ -107,11 +102,7 @@ def _position_per_step(p: P) -> float:
     start = np.radians([p.upper, p.lower]).tolist()
     true = placed(times, true_motion(acceleration, start, [0.0, 0.0], times, 1e-12)).p_WB
     motions = (placed(times, y).p_WB for y in first_order_motions(acceleration, start, [0.0, 0.0], times, small))
-<<<<<<< HEAD
-    return _alike(max(float(np.linalg.norm(moved - true, axis=-1).max()) for moved in motions) / small)
-=======
     return three_digits(max(float(np.linalg.norm(moved - true, axis=-1).max()) for moved in motions) / small)
->>>>>>> origin/main
 
 
 @lru_cache(maxsize=8)
@@ -129,11 +120,7 @@ def _euler(dt: float, p: P) -> tuple[float, float]:
     kinetic = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     energy = kinetic + MASS * G * run.p_WB[:, :, 2].sum(axis=1)
     fastest = float(np.linalg.norm(run.v_WB, axis=-1).max())
-<<<<<<< HEAD
-    return _alike(float(np.abs(energy - energy[0]).max() / kinetic.max())), _alike(fastest)
-=======
     return three_digits(float(np.abs(energy - energy[0]).max() / kinetic.max())), three_digits(fastest)
->>>>>>> origin/main
 
 
 @lru_cache(maxsize=8)
@@ -152,16 +139,12 @@ def _late(p: P) -> tuple[float, float]:
     late = ensemble.kinetic_energies(scene(p), run.between(PARTED, DURATION))
     instants = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     chance = float(np.sqrt(2 * np.var(late, ddof=1) / len(late)) / late.mean())
-<<<<<<< HEAD
-    return _alike(chance), _alike(float(instants.max() / late.sum()))
-=======
     return three_digits(chance), three_digits(float(instants.max() / late.sum()))
 
 
 def three_digits(value: float) -> float:
     """In chaos the last bit of a sine reaches the fifth digit, and processors differ in it: bounds are the same on all."""
     return float(f"{value:.3g}")
->>>>>>> origin/main
 
 
 def _average(dt: float, p: P) -> float:

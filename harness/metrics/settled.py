@@ -6,7 +6,6 @@ import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run
 from plumbline.harness.metric.series import proportion
-from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.scene import EARTH_GRAVITY
 
 START = "start_"
@@ -19,10 +18,10 @@ def _rested(run: Run) -> tuple[int, int]:
     starts = [name for name in streams if re.fullmatch(rf"{START}\d+/v_WB", name)]
     if not starts:
         raise NotMeasurable("one start alone was run")
-    speeds = [float(rms_speed(run.scene, run.actual))]
-    for name in starts:
-        squares = np.sum(streams[name][:, run.movable] ** 2, axis=2)
-        speeds.append(float(np.sqrt(squares.mean(axis=0)).max()) if len(squares) else np.inf)
+    speeds = []
+    for v_WB in (run.actual.v_WB, *(streams[name] for name in starts)):
+        squares = np.sum(v_WB[:, run.movable] ** 2, axis=2)
+        speeds.append(float(np.sqrt(squares.mean(axis=0)).max()) if squares.size else np.inf)
     return sum(speed <= bound for speed in speeds), len(speeds)
 
 

@@ -64,7 +64,16 @@ def test_what_is_no_number_passes_no_bound_that_the_truths_own_error_widens() ->
     asked = case(checks=(Check(position_error_max, 1e-3, "why"),))
     assert [row.passed for row in judge(asked, SCENE, still(0.4), truth)] == [True]
     assert [row.passed for row in judge(asked, SCENE, still(0.6), truth)] == [False]
-    assert [row.passed for row in judge(asked, SCENE, still(float("nan")), truth)] == [False]
+
+    @metric("m")
+    def holed(run: Run) -> float:
+        """of a finite run, against its truth"""
+        assert len(run.truth)
+        return float("nan")
+
+    (row,) = judge(case(checks=(Check(holed, 1e-3, "why"),)), SCENE, still(), truth)
+    assert row.truth_error == 0.5
+    assert row.passed is False
 
 
 def test_what_is_only_observed_keeps_the_unit_of_its_metric() -> None:
